@@ -28,14 +28,14 @@ namespace poise::app {
 namespace {
 
 /// A command with what its help ends with: a line to try, from the folder of Poise.
-struct Entry {
+struct CommandEntry {
   Command command;
   std::string example;
 
   std::string line() const { return fmt::format("  poise {} {}\n", command.name, example); }
 };
 
-std::vector<Entry> all_commands() {
+std::vector<CommandEntry> all_commands() {
   return {
       {check_command(), "datasets/six_bar.toml"},
       {solve_command(), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
@@ -92,7 +92,7 @@ struct Declaration {
 };
 
 /// Where docs and examples are on this machine; empty where they are not installed.
-std::string places() {
+std::string folders_on_this_machine() {
   const std::optional<std::filesystem::path> folder = poise_folder();
   if (!folder) return "";
   return fmt::format(
@@ -105,9 +105,9 @@ std::string places() {
       folder->string());
 }
 
-void declare(CLI::App& app, const std::vector<Entry>& commands) {
+void declare(CLI::App& app, const std::vector<CommandEntry>& commands) {
   std::string examples = "Examples:\n";
-  for (const Entry& entry : commands) {
+  for (const CommandEntry& entry : commands) {
     CLI::App& command = *app.add_subcommand(entry.command.name, entry.command.help);
     for (const Option& option : entry.command.options) std::visit(Declaration{command, option}, option.target);
     command.footer("Example:\n" + entry.line());
@@ -117,7 +117,7 @@ void declare(CLI::App& app, const std::vector<Entry>& commands) {
              "\nExit code: 0 solved and confirmed (checked, where a proof takes too long),\n1 not found or not "
              "confirmed, 2 bad input.\n"
              "Numbers are read and shown in the units of the scene." +
-             places());
+             folders_on_this_machine());
 }
 
 /// The words in quotes where a shell needs them.
@@ -145,9 +145,9 @@ int complain(const std::string& line) {
 }
 
 /// Throws InputError where there is no command or an unknown one: CLI11 would only call it "required".
-void expect_command(const std::vector<Entry>& commands, int argc, const char* const* argv) {
+void expect_command(const std::vector<CommandEntry>& commands, int argc, const char* const* argv) {
   std::vector<std::string> names;
-  for (const Entry& entry : commands) names.push_back(entry.command.name);
+  for (const CommandEntry& entry : commands) names.push_back(entry.command.name);
   const std::string expected =
       fmt::format("expected a command: {} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
   if (argc < 2) throw InputError("poise: " + expected + "; see poise --help");
@@ -179,7 +179,7 @@ int parse_and_run(int argc, const char* const* argv) {
   app.set_version_flag("--version", "poise " POISE_VERSION, "Print the version and exit");
   app.get_formatter()->column_width(34);
   app.require_subcommand(1);
-  const std::vector<Entry> commands = all_commands();
+  const std::vector<CommandEntry> commands = all_commands();
   declare(app, commands);
 
   expect_command(commands, argc, argv);
@@ -205,7 +205,7 @@ int parse_and_run(int argc, const char* const* argv) {
     throw InputError(fmt::format("poise: {}; see poise {} --help", first_line(error.what()), argv[1]));
   }
   const auto asked = std::find_if(commands.begin(), commands.end(),
-                                  [&](const Entry& entry) { return app.got_subcommand(entry.command.name); });
+                                  [&](const CommandEntry& entry) { return app.got_subcommand(entry.command.name); });
   if (asked->command.line != nullptr) *asked->command.line = line_of(argc, argv);
   return asked->command.run(Palette::for_stream(stdout));
 }

@@ -8,12 +8,11 @@ TimeLimit::TimeLimit(double seconds, const std::atomic<bool>* other)
     : watcher_([this, seconds, other](const std::stop_token& stop) { watch(stop, seconds, other); }) {}
 
 void TimeLimit::watch(const std::stop_token& stop, double seconds, const std::atomic<bool>* other) {
-  using Clock = std::chrono::steady_clock;
   constexpr auto glance = std::chrono::milliseconds(20);
-  const Clock::time_point begin = Clock::now();
+  const auto begin = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    const double left = seconds - std::chrono::duration<double>(Clock::now() - begin).count();
+    const double left = seconds - std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (left <= 0.0 || (other != nullptr && *other)) {
       raised_ = true;
       return;

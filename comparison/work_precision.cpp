@@ -15,16 +15,16 @@ namespace {
 
 constexpr double near_enough = 1e-6;  // rad, or mechanism sizes, between a confirmed result and the proved equilibrium
 constexpr double far_away = 0.5;  // rad, or mechanism sizes: largest distance at which a run belongs to an equilibrium
-constexpr double same_equilibrium = 1e-9;  // 50-digit refinements closer than this are the same equilibrium
-constexpr double patience = 3.0;           // s: no further runs of a row after this time
-constexpr double sample_time = 1e-3;       // s per repeat: short runs are repeated until then
-constexpr int most_per_repeat = 100;       // runs
+constexpr double same_equilibrium_within = 1e-9;  // 50-digit refinements closer than this are the same equilibrium
+constexpr double patience = 3.0;                  // s: no further runs of a row after this time
+constexpr double sample_time = 1e-3;              // s per repeat: short runs are repeated until then
+constexpr int most_per_repeat = 100;              // runs
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
-double median(std::vector<double> values) {
+double upper_median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -94,7 +94,8 @@ class Study {
     const bool neutral = proved.neutral_directions > 0;
     // Of a continuum one is enough: which one a method finds is arbitrary.
     auto known = std::find_if(out_.equilibria.begin(), out_.equilibria.end(), [&](const ReferenceEquilibrium& other) {
-      return (neutral && other.neutral) || largest_difference(model_, other.x, reference.x).size < same_equilibrium;
+      return (neutral && other.neutral) ||
+             largest_difference(model_, other.x, reference.x).size < same_equilibrium_within;
     });
     if (known == out_.equilibria.end()) {
       out_.equilibria.push_back({reference.x, reference.digits, proved.stability, neutral, proved.rounding_effect, {}});
@@ -132,7 +133,7 @@ class Study {
       row.why = std::move(found.why);
     } while (wants_more(times.size(), begin));
     row.repeats = static_cast<int>(times.size());
-    row.microseconds = median(std::move(times));
+    row.microseconds = upper_median(std::move(times));
     out_.rows.push_back(std::move(row));
   }
 

@@ -14,7 +14,7 @@ namespace poise {
 namespace {
 
 constexpr double most_periods = 1e5, least_periods = 0.01;
-constexpr double many_periods = 1e3, least_readings = 2.0;
+constexpr double many_periods = 1e3, least_span_readings = 2.0;
 
 /// The experiment with springs that act in both directions.
 Experiment without_slack(Experiment experiment) {
@@ -60,7 +60,7 @@ void check_spans(const FitProblem& problem) {
     std::size_t readings = 0;
     for (const std::vector<double>& times : model.times()) readings = std::max(readings, times.size());
     const double periods = span * *slowest;
-    const bool sparse = static_cast<double>(readings) < least_readings * periods;
+    const bool sparse = static_cast<double>(readings) < least_span_readings * periods;
     const bool is_long = periods > most_periods || (periods > many_periods && sparse);
     const bool is_short = span * all.back() < least_periods;
     if (!is_long && !is_short) continue;

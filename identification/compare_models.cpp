@@ -13,11 +13,11 @@
 #include "identification/some_runs.hpp"
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t most_folds = 10;
 
 void expect_same_readings(const FitProblem& a, const FitProblem& b) {
@@ -122,7 +122,7 @@ class Comparing {
         const auto own = model.fit.runs.empty() ? std::nullopt
                                                 : cost_of(*problems_[m], r, model.fit.parameters,
                                                           model.fit.runs[r].nuisances, records_[r]);
-        model.own.push_back(own ? std::sqrt(own->first / own->second) : nan);
+        model.own.push_back(own ? std::sqrt(own->first / own->second) : not_a_number);
         model.cost += own ? own->first / 2 : INFINITY;
       }
       const double left = std::max(1, model.fit.degrees_of_freedom);
@@ -249,7 +249,7 @@ class Comparing {
 
   void cross_validate() {
     const std::size_t runs = records_.size();
-    for (ModelFit& model : out_.models) model.held_out.assign(runs, nan);
+    for (ModelFit& model : out_.models) model.held_out.assign(runs, not_a_number);
     if (runs < 2) return;
     const std::size_t folds = std::min(runs, most_folds);
     out_.folds = static_cast<int>(folds);
@@ -266,7 +266,7 @@ class Comparing {
       }
       out_.models[m].held_out_all = std::any_of(out_.models[m].held_out.begin(), out_.models[m].held_out.end(),
                                                 [](double x) { return std::isnan(x); })
-                                        ? nan
+                                        ? not_a_number
                                         : std::sqrt(sum / count);
     }
   }
@@ -319,7 +319,7 @@ class Comparing {
       std::erase_if(chosen, [&](std::size_t m) { return !(value_of(out_.models[m]) <= most); });
     };
     const double within = options_.fit.function_tolerance;
-    keep_least([](const ModelFit& model) { return model.held_out_all > 0 ? model.held_out_all : nan; },
+    keep_least([](const ModelFit& model) { return model.held_out_all > 0 ? model.held_out_all : not_a_number; },
                [&](const ModelFit& least) { return std::sqrt(within) * least.held_out_all; });
     keep_least([](const ModelFit& model) { return model.aic; },
                [&](const ModelFit& least) { return std::max(1e-3, 2 * least.cost / evidence_ * within); });
@@ -337,8 +337,8 @@ class Comparing {
       double squares = 0.0;
       for (const double x : more) mean += x / n;
       for (const double x : more) squares += (x - mean) * (x - mean);
-      out_.loss.push_back(more.empty() ? nan : mean);
-      out_.loss_error.push_back(more.size() < 2 ? nan : std::sqrt(squares / (n - 1) / n));
+      out_.loss.push_back(more.empty() ? not_a_number : mean);
+      out_.loss_error.push_back(more.size() < 2 ? not_a_number : std::sqrt(squares / (n - 1) / n));
     }
   }
 

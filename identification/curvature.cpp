@@ -10,6 +10,7 @@
 
 #include "identification/frequencies.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
@@ -18,7 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Standard errors at which the cost is compared with the parabola: about the ends of 95 % intervals.
 constexpr double probe = 2.0;
 /// There the ends move by about this part of the interval where the growth differs by as much.
@@ -28,7 +28,7 @@ constexpr double straight_within = 0.1;
 /// in second order in any.
 constexpr double small_part = 0.002;
 /// Half widths of the interval at which the others are fitted anew, until the cost has grown to its limit.
-constexpr double steps[] = {1.0, 1.5, 2.0, 3.0, 5.0, 10.0};
+constexpr double step_sizes[] = {1.0, 1.5, 2.0, 3.0, 5.0, 10.0};
 /// Where it has grown to more than this part of the limit at the first of them, a point between is needed.
 constexpr double near_limit = 1.25;
 /// First step along a null, of the number's scale.
@@ -56,8 +56,8 @@ class Explorer {
       scale_[i] = problem.scale_of(at).size_or(problem.unknown_of(at).unit);
     }
     const auto count = static_cast<std::size_t>(n_);
-    out_.low.assign(count, nan);
-    out_.high.assign(count, nan);
+    out_.low.assign(count, not_a_number);
+    out_.high.assign(count, not_a_number);
     out_.open.assign(count, 0.0);
     traced_.assign(count, false);
   }
@@ -240,7 +240,7 @@ class Explorer {
     const auto onwards = [&](double x) {
       return extrapolated(points[points.size() - 2].values, points.back().values, at, x);
     };
-    for (const double step : steps) {
+    for (const double step : step_sizes) {
       double x = estimate + side * step * reach;
       const bool at_bound = side < 0 ? x <= p.min : x >= p.max;
       if (at_bound) x = side < 0 ? p.min : p.max;

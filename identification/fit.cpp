@@ -20,6 +20,7 @@
 #include "identification/run_influence.hpp"
 #include "identification/twins.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/not_a_number.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
 
@@ -30,10 +31,9 @@ namespace {
 constexpr int most_noise_rounds = 30;
 constexpr double noise_is_found = 1e-3;
 /// Of a fit whose residuals are as stated, that one of its tests says they are not.
-constexpr double by_chance = 1e-3;
+constexpr double chance_level = 1e-3;
 /// A ratio of residuals to noise above this indicates a local minimum or an incomplete model.
-constexpr double suspicious = 1.3;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double suspicious_ratio = 1.3;
 /// From here on other starts are tried although the model is in phase with the records: an incomplete model leads from
 /// all of them to one minimum.
 constexpr double doubtful_from = 3.0;
@@ -60,7 +60,7 @@ constexpr double far_factor = 3.0;
 constexpr double slightly = 1e-3;
 constexpr double agrees_within = 0.3;
 /// An interval that is longer by this part of it is said to be.
-constexpr double straight_within = 0.1;
+constexpr double nearly_straight = 0.1;
 /// As many equally good minima are sought.
 constexpr std::size_t enough_alternatives = 3;
 /// Motions of a fit that only has to be a start for more readings are less accurate by this factor, down to this.
@@ -183,7 +183,7 @@ class Fitting {
 
   /// In a local minimum the model is out of phase with the records: a large part of the variation is left.
   bool is_suspicious() const {
-    return residual_over_noise(best_cost_) > suspicious && 2 * best_cost_ > lost_from * lost_from * signal_;
+    return residual_over_noise(best_cost_) > suspicious_ratio && 2 * best_cost_ > lost_from * lost_from * signal_;
   }
 
   bool is_doubtful() const { return residual_over_noise(best_cost_) > doubtful_from; }
@@ -838,7 +838,7 @@ class Fitting {
     const double longer = std::max({reach, estimate.value - low, high - estimate.value});
     estimate.low = std::min(estimate.low, low);
     estimate.high = std::max(estimate.high, high);
-    if (longer <= (1 + straight_within) * reach) return;
+    if (longer <= (1 + nearly_straight) * reach) return;
     estimate.is_curved = true;
     estimate.standard_error = out_.errors.error[i] * longer / reach;
     const FitProblem::Scale scale = problem_.scale_of(i);
@@ -940,7 +940,7 @@ class Fitting {
       return;
     }
     compare_with_noise();
-    if (aliased_ && out_.status == FitStatus::misfit && out_.residual_over_noise > suspicious) {
+    if (aliased_ && out_.status == FitStatus::misfit && out_.residual_over_noise > suspicious_ratio) {
       out_.status = FitStatus::failed;
       out_.why = fmt::format(
           "the residuals are {:.3g} times the stated noise, and the readings allow other frequencies, none of which "
@@ -981,7 +981,7 @@ class Fitting {
         parts.push_back({fmt::format(" of {} in run \"{}\"", sensors[k].name, problem_.run(r).run().name), test});
       }
     }
-    const double least = by_chance / static_cast<double>(totals.size() + parts.size());
+    const double least = chance_level / static_cast<double>(totals.size() + parts.size());
     std::string sizes;
     bool larger = false;
     bool smaller = false;
@@ -1023,14 +1023,14 @@ class Fitting {
     out.nuisances = best_.nuisances[r];
     // Of all that are compared, of runs and sensors, one exceeds it by chance.
     const double remarkable = boost::math::quantile(
-        complement(boost::math::normal(), by_chance / static_cast<double>(2 * problem_.runs() * e.size())));
+        complement(boost::math::normal(), chance_level / static_cast<double>(2 * problem_.runs() * e.size())));
     for (std::size_t k = 0; k < e.size(); ++k) {
       const auto samples = static_cast<double>(e[k].size());
       double square = 0.0;
       for (const double x : e[k]) square += x * x;
       const double noise = out_.weighting.noise[k];
       squares[k] += square * noise * noise;
-      out.rms.push_back(e[k].empty() ? nan : noise * std::sqrt(square / samples));
+      out.rms.push_back(e[k].empty() ? not_a_number : noise * std::sqrt(square / samples));
       const Autocorrelation lagged = autocorrelation(records_[r].sensors[k].time, e[k]);
       out.autocorrelation.push_back(lagged.value);
       out.correlated.push_back(std::abs(lagged.value) * std::sqrt(1.0 + lagged.pairs) > remarkable);

@@ -14,7 +14,7 @@ namespace poise {
 namespace {
 
 /// Errors of integration may grow so much; the most accurate motion that is computed where they grow more.
-constexpr double harmless_growth = 20.0, finest = 1e-13;
+constexpr double harmless_growth = 20.0, finest_accuracy = 1e-13;
 
 /// Where friction switches over, steps are as long as the switch-over, and the error of a motion is some hundred times
 /// what the integrator estimates: measured on the double pendulum with dry friction, whose cost then scatters by more
@@ -72,7 +72,7 @@ Prediction predict(const RunModel& model, const std::vector<double>& unknowns, c
   const bool examined = may_be_chaotic(model);
   model.predict(unknowns.data(), nuisances.data(), until, accuracy, jacobian || examined, out, interrupt);
   if (!out.ok || !examined) return out;
-  const double finer = std::max(finest, accuracy * harmless_growth / growth_of_errors(model, out, until));
+  const double finer = std::max(finest_accuracy, accuracy * harmless_growth / growth_of_errors(model, out, until));
   if (finer < accuracy) model.predict(unknowns.data(), nuisances.data(), until, finer, jacobian, out, interrupt);
   return out;
 }

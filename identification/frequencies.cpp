@@ -7,19 +7,19 @@
 #include <numbers>
 
 #include "solvers/linear_algebra.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Frequencies are sought from those at the start divided by this to those times this, and half as far about those of
 /// the point.
-constexpr double reach = 4.0;
+constexpr double reach_of_bins = 4.0;
 /// Oscillations are alike at the times of readings where the mean of their relative phase factor is above this.
-constexpr double alike = 0.5;
+constexpr double alike_frequencies = 0.5;
 /// More readings than these of one record are not compared: fewer leave more candidates, never less.
 constexpr std::size_t most_times = 512;
-constexpr std::size_t most_combinations = 2000;
+constexpr std::size_t most_assignments = 2000;
 /// Of these, so many that explain the readings best are solved for the parameters.
 constexpr std::size_t most_solved = 100;
 /// Lines of a spectrum count from this part of the strongest one on.
@@ -34,7 +34,7 @@ double coherence(const std::vector<double>& times, double f) {
 
 /// Where other frequencies than `found` are sought.
 std::pair<double, double> range(double found, double at_start) {
-  return {std::min(2 * found, at_start) / reach, std::max(found / 2, at_start) * reach};
+  return {std::min(2 * found, at_start) / reach_of_bins, std::max(found / 2, at_start) * reach_of_bins};
 }
 
 /// Adds a frequency unless one is known that a record of that span does not distinguish from it.
@@ -66,7 +66,8 @@ std::vector<double> aliases(const std::vector<double>& times, double frequency, 
     for (long i = -1; i <= steps; ++i) {
       const double f = low + static_cast<double>(i) * step;
       const double next = apart(f) * span < 1 ? 0.0 : coherence(used, f + sign * frequency);
-      if (here > alike && here >= before && here > next && f - step >= low - step && f - step <= high + step) {
+      if (here > alike_frequencies && here >= before && here > next && f - step >= low - step &&
+          f - step <= high + step) {
         // The vertex of the parabola through the peak.
         const double bend = before - 2 * here + next;
         const double shift = bend < 0 && before > 0 && next > 0 ? 0.5 * (before - next) / bend : 0.0;
@@ -343,7 +344,7 @@ std::vector<std::vector<double>> Frequencies::alternatives(const std::vector<dou
   };
   do {
     Combination& one = combinations.emplace_back();
-    one.wanted.assign(modes_.size(), nan);
+    one.wanted.assign(modes_.size(), not_a_number);
     for (std::size_t i = 0; i < choice.size(); ++i) {
       const auto k = static_cast<std::size_t>(order.columns[i]);
       one.wanted[k] = options[k][choice[i]];
@@ -363,7 +364,7 @@ std::vector<std::vector<double>> Frequencies::alternatives(const std::vector<dou
       }
       if (!lines.empty()) one.unexplained += unexplained(r, records[r], lines);
     }
-  } while (combinations.size() < most_combinations && next());
+  } while (combinations.size() < most_assignments && next());
   std::stable_sort(combinations.begin(), combinations.end(),
                    [](const Combination& a, const Combination& b) { return a.unexplained < b.unexplained; });
   if (combinations.size() > most_solved) combinations.resize(most_solved);

@@ -24,7 +24,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Singular values of A relative to the largest that errors of its computation may have made of zero.
 constexpr double may_be_null = 1e-6;
 /// Accuracies of the two motions that tell nulls of these runs from errors.
-constexpr double fine = 1e-12, less_fine = 1e-10;
+constexpr double finest_tolerance = 1e-12, less_fine = 1e-10;
 
 std::vector<MatrixXd> triangles_of(const FitProblem& problem, const std::vector<double>& parameters,
                                    const std::vector<std::vector<double>>& nuisances, const Weighting& weighting,
@@ -85,7 +85,7 @@ NullSpace other_nulls(const FitProblem& problem, const std::vector<double>& para
   };
   const MatrixXd again = triangle(less_fine);
   if (again.size() == 0) return null_space(A, A, structural);
-  const MatrixXd finer = triangle(fine);
+  const MatrixXd finer = triangle(finest_tolerance);
   if (finer.size() == 0) return null_space(again, turned_to(again, A), structural);
   A = finer;
   return null_space(A, turned_to(A, again), structural);

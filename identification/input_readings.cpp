@@ -15,10 +15,10 @@
 namespace poise {
 namespace {
 
-constexpr std::size_t least_readings = 6;
+constexpr std::size_t least_input_readings = 6;
 
 bool is_sampled(const RunInput& input) {
-  return input.motion.of != MotionInput::Of::drive && input.motion.curve->breaks().size() >= least_readings;
+  return input.motion.of != MotionInput::Of::drive && input.motion.curve->breaks().size() >= least_input_readings;
 }
 
 /// The smooth curve through the breaks of one made of lines.

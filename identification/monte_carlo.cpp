@@ -14,7 +14,7 @@ namespace {
 
 constexpr double nominal_coverage = 0.95;
 /// Its two-sided quantile of the normal distribution.
-constexpr double quantile = 1.959963984540054;
+constexpr double normal_quantile_95 = 1.959963984540054;
 
 /// Random numbers of a trial: those of its starts, and behind them those of the noise of each run.
 constexpr std::uint32_t stream_of_starts = 0, stream_of_first_run = 1;
@@ -87,7 +87,7 @@ void add_trial(const double* row, MonteCarlo& sums) {
       const double error = estimate[0] - s.truth;
       s.bias += error;
       s.rmse += error * error;
-      s.coverage += std::abs(error) <= quantile * estimate[1] ? 1.0 : 0.0;
+      s.coverage += std::abs(error) <= normal_quantile_95 * estimate[1] ? 1.0 : 0.0;
       near = near && std::abs(error) <= 6 * s.bound;
       estimate += 2;
     }

@@ -10,9 +10,9 @@ namespace poise {
 namespace {
 
 /// A difference of two evaluations shows the size of errors, to about this factor.
-constexpr double margin = 30.0;
+constexpr double gap_margin = 30.0;
 /// Above this multiple of the difference an effect is certain.
-constexpr double certain = 1e3;
+constexpr double certain_ratio = 1e3;
 /// Singular values below one that is larger by less than this are not known to be zero.
 constexpr double wide_gap = 1e3;
 /// Rows of the null space, of unit length, that are known worse than to this may have any part in it.
@@ -20,7 +20,7 @@ constexpr double resolved = 1e-6;
 /// What is smaller, of columns of unit length, may come from numbers of a scene that should be zero and are rounding.
 constexpr double least_effect = 1e-13;
 /// Rounding of a decomposition.
-constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();
+constexpr double value_rounding = 10 * std::numeric_limits<double>::epsilon();
 
 /// R of A = Q R, square.
 Eigen::MatrixXd triangle(const Eigen::MatrixXd& a) {
@@ -32,7 +32,7 @@ Eigen::MatrixXd triangle(const Eigen::MatrixXd& a) {
 }  // namespace
 
 bool is_rounding(const Eigen::VectorXd& column, const Eigen::VectorXd& again) {
-  return column.norm() <= margin * (again - column).norm();
+  return column.norm() <= gap_margin * (again - column).norm();
 }
 
 Eigen::MatrixXd complement(const Eigen::MatrixXd& basis) {
@@ -70,16 +70,16 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   const Eigen::VectorXd& s = svd.values;
   // To first order the error E of A changes  A v  of a right singular vector v by E v.
   const Eigen::VectorXd differences = ((unit_again - unit) * rest * svd.right).colwise().norm();
-  const auto over_error = [&](Eigen::Index k) { return s[k] / std::max(differences[k], rounding); };
+  const auto over_error = [&](Eigen::Index k) { return s[k] / std::max(differences[k], value_rounding); };
   Eigen::Index rank = 0;
-  while (rank < s.size() && over_error(rank) > certain) ++rank;
+  while (rank < s.size() && over_error(rank) > certain_ratio) ++rank;
   if (rank == s.size()) return out;
   for (Eigen::Index k = rank; k < s.size(); ++k) {
     out.doubtful = out.doubtful || std::max(s[k], differences[k]) > least_effect;
   }
   // Of these, those beyond a wide gap are zero.
   const auto drop = [&](Eigen::Index k) {
-    return k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], rounding);
+    return k == 0 ? std::numeric_limits<double>::infinity() : s[k - 1] / std::max(s[k], value_rounding);
   };
   Eigen::Index zero = rank;
   for (Eigen::Index k = rank + 1; k < s.size(); ++k) zero = drop(k) > drop(zero) ? k : zero;
@@ -93,12 +93,13 @@ NullSpace null_space(const Eigen::MatrixXd& a, const Eigen::MatrixXd& again, con
   const Eigen::MatrixXd others = rest * svd.right.leftCols(rank) * s.head(rank).cwiseInverse().asDiagonal();
   out.basis = nulls;
   for (Eigen::Index i = 0; i < n; ++i) {
-    out.error[i] = std::max(margin * difference.row(i).norm(), rounding * std::max(1.0, others.row(i).norm()));
+    out.error[i] =
+        std::max(gap_margin * difference.row(i).norm(), value_rounding * std::max(1.0, others.row(i).norm()));
     const double part = nulls.row(i).norm();
     if (out.error[i] < resolved && part <= out.error[i])
       out.basis.row(i).setZero();
     else
-      out.doubtful = out.doubtful || part <= certain / margin * out.error[i];
+      out.doubtful = out.doubtful || part <= certain_ratio / gap_margin * out.error[i];
   }
   out.basis = length.cwiseInverse().asDiagonal() * out.basis;
   out.error = length.cwiseInverse().asDiagonal() * out.error;

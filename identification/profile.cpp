@@ -13,8 +13,8 @@ namespace poise {
 namespace {
 
 /// Of the interval's expected half width.
-constexpr double first_step = 0.25;
-constexpr double farthest = 20.0;
+constexpr double first_profile_step = 0.25;
+constexpr double farthest_from_estimate = 20.0;
 constexpr int most_points = 60;
 /// Of the limit, relative: where an end is found.
 constexpr double found_within = 1e-3;
@@ -68,7 +68,7 @@ class Profiler {
     Fit last = fitted_;
     double x = fitted_.parameters[place_];
     double growth = 0.0;
-    double step = first_step * limit_ * error_;
+    double step = first_profile_step * limit_ * error_;
     for (int n = 0; n < most_points; ++n) {
       if (options_.interrupt != nullptr && options_.interrupt->load()) return std::nullopt;
       if (options_.progress) {
@@ -89,7 +89,7 @@ class Profiler {
       if (std::abs(next_growth - limit_) < found_within * limit_) return next;
       if (next_growth > limit_) return cross(last, x, growth, next, next_growth);
       if (at_bound) return bound;
-      if (std::abs(next - fitted_.parameters[place_]) > farthest * error_) return std::nullopt;
+      if (std::abs(next - fitted_.parameters[place_]) > farthest_from_estimate * error_) return std::nullopt;
       // The growth is nearly linear: the next point should reach the limit, or half of what is left of it.
       const double slope = (next_growth - growth) / std::abs(next - x);
       const double left = (limit_ - next_growth) / std::max(slope, 0.1 / error_);

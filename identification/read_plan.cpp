@@ -10,8 +10,8 @@
 namespace poise {
 namespace {
 
-constexpr int most_runs = 100;
-constexpr double most_combinations = 10'000;
+constexpr int most_planned_runs = 100;
+constexpr double most_planned_combinations = 10'000;
 constexpr double most_common = 100;
 
 class PlanReader {
@@ -23,7 +23,7 @@ class PlanReader {
     PlanLimits plan;
     plan.line = table.place().line;
     if (!table.has("runs")) table.place().fail("expected the key runs, the most runs to make; add runs = NUMBER");
-    plan.runs = at_most(table, "runs", 1, most_runs, plan.runs);
+    plan.runs = at_most(table, "runs", 1, most_planned_runs, plan.runs);
     if (const auto word = table.find_text("criterion")) {
       plan.criterion = static_cast<PlanCriterion>(choose(*word, {"D", "A", "E"}));
     }
@@ -125,10 +125,10 @@ class PlanReader {
     for (const PlanChoice& choice : vary) {
       if (choice.is_list()) (choice.common ? common : combinations) *= static_cast<double>(choice.values.size());
     }
-    if (combinations <= most_combinations && common <= most_common) return;
+    if (combinations <= most_planned_combinations && common <= most_common) return;
     table.place_of("vary").fail(
         fmt::format("expected at most {} combinations of listed values, of common ones {}; list fewer, or give ranges",
-                    most_combinations, most_common));
+                    most_planned_combinations, most_common));
   }
 
   const SceneNames& names_;

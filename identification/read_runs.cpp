@@ -24,7 +24,7 @@ namespace poise {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::size_t least_readings = 3;
+constexpr std::size_t least_run_readings = 3;
 
 /// A [[run]] as written; one whose data files are split becomes many runs.
 struct RunTable {
@@ -346,7 +346,7 @@ class RunsReader {
           make_continuous({experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.wraps, sensor.unit,
                           run.name, record.sensors[k]);
         }
-        if (record.count() < least_readings) {
+        if (record.count() < least_run_readings) {
           source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
                             std::to_string(record.count()) + ", all others are gaps; leave the run out");
         }
@@ -422,14 +422,14 @@ class RunsReader {
       left += simulated_times(experiment_, run, k).size();
       all += static_cast<std::size_t>(std::llround(run.duration * run.sample_rate));
     }
-    if (left < least_readings && left < all) fail_left_out(run, left);
+    if (left < least_run_readings && left < all) fail_left_out(run, left);
   }
 
   void leave_out_of(Run& run, Record& record, double end) const {
     for (std::size_t k = 0; k < record.sensors.size(); ++k) {
       run.left_out += leave_out(compared_times(experiment_, run, k, end), record.sensors[k]);
     }
-    if (record.count() < least_readings) fail_left_out(run, record.count());
+    if (record.count() < least_run_readings) fail_left_out(run, record.count());
   }
 
   [[noreturn]] void fail_left_out(const Run& run, std::size_t left) const {

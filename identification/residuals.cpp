@@ -5,18 +5,16 @@
 #include <limits>
 #include <numeric>
 
+#include "solvers/not_a_number.hpp"
+
 namespace poise {
-namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                           std::size_t run) {
   const Record& record = records[run];
   RunResiduals out;
-  for (const Series& series : record.sensors) out.residual.emplace_back(series.value.size(), nan);
+  for (const Series& series : record.sensors) out.residual.emplace_back(series.value.size(), not_a_number);
   out.prediction = out.residual;
   const Residuals e = problem.residuals(run, fitted.parameters, fitted.runs[run].nuisances, record);
   for (std::size_t k = 0; k < e.size(); ++k) {
@@ -29,7 +27,7 @@ RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const st
 }
 
 double rms_over_noise(const Fit& fitted, const RunFit& run) {
-  if (run.rms.empty()) return nan;
+  if (run.rms.empty()) return not_a_number;
   double squares = 0.0;
   int sensors = 0;
   for (std::size_t k = 0; k < run.rms.size(); ++k) {

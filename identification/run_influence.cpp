@@ -13,13 +13,13 @@
 #include "identification/projection.hpp"
 #include "identification/some_runs.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Disagreement to first order from which a run is examined.
-constexpr double suspicious = 3.0;
+constexpr double suspicious_share = 3.0;
 /// Where errors follow from the scatter of n runs, the one that alone makes it has the disagreement sqrt(n - 1) to
 /// first order, however far it is off. Those with so large a part of that are examined, at most so many: each is a fit.
 constexpr double alone_from = 0.7;
@@ -50,7 +50,7 @@ std::vector<std::size_t> doubtful(const FitProblem& problem, const Fit& fitted) 
     return std::find_if(order.begin(), order.end(), [&](std::size_t r) { return !(size[r] > from); });
   };
   const auto most = order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), most_examined));
-  order.erase(by_residuals ? std::min(calm(alone), most) : calm(suspicious), order.end());
+  order.erase(by_residuals ? std::min(calm(alone), most) : calm(suspicious_share), order.end());
   return order;
 }
 
@@ -91,7 +91,7 @@ void examine(const FitProblem& problem, const std::vector<Record>& records, cons
   double degrees = 0.0;
   for (const NoiseTest& test : without.errors.sensors) degrees += std::fmax(0.0, test.degrees);
   const double tail = 2 * cdf(complement(boost::math::normal(), disagrees_from));
-  std::vector<double> change(fitted.parameters.size(), nan);
+  std::vector<double> change(fitted.parameters.size(), not_a_number);
   double largest = 0.0;
   for (std::size_t i = 0; i < others.places().size(); ++i) {
     const std::size_t p = others.places()[i];

@@ -25,7 +25,7 @@ using Reduced = ReducedMotion<double>;
 std::string at(const std::string& file, int line) { return fmt::format("{}:{}: ", file, line); }
 
 /// Of times, relative to the length of a run.
-constexpr double rounding = 1e-12;
+constexpr double time_rounding = 1e-12;
 
 /// A start with values that are written at a place of the experiment, which its errors name.
 template <class Make>
@@ -703,7 +703,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     if (within > now) trajectory.at(within);
     now = within;
     const bool still = held_ && time < 0;
-    beyond = still || std::abs(time - within) < rounding * end_ ? 0.0 : time - within;
+    beyond = still || std::abs(time - within) < time_rounding * end_ ? 0.0 : time - within;
     SensorReader& reader = *readers[k];
     const Sensor& sensor = experiment_.sensors[k];
     const std::size_t n = reader.coordinates().size();

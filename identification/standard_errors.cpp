@@ -13,16 +13,16 @@
 #include "identification/robust_scale.hpp"
 #include "solvers/autoregression.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int most_coefficients = 40;
 /// Iterations between the autocorrelation and what the fit takes of readings with it; they end where that changes by
 /// less than this part of the readings.
-constexpr int most_iterations = 20;
-constexpr double settled = 1e-2;
+constexpr int most_refits = 20;
+constexpr double settled_within = 1e-2;
 /// Independent residuals per run that a model of their correlation needs.
 constexpr double enough_residuals = 20.0;
 /// By how much the median size of normal noise scatters more than its root mean square: sqrt(2) / (4 m f(m)), m its
@@ -170,7 +170,7 @@ class Analysis {
       taken[p].products = solvers::lag_products(columns[p], most_coefficients);
     }
     double before = INFINITY;
-    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    for (int iteration = 0; iteration < most_refits; ++iteration) {
       double leverage = 0.0;
       for (std::size_t p = 0; p < columns.size(); ++p) {
         const Eigen::VectorXd own = taken[p].products.lagged.row(0);
@@ -178,7 +178,7 @@ class Analysis {
         taken[p].weight = (own.array() > 0).select(taken[p].weight.array() / own.array(), 0.0);
         leverage += taken[p].weight.dot(own);
       }
-      if (!(readings > leverage) || std::abs(leverage - before) < settled * readings) break;
+      if (!(readings > leverage) || std::abs(leverage - before) < settled_within * readings) break;
       before = leverage;
       for (solvers::TakenColumns& of_piece : taken) of_piece.weight *= squares / (readings - leverage);
       series = solvers::fit_autoregression(pieces, most_coefficients, taken);
@@ -253,7 +253,7 @@ class Analysis {
   // In least squares the root mean square; of a robust fit the median size, which outliers leave as it is.
   NoiseTest test(const Eigen::VectorXd& e, double leverage, std::size_t k) const {
     const auto readings = static_cast<double>(e.size());
-    if (!(readings > leverage)) return {nan, nan, nan};
+    if (!(readings > leverage)) return {not_a_number, not_a_number, not_a_number};
     const double correction = std::sqrt(readings / (readings - leverage));
     const double degrees = (readings - leverage) / spread_[k];
     if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), degrees, 0.0};
@@ -338,10 +338,10 @@ class Analysis {
     }
     for (Eigen::Index p = 0; p < count; ++p) {
       const bool none = lone[static_cast<std::size_t>(p)] || runs < 2;
-      out_.runs.push_back(none ? nan : moved.row(p).norm());
+      out_.runs.push_back(none ? not_a_number : moved.row(p).norm());
       out_.runs_degrees.push_back(none ? 0.0 : degrees(p, weight, root));
       for (std::vector<double>& change : out_.without_run) {
-        if (none) change[static_cast<std::size_t>(p)] = nan;
+        if (none) change[static_cast<std::size_t>(p)] = not_a_number;
       }
     }
     out_.by_runs = std::move(moved);

@@ -15,24 +15,24 @@
 namespace poise {
 namespace {
 
-using Reduced = ReducedMotion<Real50>;
-using Matrix = solvers::DenseMatrix<Real50>;
-using Vector = solvers::DenseVector<Real50>;
+using Reduced50 = ReducedMotion<Real50>;
+using Matrix50 = solvers::DenseMatrix<Real50>;
+using Vector50 = solvers::DenseVector<Real50>;
 
 /// Of columns of length one, what rounding of 50 digits may make of zero.
 constexpr double zero = 1e-40;
 /// The same of the null space, whose errors are larger by the condition of the other directions.
 constexpr double zero_part = 1e-20;
 /// Change of numbers relative to their scale that shows what their rounding may do.
-constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
+constexpr double displacement = 4 * std::numeric_limits<double>::epsilon();
 /// Largest relative change by that which leaves an effect certain.
-constexpr double certain = 1e-3;
+constexpr double least_certain = 1e-3;
 
-/// Every length, angle and vector changed at random by a `disturbance` at most of the size of all lengths, 1, and its
+/// Every length, angle and vector changed at random by a `displacement` at most of the size of all lengths, 1, and its
 /// norm: the cosine of a right angle, which should be zero, so changes by more than its size.
-Scene disturbed(Scene scene) {
+Scene displaced(Scene scene) {
   solvers::RandomStream random(5);
-  const auto some = [&](double size) { return size * random.uniform(-disturbance, disturbance); };
+  const auto some = [&](double size) { return size * random.uniform(-displacement, displacement); };
   double size = 0.0;
   for (const Body& body : scene.bodies) {
     size = std::max(size, norm(body.center));
@@ -56,9 +56,9 @@ Scene disturbed(Scene scene) {
 }
 
 /// The scene of a run, SI.
-class Acting {
+class ActingIn50Digits {
  public:
-  Acting(const Scene& scene, const RunModel& run)
+  ActingIn50Digits(const Scene& scene, const RunModel& run)
       : scene_(scene),
         run_(run),
         mechanism_(scene, Purpose::dynamics),
@@ -78,13 +78,13 @@ class Acting {
       w.emplace_back(state.v[static_cast<std::size_t>(i)]);
     }
     motion_.expect(q.data());
-    if (motion_.place(Real50(0), z.data()) != Reduced::Status::ok) return false;
+    if (motion_.place(Real50(0), z.data()) != Reduced50::Status::ok) return false;
     motion_.move(w.data());
-    return motion_.accelerate() == Reduced::Status::ok;
+    return motion_.accelerate() == Reduced50::Status::ok;
   }
 
   /// d alpha/d(number). The inertia of a body about its origin is (m, m c, J + m c.c), in doubles only rounded.
-  Vector alpha_by(const SceneParameter& number) {
+  Vector50 alpha_by(const SceneParameter& number) {
     if (!number.is_inertial()) return effect(number.influence(scene_, Scales{}));
     const Body& body = scene_.bodies[static_cast<std::size_t>(number.place().item)];
     const Real50 m = body.mass;
@@ -117,8 +117,8 @@ class Acting {
   }
 
  private:
-  Vector effect(const Influence& influence) {
-    Vector alpha(freedoms());
+  Vector50 effect(const Influence& influence) {
+    Vector50 alpha(freedoms());
     motion_.influence(influence, alpha.data());
     return alpha;
   }
@@ -127,7 +127,7 @@ class Acting {
   const RunModel& run_;
   Mechanism<Real50> mechanism_;
   Inertia<Real50> inertia_;
-  Reduced motion_;
+  Reduced50 motion_;
   bool chosen_ = false;
 };
 
@@ -139,8 +139,8 @@ bool has_50_digits(const RunModel& run, const Scene& scene) {
 }
 
 /// Rows of d alpha/dp and of the readings' direct derivatives.
-std::optional<Matrix> rows_of(const FitProblem& problem, std::size_t r, const Scene& scene,
-                              const std::vector<RunModel::State>& states) {
+std::optional<Matrix50> rows_of(const FitProblem& problem, std::size_t r, const Scene& scene,
+                                const std::vector<RunModel::State>& states) {
   const RunModel& run = problem.run(r);
   const std::vector<int>& used = problem.parameters_of(r);
   std::vector<Sensor> sensors;
@@ -148,11 +148,11 @@ std::optional<Matrix> rows_of(const FitProblem& problem, std::size_t r, const Sc
     const Sensor& sensor = problem.experiment().sensors[k];
     if (!run.times()[k].empty() && sensor.reads_force()) sensors.push_back(sensor);
   }
-  Acting acting(scene, run);
+  ActingIn50Digits acting(scene, run);
   const Eigen::Index f = run.freedoms();
   const auto own = f + static_cast<Eigen::Index>(sensors.size());
   const auto n = static_cast<Eigen::Index>(problem.parameters().size());
-  Matrix out = Matrix::Zero(static_cast<Eigen::Index>(states.size()) * own, n);
+  Matrix50 out = Matrix50::Zero(static_cast<Eigen::Index>(states.size()) * own, n);
   Eigen::Index row = 0;
   for (const RunModel::State& state : states) {
     if (!acting.place(state)) return std::nullopt;
@@ -169,14 +169,15 @@ std::optional<Matrix> rows_of(const FitProblem& problem, std::size_t r, const Sc
 }
 
 /// Those of all runs; with `disturb` of the disturbed scenes.
-std::optional<Matrix> all_rows(const FitProblem& problem, const std::vector<RunModel::Actions>& actions, bool disturb) {
+std::optional<Matrix50> all_rows(const FitProblem& problem, const std::vector<RunModel::Actions>& actions,
+                                 bool disturb) {
   const auto n = static_cast<Eigen::Index>(problem.parameters().size());
-  Matrix out = Matrix::Zero(n, n);
+  Matrix50 out = Matrix50::Zero(n, n);
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel::Actions& of = actions[r];
     if (of.states.empty()) continue;
     if (!has_50_digits(problem.run(r), of.scene)) return std::nullopt;
-    const std::optional<Matrix> rows = rows_of(problem, r, disturb ? disturbed(of.scene) : of.scene, of.states);
+    const std::optional<Matrix50> rows = rows_of(problem, r, disturb ? displaced(of.scene) : of.scene, of.states);
     if (!rows) return std::nullopt;
     const Eigen::Index before = out.rows();
     out.conservativeResize(before + rows->rows(), Eigen::NoChange);
@@ -192,14 +193,14 @@ std::optional<Matrix> all_rows(const FitProblem& problem, const std::vector<RunM
 }
 
 /// |R_kk| of A P = Q R, with these columns in this order.
-Vector pivots(const Matrix& a, const std::vector<int>& columns) {
-  Matrix q(a.rows(), static_cast<Eigen::Index>(columns.size()));
-  Vector out(q.cols());
+Vector50 pivots(const Matrix50& a, const std::vector<int>& columns) {
+  Matrix50 q(a.rows(), static_cast<Eigen::Index>(columns.size()));
+  Vector50 out(q.cols());
   for (Eigen::Index k = 0; k < q.cols(); ++k) {
-    Vector rest = a.col(columns[static_cast<std::size_t>(k)]);
+    Vector50 rest = a.col(columns[static_cast<std::size_t>(k)]);
     for (Eigen::Index j = 0; j < k; ++j) rest -= q.col(j).dot(rest) * q.col(j);
     out[k] = rest.norm();
-    q.col(k) = out[k] > 0 ? Vector(rest / out[k]) : Vector(Vector::Zero(rest.size()));
+    q.col(k) = out[k] > 0 ? Vector50(rest / out[k]) : Vector50(Vector50::Zero(rest.size()));
   }
   return out;
 }
@@ -208,11 +209,11 @@ Vector pivots(const Matrix& a, const std::vector<int>& columns) {
 
 std::optional<NullSpace> structural_nulls_50(const FitProblem& problem, const std::vector<RunModel::Actions>& actions) {
   const auto n = static_cast<Eigen::Index>(problem.parameters().size());
-  std::optional<Matrix> a = all_rows(problem, actions, false);
+  std::optional<Matrix50> a = all_rows(problem, actions, false);
   if (!a) return std::nullopt;
-  std::optional<Matrix> again = all_rows(problem, actions, true);
+  std::optional<Matrix50> again = all_rows(problem, actions, true);
   if (!again) return std::nullopt;
-  Vector length = Vector::Ones(n);
+  Vector50 length = Vector50::Ones(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Real50 size = a->col(i).norm();
     if (size <= zero) {
@@ -225,13 +226,13 @@ std::optional<NullSpace> structural_nulls_50(const FitProblem& problem, const st
     again->col(i) /= size;
   }
   const solvers::PivotOrder order = solvers::pivot_order<Real50>(*a, zero);
-  const Vector own = pivots(*a, order.columns);
-  const Vector other = pivots(*again, order.columns);
+  const Vector50 own = pivots(*a, order.columns);
+  const Vector50 other = pivots(*again, order.columns);
   for (Eigen::Index k = 0; k < order.rank; ++k) {
-    if (abs(other[k] - own[k]) > certain * own[k]) return std::nullopt;
+    if (abs(other[k] - own[k]) > least_certain * own[k]) return std::nullopt;
   }
   NullSpace out;
-  Matrix nulls = solvers::null_space<Real50>(*a, zero);
+  Matrix50 nulls = solvers::null_space<Real50>(*a, zero);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (nulls.cols() > 0 && nulls.row(i).norm() <= zero_part) nulls.row(i).setZero();
     nulls.row(i) /= length[i];

@@ -14,12 +14,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Runs and states of each that tell mechanisms apart; a scan looks at the first run.
-constexpr std::size_t most_runs = 3, states_of_run = 24;
+constexpr std::size_t most_started_runs = 3, states_of_run = 24;
 /// First step of a scan in standard errors, its last in sizes of the mechanism, and the ratio of successive steps.
-constexpr double first_step = 3.0, last_step = 8.0, ratio = 1.3;
+constexpr double first_twin_step = 3.0, last_step = 8.0, ratio = 1.3;
 /// Root mean square of e below which motions may be alike, and so near to a known place that it is the same.
-constexpr double alike = 10.0;
-constexpr int most_iterations = 25;
+constexpr double alike_costs = 10.0;
+constexpr int most_twin_iterations = 25;
 /// Degrees of freedom that may swing the other way each by itself; with more, all do.
 constexpr int most_sides = 3;
 /// Part of a parameter's reach by which derivatives are taken.
@@ -86,10 +86,10 @@ class TwinSearch {
                !std::equal(own.begin(), own.end(), others.begin(), others.end(), same);
       });
     };
-    for (std::size_t r = 0; r < problem_.runs() && order.size() < most_runs; ++r) {
+    for (std::size_t r = 0; r < problem_.runs() && order.size() < most_started_runs; ++r) {
       if (differs(r)) order.push_back(r);
     }
-    for (std::size_t r = 0; r < problem_.runs() && order.size() < most_runs; ++r) {
+    for (std::size_t r = 0; r < problem_.runs() && order.size() < most_started_runs; ++r) {
       if (std::find(order.begin(), order.end(), r) == order.end()) order.push_back(r);
     }
     for (const std::size_t r : order) {
@@ -238,7 +238,7 @@ class TwinSearch {
     double before_last = 0.0;
     double last = 0.0;
     double last_value = x[i];
-    for (double step = first_step * fitted_.errors.error[i]; step < last_step * reach_[i]; step *= ratio) {
+    for (double step = first_twin_step * fitted_.errors.error[i]; step < last_step * reach_[i]; step *= ratio) {
       const double value = fitted_.parameters[i] + side * step;
       if (value < p.min || value > p.max) break;
       x[i] = value;
@@ -259,7 +259,7 @@ class TwinSearch {
     VectorXd e = differences(x, runs_.size());
     const auto n = static_cast<Index>(x.size());
     double damping = 1e-3;
-    for (int iteration = 0; iteration < most_iterations && e.size() > 0; ++iteration) {
+    for (int iteration = 0; iteration < most_twin_iterations && e.size() > 0; ++iteration) {
       MatrixXd rows = MatrixXd::Zero(e.size() + n, n);
       for (Index c = 0; c < n; ++c) {
         const auto at = static_cast<std::size_t>(c);
@@ -291,11 +291,11 @@ class TwinSearch {
         e = there;
         moved = true;
         damping = std::max(1e-9, damping / 100);
-        if (settled) iteration = most_iterations;
+        if (settled) iteration = most_twin_iterations;
       }
       if (!moved) break;
     }
-    if (size_of(e) < alike && is_new(x)) found_.push_back({size_of(e), point(x)});
+    if (size_of(e) < alike_costs && is_new(x)) found_.push_back({size_of(e), point(x)});
   }
 
   /// Whether an estimate differs from the fitted ones, and from those of what was found, by some standard errors.
@@ -303,7 +303,7 @@ class TwinSearch {
     const auto differ = [&](const std::vector<double>& others) {
       for (std::size_t i = 0; i < others.size(); ++i) {
         if (fitted_.estimates[i].withheld) continue;
-        if (std::abs(parameters[i] - others[i]) > first_step * fitted_.errors.error[i]) return true;
+        if (std::abs(parameters[i] - others[i]) > first_twin_step * fitted_.errors.error[i]) return true;
       }
       return false;
     };

@@ -10,11 +10,10 @@
 #include "identification/first_readings.hpp"
 #include "identification/projection.hpp"
 #include "model/nearest_name.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 const FittedModel::Sensor* sensor_of(const FittedModel& model, const std::string& name) {
   const auto at = std::find_if(model.sensors.begin(), model.sensors.end(),
@@ -60,7 +59,7 @@ std::vector<double> explained(const FitProblem& problem, const Fit& fitted, cons
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const LinearRun run = problem.linearized(r, fitted.parameters, fitted.runs[r].nuisances, &records[r], INFINITY,
                                              problem.accuracy(r), fitted.weighting);
-    if (run.rows.size() == 0) return std::vector<double>(sensors, nan);
+    if (run.rows.size() == 0) return std::vector<double>(sensors, not_a_number);
     const Eigen::Index nuisances = problem.run(r).nuisances();
     Eigen::MatrixXd a = run.rows.middleCols(nuisances, problem.run(r).unknowns());
     if (starts == Starts::fitted) a = unexplained(std::move(a), run.rows.leftCols(nuisances));
@@ -143,7 +142,7 @@ Validation validate(const FitProblem& problem, const std::vector<Record>& record
   out.from_parameters = explained(problem, out.fit, records, out.covariance, starts);
   for (const Sensor& sensor : problem.experiment().sensors) {
     const FittedModel::Sensor* const found = sensor_of(model, sensor.name);
-    out.identification.push_back(found != nullptr ? found->rms : nan);
+    out.identification.push_back(found != nullptr ? found->rms : not_a_number);
   }
   out.ratio = ratio_of(out.fit, out.identification);
   with.held.clear();

@@ -20,7 +20,7 @@ constexpr std::size_t most_characters = 1000;
 constexpr int most_brackets = 16;
 // Each bracket leaves at most a summand, a factor, a base and an argument waiting for it.
 constexpr std::size_t stack_size = 4 * (most_brackets + 2);
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 /// A function of x and y with its derivatives there; of those of one argument y is 0.
 struct Function {
@@ -32,7 +32,7 @@ struct Function {
 };
 
 // The larger argument is the one that counts; at equal ones min and max have no derivative.
-double step_of(double x, double y) { return x > y ? 1.0 : x < y ? 0.0 : none; }
+double step_of(double x, double y) { return x > y ? 1.0 : x < y ? 0.0 : undefined; }
 
 constexpr std::array functions{
     Function{"sqrt", 1, [](double x, double) { return std::sqrt(x); },
@@ -55,7 +55,7 @@ constexpr std::array functions{
     Function{"abs", 1, [](double x, double) { return std::abs(x); },
              [](double x, double) { return x > 0.0   ? 1.0
                                            : x < 0.0 ? -1.0
-                                                     : none; }, nullptr},
+                                                     : undefined; }, nullptr},
     Function{"atan2", 2, [](double y, double x) { return std::atan2(y, x); },
              [](double y, double x) { return x / (x * x + y * y); },
              [](double y, double x) { return -y / (x * x + y * y); }},

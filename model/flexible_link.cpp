@@ -13,21 +13,19 @@ using beam_element::gauss_place;
 using beam_element::gauss_weight;
 using beam_element::lagrange_slope;
 using beam_element::nodes;
-using beam_element::place;
-using beam_element::weight;
 
 /// Where in its element a node's mass is while the element is straight, on 0 .. 1.
 double mass_place(int node) {
   double before = 0.0;
-  for (int j = 0; j < node; ++j) before += weight[j];
-  return 2.0 * before + weight[node] - place[node];
+  for (int j = 0; j < node; ++j) before += beam_element::weight[j];
+  return 2.0 * before + beam_element::weight[node] - beam_element::place[node];
 }
 
 /// What a moment of inertia of these masses lacks of that of a bar that turns, over its mass and the square of its
 /// length.
 double missing_inertia() {
   double out = 1.0 / 3.0;
-  for (int k = 0; k < nodes; ++k) out -= weight[k] * mass_place(k) * mass_place(k);
+  for (int k = 0; k < nodes; ++k) out -= beam_element::weight[k] * mass_place(k) * mass_place(k);
   return out;
 }
 
@@ -104,22 +102,22 @@ class ChainMaker {
     double second = 0.0;  // moment of mass, about the beginning of the body
     if (before != nullptr) {
       // Its centre of mass is where it begins.
-      const double mass = by_length * before->length * weight[3];
+      const double mass = by_length * before->length * beam_element::weight[3];
       body.mass += mass;
       second += mass * before->length * before->length * missing_inertia();
-      end += (before->length * weight[3]) * before->direction;
+      end += (before->length * beam_element::weight[3]) * before->direction;
     }
     const Vec2 middle = end;
     if (after != nullptr) {
       double behind = 0.0;
-      for (int j = in_element + 1; j < nodes; ++j) behind += weight[j];
-      const double mass = by_length * after->length * weight[in_element];
-      const double centre = after->length * (1.0 - place[in_element] - behind);
+      for (int j = in_element + 1; j < nodes; ++j) behind += beam_element::weight[j];
+      const double mass = by_length * after->length * beam_element::weight[in_element];
+      const double centre = after->length * (1.0 - beam_element::place[in_element] - behind);
       body.mass += mass;
       const Vec2 at = middle + centre * after->direction;
       moment = mass * at;
       second += mass * (dot(at, at) + after->length * after->length * missing_inertia());
-      end += (after->length * weight[in_element]) * after->direction;
+      end += (after->length * beam_element::weight[in_element]) * after->direction;
     }
     if (body.mass > 0.0) {
       body.center = (1 / body.mass) * moment;
@@ -180,7 +178,7 @@ class ChainMaker {
 double beam_element::lagrange(int k, double x) {
   double product = 1.0;
   for (int j = 0; j < nodes; ++j) {
-    if (j != k) product *= (x - place[j]) / (place[k] - place[j]);
+    if (j != k) product *= (x - beam_element::place[j]) / (beam_element::place[k] - beam_element::place[j]);
   }
   return product;
 }
@@ -189,10 +187,10 @@ double beam_element::lagrange_slope(int k, double x) {
   double below = 1.0, sum = 0.0;
   for (int j = 0; j < nodes; ++j) {
     if (j == k) continue;
-    below *= place[k] - place[j];
+    below *= beam_element::place[k] - beam_element::place[j];
     double product = 1.0;
     for (int m = 0; m < nodes; ++m) {
-      if (m != k && m != j) product *= x - place[m];
+      if (m != k && m != j) product *= x - beam_element::place[m];
     }
     sum += product;
   }

@@ -8,10 +8,10 @@ namespace poise {
 namespace {
 
 // The end has room for the longest list of keys.
-constexpr std::size_t longest = 1000, kept_in_front = 490, kept_behind = 500;
+constexpr std::size_t longest_line = 1000, kept_in_front = 490, kept_behind = 500;
 
 std::string shortened(const std::string& line) {
-  if (line.size() <= longest) return line;
+  if (line.size() <= longest_line) return line;
   // Not within a letter of several bytes.
   const auto boundary = [&](std::size_t at) {
     while ((static_cast<unsigned char>(line[at]) & 0xC0U) == 0x80U) --at;

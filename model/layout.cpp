@@ -77,16 +77,19 @@ double within_a_turn(ExactSum angle) {
 
 bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
 
-enum Reason : unsigned {
-  closes_loop = 1,
-  weight = 2,
-  load = 4,
-  spring = 8,
-  stop = 16,
-  inertia = 32,
-  guides = 64,
-  damper = 128,
-  drive = 256
+// Why a coordinate is kept, as bits.
+struct Reason {
+  enum Bit : unsigned {
+    closes_loop = 1,
+    weight = 2,
+    load = 4,
+    spring = 8,
+    stop = 16,
+    inertia = 32,
+    guides = 64,
+    damper = 128,
+    drive = 256
+  };
 };
 
 // Builds a Layout in named steps; coordinates keep their provisional numbers until number_coordinates().
@@ -415,7 +418,7 @@ class Builder {
     if (coordinate < 0) return;
     reasons_[coordinate] |= reason;
     const Coordinate& c = out_.coordinates[coordinate];
-    if (c.kind == Coordinate::Kind::length && c.frame >= 0) reasons_[c.frame] |= guides;
+    if (c.kind == Coordinate::Kind::length && c.frame >= 0) reasons_[c.frame] |= Reason::guides;
   }
 
   void mark_path(const std::vector<Arm>& arms, unsigned reason) {
@@ -425,7 +428,7 @@ class Builder {
   // A coordinate is kept if something that dissipates or stores energy, closes a loop or has a stop moves with it.
   void find_what_matters() {
     reasons_.assign(out_.coordinates.size(), 0);
-    for (const Closure& closure : out_.closures) mark_path(closure.arms, closes_loop);
+    for (const Closure& closure : out_.closures) mark_path(closure.arms, Reason::closes_loop);
 
     std::vector<unsigned> bears(out_.links.size(), 0);
     const auto bear_at = [&](int body, Vec2 at, unsigned reason) {
@@ -436,18 +439,18 @@ class Builder {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       const int index = static_cast<int>(i);
-      if (heavy && body.mass != 0) bear_at(index, body.center, weight);
+      if (heavy && body.mass != 0) bear_at(index, body.center, Reason::weight);
       if (purpose_ != Purpose::dynamics) continue;
-      if (body.mass != 0) bear_at(index, body.center, inertia);
-      if (body.inertia != 0) mark(out_.links[i].frame, inertia);
+      if (body.mass != 0) bear_at(index, body.center, Reason::inertia);
+      if (body.inertia != 0) mark(out_.links[i].frame, Reason::inertia);
     }
     for (const Force& force : scene_.forces) {
       if (is_zero(force.vector)) continue;
-      force.for_each_point([&](PointRef point) { bear_at(point.body, scene_.local(point), load); });
-      if (force.follows >= 0) mark(out_.links[force.follows].frame, load);
+      force.for_each_point([&](PointRef point) { bear_at(point.body, scene_.local(point), Reason::load); });
+      if (force.follows >= 0) mark(out_.links[force.follows].frame, Reason::load);
     }
     for (const Torque& torque : scene_.torques) {
-      if (torque.value != 0) mark(out_.links[torque.body].frame, load);
+      if (torque.value != 0) mark(out_.links[torque.body].frame, Reason::load);
     }
     for (auto it = out_.tree_order.rbegin(); it != out_.tree_order.rend(); ++it) {
       const Link& link = out_.links[*it];
@@ -458,14 +461,14 @@ class Builder {
     for (const Element& e : scene_.elements) {
       if (stores_energy(e.law)) {
         // A number that identification varies may initially be zero.
-        if (purpose_ == Purpose::dynamics || idle(e.law).empty()) mark_measure(e.on, spring);
+        if (purpose_ == Purpose::dynamics || idle(e.law).empty()) mark_measure(e.on, Reason::spring);
       } else if (purpose_ == Purpose::dynamics) {
-        mark_measure(e.on, damper);
+        mark_measure(e.on, Reason::damper);
       }
     }
-    for (const Stop& s : scene_.stops) mark_measure(s.on, stop);
+    for (const Stop& s : scene_.stops) mark_measure(s.on, Reason::stop);
     if (purpose_ == Purpose::dynamics) {
-      for (const Drive& d : scene_.drives) mark_measure(d.on, drive);
+      for (const Drive& d : scene_.drives) mark_measure(d.on, Reason::drive);
     }
     note_what_never_enters(heavy);
   }
@@ -517,7 +520,7 @@ class Builder {
     switch (measure.kind) {
       case Measure::Kind::angle:
         // Bodies of one frame have no relative rotation.
-        if (out_.links[measure.body_a].frame == out_.links[measure.body_b].frame && reason != stop) break;
+        if (out_.links[measure.body_a].frame == out_.links[measure.body_b].frame && reason != Reason::stop) break;
         mark(out_.links[measure.body_a].frame, reason);
         mark(out_.links[measure.body_b].frame, reason);
         break;
@@ -734,21 +737,28 @@ class Builder {
 
 }  // namespace
 
+Layout::Layout() = default;
+Layout::Layout(const Layout&) = default;
+Layout::Layout(Layout&&) noexcept = default;
+Layout& Layout::operator=(const Layout&) = default;
+Layout& Layout::operator=(Layout&&) noexcept = default;
+Layout::~Layout() = default;
+
 std::string Coordinate::why() const {
   if (reasons == 0) return "carries no load, closes no loop, moves no spring or stop";
   std::string words;
-  const auto add = [&](Reason r, const char* text) {
+  const auto add = [&](Reason::Bit r, const char* text) {
     if (reasons & r) words += (words.empty() ? "" : ", ") + std::string(text);
   };
-  add(closes_loop, "closes a loop");
-  add(weight, "carries weight");
-  add(load, "carries a load");
-  add(spring, "moves a spring");
-  add(stop, "has a stop");
-  add(inertia, "has inertia");
-  add(damper, "is damped");
-  add(drive, "is driven");
-  add(guides, "guides a slide");
+  add(Reason::closes_loop, "closes a loop");
+  add(Reason::weight, "carries weight");
+  add(Reason::load, "carries a load");
+  add(Reason::spring, "moves a spring");
+  add(Reason::stop, "has a stop");
+  add(Reason::inertia, "has inertia");
+  add(Reason::damper, "is damped");
+  add(Reason::drive, "is driven");
+  add(Reason::guides, "guides a slide");
   return words;
 }
 

@@ -1,6 +1,7 @@
 #include "model/read_scene.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -24,11 +25,10 @@ struct Unit {
   double si;
 };
 
-constexpr double pi = 3.14159265358979323846;
 constexpr Unit length_units[] = {{"m", 1.0}, {"mm", 1e-3}, {"in", 0.0254}, {"ft", 0.3048}};
 constexpr Unit force_units[] = {{"N", 1.0}, {"kN", 1e3}, {"lbf", 4.4482216152605}};
 constexpr Unit mass_units[] = {{"kg", 1.0}, {"g", 1e-3}, {"lb", 0.45359237}};
-constexpr Unit angle_units[] = {{"rad", 1.0}, {"deg", pi / 180.0}};
+constexpr Unit angle_units[] = {{"rad", 1.0}, {"deg", std::numbers::pi / 180.0}};
 
 template <class List>
 void read_unit(const TomlTable& table, std::string_view key, const List& list, std::string& name, double& si) {

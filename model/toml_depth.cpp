@@ -6,7 +6,7 @@
 namespace poise {
 namespace {
 
-constexpr int most = 16;
+constexpr int most_levels = 16;
 
 /// Where a string ends that begins at `at` with one quote or three; npos where it does not end. The parser fails there.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
@@ -51,8 +51,9 @@ std::optional<TooDeep> find_too_deep(std::string_view toml) {
     if (c == ']' || c == '}') --brackets;
     // Dots between bare keys, strings and blanks join the parts of one key; anything else ends it.
     dots = c == '.' ? dots + 1 : std::string_view("[]{}=,\n").find(c) != std::string_view::npos ? 0 : dots;
-    if (dots >= most) return TooDeep{"expected a key of at most 16 parts; put a name that holds dots in quotes", line};
-    if (brackets > most) return TooDeep{"expected at most 16 brackets inside each other; close some", line};
+    if (dots >= most_levels)
+      return TooDeep{"expected a key of at most 16 parts; put a name that holds dots in quotes", line};
+    if (brackets > most_levels) return TooDeep{"expected at most 16 brackets inside each other; close some", line};
     line += c == '\n';
     ++at;
   }

@@ -3,22 +3,14 @@
 #include <numbers>
 
 #include "motion/design.hpp"
+#include "motion/extent.hpp"
 #include "motion/kinematics.hpp"
 
 namespace poise {
 namespace {
 
-constexpr int positions = 400;
+constexpr int most_positions = 400;
 constexpr double same_travel = 1e-6;
-
-struct Extent {
-  double min, max;
-
-  void add(double v) {
-    min = std::min(min, v);
-    max = std::max(max, v);
-  }
-};
 
 }  // namespace
 
@@ -26,7 +18,7 @@ DesignCheck check_design(const DesignProblem& problem, const DesignResult& resul
   const Scene& scene = result.scene;
   DesignCheck out;
   SweepOptions options;
-  options.steps = positions;
+  options.steps = most_positions;
   const KinematicsResult swept = sweep(scene, {{scene.bodies[problem.driver].name, result.from, result.to}}, options);
   if (!swept.complete || !swept.singular.empty()) {
     out.why = swept.complete ? swept.singular.front().text : swept.why;

@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "motion/extent.hpp"
 #include "solvers/nlopt.hpp"
 
 namespace poise {
@@ -36,17 +37,6 @@ Vec2 mean_line(const std::vector<Vec2>& path) {
   const Vec2 axis = unit(0.5 * std::atan2(second.y, second.x));
   return dot(axis, path.back() - path.front()) < 0 ? -axis : axis;
 }
-
-struct Extent {
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-
-  void add(double v) {
-    min = std::min(min, v);
-    max = std::max(max, v);
-  }
-  double width() const { return max - min; }
-};
 
 double excess(double value, double limit) { return value <= limit ? 0.0 : std::log(value / limit); }
 

@@ -23,7 +23,7 @@ constexpr double closed_within = 1e-12;
 constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
 constexpr double shortest_step = 1e-10;   // of a driven coordinate
 constexpr double farthest_turning = 0.1;  // along the path, in which a turning point is searched
-constexpr double end = 1.0 - 1e-13;
+constexpr double end_of_way = 1.0 - 1e-13;
 
 double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
 
@@ -301,10 +301,11 @@ std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<doub
   PathPose here = std::move(begin);
   double h = 1.0;
   int overtime = 0;  // steps beyond the end, to detect a singular pose just before it
-  while (here.at < end || (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
+  while (here.at < end_of_way ||
+         (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
     if (stopped()) return PathEnd{here};
     h = std::min(h, longest_move / largest(here.v));
-    if (here.at < end) h = std::min(h, 1.0 - here.at);
+    if (here.at < end_of_way) h = std::min(h, 1.0 - here.at);
     std::optional<PathPose> next;
     int around = 0;  // attempts to step across a singular pose instead of onto it
     while (!next) {
@@ -330,13 +331,13 @@ std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<doub
       }
     }
     if (!next) {
-      if (here.at >= end) break;
+      if (here.at >= end_of_way) break;
       std::optional<PathPose> turning = turning_point(here);
       return PathEnd{turning ? std::move(*turning) : here};
     }
-    if (next->at >= end && next->at < 1.0) next->at = 1.0;
+    if (next->at >= end_of_way && next->at < 1.0) next->at = 1.0;
     std::optional<PathEnd> met;
-    if (here.at < end) met = stop_between(here, *next);
+    if (here.at < end_of_way) met = stop_between(here, *next);
     const double last = met ? met->pose.at : next->at;
     for (; next_sample < samples.size() && samples[next_sample] <= last; ++next_sample) {
       visitor.sample(sampled(here, *next, samples[next_sample]));

@@ -13,9 +13,9 @@ namespace poise {
 namespace {
 
 // Loops open by less than this (rad, mechanism sizes) are closed to double precision.
-constexpr double closed_within = 1e-14;
+constexpr double pose_closed_within = 1e-14;
 // Loops that remain open by more than this are an error.
-constexpr double open_beyond = 1e-9;
+constexpr double pose_open_beyond = 1e-9;
 
 double largest_gap(const MotionModel& motion, const std::vector<double>& x) {
   const Mechanism<double>& m = motion.mechanism();
@@ -89,14 +89,14 @@ std::vector<double> coordinates_in(const MotionModel& motion, const ScaledModel&
 }
 
 std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x) {
-  if (largest_gap(motion, x) <= closed_within) return x;
+  if (largest_gap(motion, x) <= pose_closed_within) return x;
   const EquilibriumProblem problem(motion.mechanism());
   solvers::NewtonOptions options;
   options.closing_starts = 0;
   solvers::Newton newton(problem, options);
   x = newton.close(x).x;
   const double gap = largest_gap(motion, x);
-  if (gap > open_beyond) {
+  if (gap > pose_open_beyond) {
     throw InputError(
         fmt::format("{}its loops remain open by {:.3g} of its size in motion; expected a pose "
                     "that closes them; try another [start]",

@@ -27,7 +27,7 @@ constexpr double agrees_within = 1e-10;     // the same, of the equations
 constexpr double same_within = 1e-8;        // of two solutions
 constexpr double narrowest_arc = 1e-8;      // rad
 constexpr int most_cells = 20000;
-constexpr int most_steps = 60;
+constexpr int most_friction_steps = 60;
 
 Planar<double> at_angle(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
@@ -305,7 +305,7 @@ struct FrictionForces::Search {
 
   std::optional<VectorXd> newton(VectorXd g) const {
     const auto n = static_cast<Index>(count());
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < most_friction_steps; ++step) {
       VectorXd miss(n);
       MatrixXd by(n, n);
       for (std::size_t p = 0; p < count(); ++p) {

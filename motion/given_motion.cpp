@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double rank_tolerance = solvers::known_to::closed_point;
-constexpr double closed_within = 1e-13;
-constexpr double open_beyond = 1e-9;
+constexpr double motion_closed_within = 1e-13;
+constexpr double motion_open_beyond = 1e-9;
 // Samples that have to change by more than this, rad or mechanism sizes, do not belong to this mechanism.
 constexpr double not_ours = 0.1;
 constexpr int closing_steps = 50;
@@ -63,10 +63,10 @@ class Completion {
   void close(VectorXd& x, GivenMotion& out) const {
     const VectorXd before = x;
     for (const bool all : {false, true}) {
-      for (int k = 0; k < closing_steps && gap(x) > closed_within; ++k) {
+      for (int k = 0; k < closing_steps && gap(x) > motion_closed_within; ++k) {
         const VectorXd step = change(x, closure_.gap(x), all);
         x += step;
-        if (step.cwiseAbs().maxCoeff() <= closed_within) break;
+        if (step.cwiseAbs().maxCoeff() <= motion_closed_within) break;
       }
     }
     for (int i : closure_.driven()) out.closing = std::max(out.closing, std::abs(x[i] - before[i]));
@@ -143,7 +143,7 @@ GivenMotion complete_motion(const MotionModel& model, const std::vector<double>&
     }
     const double gap = completion.gap(x);
     completion.close(x, out);
-    if (completion.gap(x) > open_beyond || out.closing > not_ours) {
+    if (completion.gap(x) > motion_open_beyond || out.closing > not_ours) {
       throw InputError(
           fmt::format("{}: motion: at {} s its samples do not close the loops, which are open by {:.3g} of the "
                       "mechanism's size; expected a motion of this scene",

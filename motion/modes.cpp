@@ -23,7 +23,7 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 // Distance within which a stop is touched, rad or mechanism sizes.
-constexpr double touching = 1e-8;
+constexpr double touching_within = 1e-8;
 // Reduced masses below this share of the largest count as zero.
 constexpr double no_mass = 1e-12;
 // Stiffnesses below this share of the largest entry of the tangent are rounding.
@@ -39,7 +39,7 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
   const DensePoint<double> at(m, x, rows);
   for (int s = 0; s < m.stops(); ++s) {
     const double g = at.constraint[closures + s];
-    if (g >= m.upper()[s] - touching || g <= m.lower()[s] + touching) rows.push_back(closures + s);
+    if (g >= m.upper()[s] - touching_within || g <= m.lower()[s] + touching_within) rows.push_back(closures + s);
   }
   // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first; those whose limits
   // are equal hold whatever they carry.
@@ -52,10 +52,10 @@ std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<doub
     for (Index k = closures; k < push.size(); ++k) {
       const int s = rows[k] - closures;
       if (m.upper()[s] == m.lower()[s]) continue;
-      const bool both = m.upper()[s] - m.lower()[s] <= 2 * touching;
-      const double pressure = both                                                   ? std::abs(push[k])
-                              : point.constraint[rows[k]] >= m.upper()[s] - touching ? push[k]
-                                                                                     : -push[k];
+      const bool both = m.upper()[s] - m.lower()[s] <= 2 * touching_within;
+      const double pressure = both                                                          ? std::abs(push[k])
+                              : point.constraint[rows[k]] >= m.upper()[s] - touching_within ? push[k]
+                                                                                            : -push[k];
       if (pressure >= hardest) continue;
       hardest = pressure;
       worst = k;

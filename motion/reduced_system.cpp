@@ -9,7 +9,7 @@
 
 namespace poise {
 
-using Status = ReducedMotion<double>::Status;
+using ReducedStatus = ReducedMotion<double>::Status;
 using Long = long double;
 
 namespace {
@@ -77,10 +77,10 @@ ReducedSystem::~ReducedSystem() = default;
 bool ReducedSystem::rates(double t, const double* y, double* dydt) {
   ++evaluations;
   status = reduced_.place(t, y);
-  if (status != Status::ok) return false;
+  if (status != ReducedStatus::ok) return false;
   reduced_.move(y + freedoms_);
   status = reduced_.accelerate();
-  if (status != Status::ok) return false;
+  if (status != ReducedStatus::ok) return false;
   if (columns_ > 0) reduced_.linearize();
   if (reduced_.rank() > 0 && reduced_.pivot() < small_pivot) {
     if (!fine_) fine_ = std::make_unique<Fine>(scene_, reduced_, variations_);

@@ -20,11 +20,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double no_rate = 1e-9;         // of the fastest
-constexpr double out_of_balance = 1e-6;  // of the largest force
+constexpr double no_sliding_rate = 1e-9;  // of the fastest
+constexpr double out_of_balance = 1e-6;   // of the largest force
 constexpr double contracts_below = 0.999999;
-constexpr double agrees_within = 1e-12;    // of the largest force, of the equations g = B(g)
-constexpr double confirmed_within = 1e-9;  // the same of the bodies cut free with these efforts
+constexpr double forces_agree_within = 1e-12;  // of the largest force, of the equations g = B(g)
+constexpr double confirmed_within = 1e-9;      // the same of the bodies cut free with these efforts
 constexpr double no_power = 1e-9;  // of what is lost: as in a dead centre, where nothing but friction takes power
 
 /// What a bound depends on: the force in a joint, and the couple about its point.
@@ -123,7 +123,7 @@ class SlidingSolver {
       out_.friction.state = SlidingFriction::State::solved;
       const double rate = rate_of(p_.scene, p_.motions, one.on);
       const bool is_angle = one.on.is_angle();
-      if (std::abs(rate) <= no_rate * p_.fastest * (is_angle ? 1.0 : p_.size)) {
+      if (std::abs(rate) <= no_sliding_rate * p_.fastest * (is_angle ? 1.0 : p_.size)) {
         out_.friction.at_rest.push_back(one.joint);
         continue;
       }
@@ -281,8 +281,8 @@ class SlidingSolver {
       const VectorXd r = residual(g, k);
       const double left = size_of(r);
       if (!std::isfinite(left)) return std::nullopt;
-      if (left <= agrees_within * std::max(scale_, size_of(g))) {
-        if (g.minCoeff() < -agrees_within * scale_) return std::nullopt;
+      if (left <= forces_agree_within * std::max(scale_, size_of(g))) {
+        if (g.minCoeff() < -forces_agree_within * scale_) return std::nullopt;
         return g;
       }
       const Eigen::FullPivLU<MatrixXd> factors(jacobian(g, k));

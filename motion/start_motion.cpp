@@ -49,7 +49,7 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
 }
 
 /// The pose in which the scene is assembled, whichever joints the friction in them cuts.
-std::vector<double> assembled(const MotionModel& model) {
+std::vector<double> assembled_pose(const MotionModel& model) {
   if (!has_cuts(model.layout())) return close_loops(model);
   Scene whole = model.scene();
   for (Joint& joint : whole.joints) joint.friction.reset();
@@ -81,7 +81,7 @@ void reach_starts_of_drives(const MotionModel& model, Reduced& reduced, std::vec
 
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted, const std::vector<double>* q,
                          const std::vector<int>* chosen) {
-  std::vector<double> x = q != nullptr ? model.from_si(*q) : assembled(model);
+  std::vector<double> x = q != nullptr ? model.from_si(*q) : assembled_pose(model);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reach_starts_of_drives(model, reduced, x);
   reduced.choose(0.0, x.data(), false, chosen);

@@ -14,13 +14,13 @@ namespace {
 using Reduced = ReducedMotion<double>;
 
 /// Rates below this part of the largest yet are zero: events are located far more closely.
-constexpr double no_rate = 1e-9;
+constexpr double no_rate_of_friction = 1e-9;
 /// Accelerations below this part of the largest of any choice are zero.
 constexpr double no_acceleration = 1e-9;
 /// A choice is consistent if forces and accelerations have the right sign but for this part.
 constexpr double consistent = 1e-6;
 /// What rounding may leave of a rate, as a part of the largest yet.
-constexpr double rounding = 1e-12;
+constexpr double slip_rounding = 1e-12;
 constexpr double tiny = std::numeric_limits<double>::min();
 
 }  // namespace
@@ -105,7 +105,7 @@ double StickSlip::dip(const Reduced& motion, double h) {
     const double b = 3 * (to - from) - 2 * falls - rises;
     const double x = -falls / (b + std::sqrt(std::max(0.0, b * b - 3 * a * falls)));
     const double least = from + x * (falls + x * (b + x * a));
-    if (x > 0 && x < 1 && least < -rounding * contact.speed) return x * h;
+    if (x > 0 && x < 1 && least < -slip_rounding * contact.speed) return x * h;
   }
   return 0.0;
 }
@@ -211,7 +211,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
   std::size_t choices = 1;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     contacts_[c].idle = false;
-    const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate * contacts_[c].speed;
+    const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate_of_friction * contacts_[c].speed;
     if (moves) continue;
     still.push_back(c);
     if (still.size() > most_at_once) return Choice::failed;

@@ -16,11 +16,11 @@ namespace poise::solvers {
 namespace {
 
 constexpr int dense_unknowns = 60;
-constexpr double relax = 1e-12;        // keeps the tangent regular where rows are dependent
-constexpr double first_shift = 1e-10;  // of a tangent that is singular nevertheless, relative to its largest entry
-constexpr int shifts = 6;              // each a hundred times the one before
-constexpr double longest_step = 3.0;   // rad or mechanism sizes
-constexpr int halvings = 6;
+constexpr double tangent_shift = 1e-12;  // keeps the tangent regular where rows are dependent
+constexpr double first_shift = 1e-10;    // of a tangent that is singular nevertheless, relative to its largest entry
+constexpr int shifts = 6;                // each a hundred times the one before
+constexpr double longest_step = 3.0;     // rad or mechanism sizes
+constexpr int line_halvings = 6;
 constexpr int bold_steps = 20;  // full steps taken where the filter accepts no shortened one
 
 // [ H J^T; J -relax ] factored by LU, dense or sparse; inactive rows are identity.
@@ -65,7 +65,7 @@ class SaddleFactors {
       a[jacobian_slot_[e].second] += at.jacobian[e];
     }
     for (int i = 0; i < n_; ++i) a[diagonal_slot_[i]] += shift;
-    for (const int r : active.kept()) a[diagonal_slot_[place_of_[r]]] = active.holds(r) ? -relax : 1.0;
+    for (const int r : active.kept()) a[diagonal_slot_[place_of_[r]]] = active.holds(r) ? -tangent_shift : 1.0;
     if (dense_) {
       full_lu_.compute(full_);
       return true;
@@ -244,7 +244,7 @@ class AugmentedLagrangian {
     const double whole = std::min(1.0, longest_step / step_.head(n_).cwiseAbs().maxCoeff());
     filter_.remember(gap_, force_);
     double alpha = whole;
-    for (int h = 0; h < halvings; ++h, alpha *= 0.5) {
+    for (int h = 0; h < line_halvings; ++h, alpha *= 0.5) {
       try_step(alpha);
       if (filter_.takes(gap_, force_)) return accept();
     }

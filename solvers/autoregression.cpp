@@ -10,11 +10,11 @@ constexpr std::size_t most_lags = 200'000;
 /// Sums over lags without end stop where what is added is below this part.
 constexpr double negligible = 1e-8;
 /// Rows that are filtered before they are summed.
-constexpr Eigen::Index block = 256;
+constexpr Eigen::Index block_size = 256;
 /// Columns that are filtered together.
 constexpr int strip = 8;
 /// Parts of sums of products that are lost in rounding do not count below this part of them.
-constexpr double rounding = 1e-12;
+constexpr double sum_rounding = 1e-12;
 
 /// Sums of products of neighbours in columns x of at least `rows` rows n, x_t of weight w:
 ///   sum_w sum_(t=m)^(n-1) x_(t-i) x_(t-j) = lagged(j - i) - head(m - 1 - i, m - 1 - j) - tail(i - 1, j - 1),
@@ -127,9 +127,9 @@ Eigen::MatrixXd Autoregression::weighted_square(const Eigen::MatrixXd& a) const 
       Eigen::Map<const Eigen::VectorXd>(coefficient.data(), order).reverse();  // the farthest row first
   // One column for each row of b: the last ones of the block before, then those of a block; 0 for t < p.
   const Eigen::Index strips = (columns + strip - 1) / strip;
-  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(strip * strips, order + block);
-  for (Eigen::Index begin = 0; begin < rows; begin += block) {
-    const Eigen::Index present = std::min(block, rows - begin);
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(strip * strips, order + block_size);
+  for (Eigen::Index begin = 0; begin < rows; begin += block_size) {
+    const Eigen::Index present = std::min(block_size, rows - begin);
     for (Eigen::Index i = 0; i < present; ++i) {
       const Eigen::Index t = rows - 1 - begin - i;
       b.col(order + i).setZero();
@@ -220,7 +220,7 @@ Autoregression fit_autoregression(std::span<const std::vector<double>> pieces, i
           squares += both * (sum(order, i, j) + sum(order, order - i, order - j));
         }
       }
-      rounded += rounding * sum.squares() * std::pow(filter.lpNorm<1>(), 2);
+      rounded += sum_rounding * sum.squares() * std::pow(filter.lpNorm<1>(), 2);
     }
     if (!(squares > rounded)) break;
     const double k = 2 * product / squares;

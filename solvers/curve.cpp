@@ -20,7 +20,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int most_steps = 8;
+constexpr int most_corrections = 8;
 constexpr int most_steps_on_sphere = 40;
 
 }  // namespace
@@ -176,7 +176,7 @@ Curve::Correction Curve::iterate(VectorXd& z, const VectorXd* row, const VectorX
   Correction out;
   double before = std::numeric_limits<double>::infinity();
   // On the sphere the start may be far from every curve.
-  const int limit = centre != nullptr ? most_steps_on_sphere : most_steps;
+  const int limit = centre != nullptr ? most_steps_on_sphere : most_corrections;
   for (out.steps = 1; out.steps <= limit; ++out.steps) {
     evaluate(z, true);
     residual(z);

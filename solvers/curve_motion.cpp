@@ -15,13 +15,13 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double unit_roundoff = std::numeric_limits<double>::epsilon();
 constexpr double shortest_step = 1e-10;
-constexpr double least_cosine = 0.9;     // between the tangents of a step's ends
+constexpr double least_tangent_cosine = 0.9;  // between the tangents of a step's ends
 constexpr double mid_error_part = 0.25;  // of the error in the middle that is allowed for each half, which has 1/16
-constexpr int dense_limit = 48;          // variables up to which factors are dense and gaps between branches detected
+constexpr int largest_dense_curve = 48;  // variables up to which factors are dense and gaps between branches detected
 constexpr int corrections = 12;
-constexpr int refinements = 60;
+constexpr int most_bracketings = 60;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ class CurveMotion::Method {
         options_(options),
         n_(problem.variables()),
         equalities_(problem.equalities()),
-        dense_(!problem.has_objective() || n_ <= dense_limit),
+        dense_(!problem.has_objective() || n_ <= largest_dense_curve),
         kkt_(dense_ ? make_null_space(problem) : make_sparse_kkt(problem)),
         active_(problem.constraints(), 0),
         bounds_(problem.limits()),
@@ -127,7 +127,7 @@ class CurveMotion::Method {
     p.value[0] = -dot(p.t, p.at.gradient);
     p.slope[0] = -bend;
     scale_ = std::max({scale_, largest(p.at.gradient), largest(y_)});
-    p.noise = 4 * eps * (scale_ + stiffest * std::max(1.0, largest(p.at.x)));
+    p.noise = 4 * unit_roundoff * (scale_ + stiffest * std::max(1.0, largest(p.at.x)));
     set_distances(p);
     set_switches(p);
   }
@@ -186,7 +186,7 @@ class CurveMotion::Method {
     for (std::size_t k = 0; k < side_.size(); ++k) {
       double& value = p.value[first_switch() + k];
       double& slope = p.slope[first_switch() + k];
-      const bool touches = std::abs(value) <= 4 * eps;
+      const bool touches = std::abs(value) <= 4 * unit_roundoff;
       if (touches ? slope < 0 : value < 0) {
         side_[k] = -side_[k];
         value = -value;
@@ -251,7 +251,7 @@ class CurveMotion::Method {
       if (!std::isfinite(off) || off > 4.0) return false;
       if (!factor(p)) return false;
       if (!set_tangent(p, left.t)) return false;
-      if (off <= eps * (1.0 + largest(p.at.x)) || (k > 1 && off > 0.25 * last && last < 1e-11)) {
+      if (off <= unit_roundoff * (1.0 + largest(p.at.x)) || (k > 1 && off > 0.25 * last && last < 1e-11)) {
         p.sigma = sigma;
         return true;
       }
@@ -287,7 +287,7 @@ class CurveMotion::Method {
   }
 
   bool continues(Point& p) {
-    if (!(dot(left_->t, p.t) > least_cosine) || !same_branch(*left_, p)) return false;
+    if (!(dot(left_->t, p.t) > least_tangent_cosine) || !same_branch(*left_, p)) return false;
     set_functions(p);
     return true;
   }
@@ -327,7 +327,9 @@ class CurveMotion::Method {
             b.sigma - a.sigma};
   }
 
-  double noise_of(const Point& p, int f) const { return f == 0 ? p.noise : 4 * eps * (1.0 + largest(p.at.x)); }
+  double noise_of(const Point& p, int f) const {
+    return f == 0 ? p.noise : 4 * unit_roundoff * (1.0 + largest(p.at.x));
+  }
 
   // From a to b, where the function is known to `error`.
   enum class Course { positive, falls, touches, unclear };
@@ -477,7 +479,7 @@ class CurveMotion::Method {
   };
   std::optional<Bracket> bracket(Point& a, Point& b, int f, double width) {
     Bracket out{&a, &b};
-    for (int k = 0; k < refinements; ++k) {
+    for (int k = 0; k < most_bracketings; ++k) {
       const double from = out.before->sigma, to = out.beyond->sigma;
       if (to - from <= width || out.beyond->value[f] == 0.0) break;
       const double tau = k % 4 == 3 ? 0.5 : root_of(cubic(*out.before, *out.beyond, f));
@@ -492,7 +494,7 @@ class CurveMotion::Method {
   }
 
   bool rest_between(Point& a, Point& b) {
-    const std::optional<Bracket> found = bracket(a, b, 0, eps * (1.0 + largest(b.at.x)));
+    const std::optional<Bracket> found = bracket(a, b, 0, unit_roundoff * (1.0 + largest(b.at.x)));
     if (!found) return false;
     const bool nearer = found->before->value[0] < -found->beyond->value[0];
     arrive(nearer ? *found->before : *found->beyond, Arrival::rest);

@@ -12,17 +12,17 @@ namespace poise::solvers {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-constexpr int most_columns = 7;        // of the extrapolation
-constexpr int dense_limit = 48;        // variables up to which factors are dense
-constexpr int closings = 10;           // Newton steps onto the constraints
-constexpr double finish_within = 0.2;  // first Newton step of the finish, rad or mechanism sizes
-constexpr double contraction = 0.25;   // of the second
+constexpr int most_columns = 7;           // of the extrapolation
+constexpr int largest_dense_motion = 48;  // variables up to which factors are dense
+constexpr int closings = 10;              // Newton steps onto the constraints
+constexpr double finish_within = 0.2;     // first Newton step of the finish, rad or mechanism sizes
+constexpr double contraction = 0.25;      // of the second
 constexpr int finish_steps = 12;
-constexpr double separation = 0.1;    // distance at which motions count as having parted
-constexpr int event_steps = 60;       // to locate an event
-constexpr double least_cosine = 0.8;  // between velocities
-constexpr int deepest = 40;           // halvings of a step's way
-constexpr double least_step = 1e-14;  // of time, relative to the first one
+constexpr double separation = 0.1;             // distance at which motions count as having parted
+constexpr int event_steps = 60;                // to locate an event
+constexpr double least_velocity_cosine = 0.8;  // between velocities
+constexpr int deepest = 40;                    // halvings of a step's way
+constexpr double least_step = 1e-14;           // of time, relative to the first one
 
 }  // namespace
 
@@ -35,7 +35,7 @@ class DampedMotion::Method {
         equalities_(problem.equalities()),
         rows_(problem.constraints()),
         symmetric_(problem.has_objective()),
-        kkt_(!symmetric_ || n_ <= dense_limit ? make_null_space(problem) : make_sparse_kkt(problem)),
+        kkt_(!symmetric_ || n_ <= largest_dense_motion ? make_null_space(problem) : make_sparse_kkt(problem)),
         now_(problem.make_evaluation()),
         next_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),
@@ -593,7 +593,7 @@ class DampedMotion::Method {
         set_way(velocity_, length, way_now_);
         set_way(velocity_next_, length, way_next_);
         // The curve tells nothing of a way that turns far.
-        if (sum > 1e-3 && dot(way_now_, way_next_) < least_cosine * length * length) return 0.5;
+        if (sum > 1e-3 && dot(way_now_, way_next_) < least_velocity_cosine * length * length) return 0.5;
       }
       Sample a = sample(now_, w, 0.0, way_now_), b = sample(next_, w, 1.0, way_next_);
       const bool starts_there = std::abs(a.value) <= 1e-10;

@@ -16,17 +16,17 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double of_stiffness = 0.3;  // mass over stiffness; explicit unit time steps are stable above 1/4
-constexpr double of_force = 0.5;      // mass over force, for loads whose stiffness passes zero
-constexpr double least_mass = 1e-6;   // relative to the largest
-constexpr double longest_step = 0.2;  // rad or mechanism sizes
-constexpr double relax = 1e-13;       // keeps J M^-1 J^T regular where rows are dependent
+constexpr double of_stiffness = 0.3;          // mass over stiffness; explicit unit time steps are stable above 1/4
+constexpr double of_force = 0.5;              // mass over force, for loads whose stiffness passes zero
+constexpr double least_mass = 1e-6;           // relative to the largest
+constexpr double longest_displacement = 0.2;  // rad or mechanism sizes
+constexpr double closure_shift = 1e-13;       // keeps J M^-1 J^T regular where rows are dependent
 constexpr int dense_rows = 60;
-constexpr int refinements = 6;
+constexpr int closure_refinements = 6;
 constexpr int pull_backs = 12;       // chord steps back to the constraints after one time step
 constexpr double near_enough = 0.1;  // share of the tolerance to which constraints are kept
 constexpr int closing_steps = 50;
-constexpr int halvings = 12;
+constexpr int shift_halvings = 12;
 constexpr double run_away = 100.0;  // distance from the start that counts as divergence
 
 // J M^-1 J^T of the active rows, factored; inactive rows are identity.
@@ -62,7 +62,7 @@ class ConstraintFactors {
     double scale = 0.0;
     for (const int r : active.rows()) scale = std::max(scale, square_.coeff(place_of_[r], place_of_[r]));
     for (const int r : active.kept())
-      square_.coeffRef(place_of_[r], place_of_[r]) += active.holds(r) ? relax * scale : 1.0;
+      square_.coeffRef(place_of_[r], place_of_[r]) += active.holds(r) ? closure_shift * scale : 1.0;
     if (dense_) {
       full_ = square_;
       full_factors_.compute(full_);
@@ -78,7 +78,7 @@ class ConstraintFactors {
     solution_.setZero(b.size());
     left_ = b;
     double last = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < refinements; ++k) {
+    for (int k = 0; k < closure_refinements; ++k) {
       const double size = left_.cwiseAbs().maxCoeff();
       if (!(size < 0.1 * last)) break;
       last = size;
@@ -234,7 +234,7 @@ class DynamicRelaxation {
     last_power_ = resting_ ? -rate_.dot(residual()) : power;
     resting_ = false;
     const double fastest = rate_.cwiseAbs().maxCoeff();
-    if (fastest > longest_step) rate_ *= longest_step / fastest;
+    if (fastest > longest_displacement) rate_ *= longest_displacement / fastest;
     switch (displace(rate_)) {
       case Moved::not_at_all:
         return false;
@@ -268,7 +268,7 @@ class DynamicRelaxation {
   // Moves by `shift`, halved until the constraints can be kept, and sets the rates to the displacement.
   Moved displace(const Eigen::VectorXd& shift) {
     shift_ = shift;
-    for (int h = 0; h < halvings; ++h, shift_ *= 0.5) {
+    for (int h = 0; h < shift_halvings; ++h, shift_ *= 0.5) {
       for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] + shift_[i];
       evaluate(trial_);
       if (!pull_back()) continue;
@@ -352,7 +352,7 @@ class DynamicRelaxation {
       const Eigen::VectorXd back = factors_.weighted().transpose() * factors_.solve(right_);
       double alpha = std::min(1.0, 1.0 / back.cwiseAbs().maxCoeff());
       bool fell = false;
-      for (int h = 0; h < halvings && !fell; ++h, alpha *= 0.5) {
+      for (int h = 0; h < shift_halvings && !fell; ++h, alpha *= 0.5) {
         for (int i = 0; i < n_; ++i) trial_.x[i] = now_.x[i] - alpha * back[i];
         evaluate(trial_);
         gaps(trial_);

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int most_steps = 10;
+constexpr int most_newton_steps = 10;
 constexpr double undisturbed = 2e-5;   // distance in x: that of a fold by an imperfection of 3e-15
 constexpr double least_motion = 1e-9;  // of x in v: with less, v is of multipliers of dependent rows
 
@@ -86,7 +86,7 @@ FoldSystem::Correction FoldSystem::correct(FoldPlace& place, const VectorXd& row
   row.segment(n_, size_ - n_).setZero();
   border_by(near.v, near.w);
   double before = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < most_newton_steps; ++k) {
     if (!bordered(place.z, row)) return out;
     VectorXd rhs(size_ + 2);
     rhs << -r_, -g_, 0.0;

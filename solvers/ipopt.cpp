@@ -13,9 +13,6 @@
 namespace poise::solvers {
 namespace {
 
-using Ipopt::Index;
-using Ipopt::Number;
-
 constexpr double small_step = 1e-6;        // rad or sizes
 constexpr int most_without_progress = 10;  // iterations with such steps that do not halve the error
 
@@ -53,6 +50,9 @@ std::string in_words(Ipopt::ApplicationReturnStatus status) {
 // Ipopt's callbacks for a Problem. Every new point is evaluated once, completely.
 class Adapter final : public Ipopt::TNLP {
  public:
+  using Index = Ipopt::Index;
+  using Number = Ipopt::Number;
+
   Adapter(const Problem& problem, const std::vector<double>& start, const SearchOptions& options,
           const std::vector<int>& rows, SearchResult& result)
       : problem_(problem),

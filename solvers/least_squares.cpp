@@ -11,7 +11,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr int dense_unknowns = 100;
+constexpr int dense_fit_unknowns = 100;
 
 // The unknowns that Ceres varies; the whole system is evaluated before Ceres asks for single residuals.
 class Unknowns final : public ceres::EvaluationCallback {
@@ -79,7 +79,7 @@ class Watch final : public ceres::IterationCallback {
 
 ceres::Solver::Options settings_for(int unknowns, const SearchOptions& options) {
   ceres::Solver::Options settings;
-  settings.linear_solver_type = unknowns <= dense_unknowns ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
+  settings.linear_solver_type = unknowns <= dense_fit_unknowns ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
   settings.logging_type = ceres::SILENT;
   settings.max_num_iterations = options.iterations;
   // Little damping, so that steps are nearly Newton's, and non-monotonic steps: the valleys are narrow and curved.

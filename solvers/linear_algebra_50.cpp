@@ -9,22 +9,22 @@ namespace poise::solvers {
 
 using Matrix = DenseMatrix<Real50>;
 using Vector = DenseVector<Real50>;
-using SparseMatrix = Eigen::SparseMatrix<Real50>;
+using SparseMatrix50 = Eigen::SparseMatrix<Real50>;
 
 template PivotOrder pivot_order(const Matrix&, double);
 template Matrix null_space(const Matrix&, double);
 template class LeastSquares<Real50>;
 template Vector symmetric_eigenvalues(const Matrix&);
 
-std::optional<Vector> solve(const SparseMatrix& a, const Vector& b, bool symmetric) {
+std::optional<Vector> solve(const SparseMatrix50& a, const Vector& b, bool symmetric) {
   if (symmetric) {
-    const Eigen::SimplicialLDLT<SparseMatrix> factors(a);
+    const Eigen::SimplicialLDLT<SparseMatrix50> factors(a);
     if (factors.info() == Eigen::Success) {
       Vector x = factors.solve(b);
       if (x.allFinite()) return x;
     }
   }
-  Eigen::SparseLU<SparseMatrix> factors;
+  Eigen::SparseLU<SparseMatrix50> factors;
   factors.compute(a);
   if (factors.info() != Eigen::Success) return std::nullopt;
   Vector x = factors.solve(b);

@@ -10,9 +10,9 @@ using Real = long double;
 using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
-constexpr Real rounding = 1e-14L;  // of coefficients of order one, in long double after some hundred pivots
-constexpr Real no_slope = 1e-10L;  // of an objective along a ray
-constexpr int most_steps = 5000;
+constexpr Real pivot_rounding = 1e-14L;  // of coefficients of order one, in long double after some hundred pivots
+constexpr Real no_slope = 1e-10L;        // of an objective along a ray
+constexpr int most_pivots = 5000;
 constexpr int steps_before_bland = 200;
 
 /// basic = constant + coefficients * nonbasic, for variables numbered: x, then the slacks of the rows, then the
@@ -108,7 +108,7 @@ class Dictionary {
     // The artificial variable is basic still: zero but for rounding, or the program is infeasible.
     for (Eigen::Index i = 0; i < slacks_; ++i) {
       if (basic_[static_cast<std::size_t>(i)] != artificial()) continue;
-      if (table_(i, constant()) > rounding * 10) {
+      if (table_(i, constant()) > pivot_rounding * 10) {
         out.status = LinearProgramResult::Status::infeasible;
         out.multipliers = Eigen::VectorXd::Zero(slacks_);
         add_multipliers(out.multipliers);
@@ -144,13 +144,13 @@ class Dictionary {
   bool enters(Eigen::Index j, bool second_phase) const {
     const Eigen::Index variable = nonbasic_[static_cast<std::size_t>(j)];
     if (is_free(variable) || (second_phase && variable == artificial())) return false;
-    return table_(last(), j) > rounding && is_flat_[static_cast<std::size_t>(j)] == 0;
+    return table_(last(), j) > pivot_rounding && is_flat_[static_cast<std::size_t>(j)] == 0;
   }
 
   // Steps up the objective in the last row; false where it is unbounded (`ray_`) or does not end.
   bool climb(bool second_phase = false) {
     is_flat_.assign(nonbasic_.size(), 0);
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < most_pivots; ++step) {
       Eigen::Index column = -1;
       for (Eigen::Index j = 0; j <= free_; ++j) {
         if (!enters(j, second_phase)) continue;

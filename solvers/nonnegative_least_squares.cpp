@@ -8,7 +8,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+constexpr double gain_rounding = 64 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
     Eigen::Index enters = -1;
     for (Eigen::Index j = 0; j < n; ++j) {
       const bool is_positive = std::find(positive.begin(), positive.end(), j) != positive.end();
-      if (!is_positive && gain[j] > rounding * scale && (enters < 0 || gain[j] > gain[enters])) enters = j;
+      if (!is_positive && gain[j] > gain_rounding * scale && (enters < 0 || gain[j] > gain[enters])) enters = j;
     }
     if (enters < 0) break;
     positive.push_back(enters);
@@ -50,7 +50,7 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
       }
       if (step >= 1.0) break;
       std::erase_if(positive, [&](Eigen::Index j) {
-        if (x[j] > rounding * x.cwiseAbs().maxCoeff()) return false;
+        if (x[j] > gain_rounding * x.cwiseAbs().maxCoeff()) return false;
         x[j] = 0.0;
         return true;
       });

@@ -12,9 +12,9 @@
 namespace poise::solvers {
 namespace {
 
-constexpr int dense_rows = 200;
-constexpr double relax = 1e-13;  // keeps J J^T regular where rows are dependent
-constexpr int refinements = 20;
+constexpr int dense_residual_rows = 200;
+constexpr double row_shift = 1e-13;  // keeps J J^T regular where rows are dependent
+constexpr int residual_refinements = 20;
 constexpr double singular_beyond = 1e6;
 constexpr double left_out_within = 1e-9;
 
@@ -41,11 +41,11 @@ Eigen::VectorXd sparse_least_squares(const SparseMatrix& a, const Eigen::VectorX
   const double scale = 1.0 + normal.diagonal().maxCoeff();
   SparseMatrix identity(normal.rows(), normal.cols());
   identity.setIdentity();
-  normal += relax * scale * identity;
+  normal += row_shift * scale * identity;
   const Eigen::SimplicialLDLT<SparseMatrix> factors(normal);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols());
   double last = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < refinements; ++k) {
+  for (int k = 0; k < residual_refinements; ++k) {
     const Eigen::VectorXd slope = a.transpose() * (b - a * x);
     const double left = slope.cwiseAbs().maxCoeff();
     if (!(left < 0.5 * last)) break;
@@ -75,7 +75,7 @@ std::vector<double> least_squares_multipliers(const Problem& problem, const Eval
   if (rows.empty()) return y;
   const SparseMatrix a = transposed_rows(problem, at, rows);
   const Eigen::VectorXd b = -Eigen::Map<const Eigen::VectorXd>(at.gradient.data(), problem.variables());
-  const Eigen::VectorXd solution = static_cast<int>(rows.size()) <= dense_rows
+  const Eigen::VectorXd solution = static_cast<int>(rows.size()) <= dense_residual_rows
                                        ? minimum_norm_solution(Eigen::MatrixXd(a), b)
                                        : sparse_least_squares(a, b);
   for (int i = 0; i < static_cast<int>(rows.size()); ++i) y[rows[i]] = solution[i];

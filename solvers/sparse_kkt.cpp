@@ -29,7 +29,7 @@ namespace {
 constexpr double relaxation = 1e-13;
 constexpr double tiniest_pivot = 1e-13;  // relative to the largest diagonal entry of K
 constexpr double refine_beyond = 1e7;    // ratio of the largest to the smallest pivot that calls for refinement
-constexpr int refinements = 4;
+constexpr int step_refinements = 4;
 
 class SparseKkt final : public Kkt {
  public:
@@ -298,7 +298,7 @@ class SparseKkt final : public Kkt {
 
   void refine() {
     double last = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < refinements; ++k) {
+    for (int k = 0; k < step_refinements; ++k) {
       const double error = residual();
       if (error < 1e-15 || !(error < 0.5 * last)) break;
       last = error;

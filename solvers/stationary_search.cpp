@@ -10,7 +10,7 @@
 namespace poise::solvers {
 namespace {
 
-constexpr double closed_within = 1e-13;  // gaps that trials may leave where constraints are redundant
+constexpr double gap_left_by_trials = 1e-13;  // gaps that trials may leave where constraints are redundant
 
 }  // namespace
 
@@ -66,7 +66,7 @@ bool StationarySearch::shorten(double alpha) {
   }
   for (int h = 0; h < at_.options.stationary_halvings; ++h, alpha *= 0.5) {
     at_.try_step(alpha);
-    if (redundant && !closing_.pull_back(closed_within)) continue;
+    if (redundant && !closing_.pull_back(gap_left_by_trials)) continue;
     std::swap(at_.now, at_.trial);
     if (carries_multipliers) at_.carry_multipliers(alpha);
     const bool linearized = at_.linearize();

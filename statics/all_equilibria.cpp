@@ -29,7 +29,7 @@ namespace {
 
 // Distances of coordinates, rad or mechanism sizes.
 constexpr double same_search = 1e-6;               // between ends of searches that count as one
-constexpr double same_place = 1e-9;                // between equilibria, besides what their proofs leave open
+constexpr double same_equilibrium = 1e-9;          // between equilibria, besides what their proofs leave open
 constexpr double told_apart = 1e-8;                // equilibria that are nearer to each other may count as one
 constexpr std::size_t most_boxes_searched = 1000;  // undecided ones, for equilibria
 constexpr int assembly_searches = 24;              // for curves of poses, where turns of loops are told apart
@@ -42,9 +42,10 @@ std::string number_of(std::size_t count, const char* one, const char* many) {
 }
 
 // Random starts: the n-th is the same whatever others there are.
-class Sampler {
+class StartSampler {
  public:
-  Sampler(const StaticModel& model, const Turns& turns, const LoopTurns& loops, const AllEquilibriaOptions& options)
+  StartSampler(const StaticModel& model, const Turns& turns, const LoopTurns& loops,
+               const AllEquilibriaOptions& options)
       : model_(model), turns_(turns), loops_(loops), options_(options), start_(model.start()) {}
 
   // Where the search from a start ended; empty where it found nothing.
@@ -276,7 +277,7 @@ class Finder {
       loops_->add(start_);
       find_curves();
     }
-    const Sampler sampler(model_, turns_, *loops_, options_);
+    const StartSampler sampler(model_, turns_, *loops_, options_);
     std::vector<std::vector<double>> ends(static_cast<std::size_t>(std::max(0, options_.starts)));
     solvers::ParallelOptions settings = parallel();
     if (options_.searched) settings.progress = [&](std::size_t done) { options_.searched(static_cast<int>(done)); };
@@ -353,7 +354,7 @@ class Finder {
 
   bool is_same(const Equilibrium& a, const Equilibrium& b) const {
     const Certificate &p = a.certificate, &q = b.certificate;
-    if (turns_.distance(a.x, b.x) <= std::max(same_place, p.radius + q.radius)) return true;
+    if (turns_.distance(a.x, b.x) <= std::max(same_equilibrium, p.radius + q.radius)) return true;
     // Of a curve or more of them the coordinates that are called arbitrary differ from place to place, and the stops.
     if (!is_neutral(p) || !is_neutral(q)) return false;
     const double apart = std::abs(a.energy.value_or(0.0) - b.energy.value_or(0.0));

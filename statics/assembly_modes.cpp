@@ -14,17 +14,17 @@
 namespace poise {
 namespace {
 
-constexpr double least = 1e-3;        // width of boxes in which loops only nearly close
-constexpr double least_rigid = 1e-5;  // width of boxes in which no rigid pose is told from poses that move
-constexpr double same_pose = 1e-9;
+constexpr double smallest_width = 1e-3;  // width of boxes in which loops only nearly close
+constexpr double least_rigid = 1e-5;     // width of boxes in which no rigid pose is told from poses that move
+constexpr double same_assembly = 1e-9;
 constexpr int most_boxes = 50000;
-constexpr double half_turn = 3.1416;  // a little more
+constexpr double half_turn_and_more = 3.1416;  // a little more
 
 CoordinateBox all_poses(const StaticModel& model) {
   CoordinateBox out;
   for (std::size_t i = 0; i < model.start().size(); ++i) {
     const bool is_length = model.layout().is_length(static_cast<int>(i));
-    const double reach = is_length ? LoopTurns::far_away : half_turn;
+    const double reach = is_length ? LoopTurns::far_away : half_turn_and_more;
     out.emplace_back(model.start()[i] - reach, model.start()[i] + reach);
   }
   return out;
@@ -66,7 +66,7 @@ std::vector<double> middle_of(const CoordinateBox& box) {
 void find_assembly_modes(const StaticModel& model, int repeated, LoopTurns& loops,
                          const std::function<bool()>& stopped) {
   const auto is_decided = [&](const CoordinateBox& box, bool is_regular) {
-    const bool is_small = widest(box) <= least;
+    const bool is_small = widest(box) <= smallest_width;
     if (!is_small && !is_regular) return false;
     if (loops.passes(lower_corner(box), upper_corner(box))) return true;
     const std::vector<double> middle = middle_of(box);
@@ -93,7 +93,7 @@ RigidPoses find_rigid_poses(const StaticModel& model, int repeated, const LoopTu
     if (is_regular && away <= 0.5 * wide) {
       // Those on a face of two boxes are met twice.
       const bool is_new = std::none_of(out.poses.begin(), out.poses.end(), [&](const std::vector<double>& known) {
-        return loops.distance(known, pose) < same_pose;
+        return loops.distance(known, pose) < same_assembly;
       });
       if (is_new) out.poses.push_back(pose);
       return true;

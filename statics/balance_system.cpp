@@ -9,7 +9,7 @@
 namespace poise {
 namespace {
 
-constexpr int most_steps = 25;
+constexpr int most_proof_steps = 25;
 
 Mechanism<Ball> compiled(const StaticModel& model, const Layout& layout, bool rounding) {
   const Ball::InputRounding guard(rounding);
@@ -177,7 +177,7 @@ BalanceSystem::Solution BalanceSystem::prove(const std::vector<Ball>& x, const s
   double last = 0.0;
   const double narrow =
       std::exp2(-static_cast<double>(Ball::bits()) / 2);  // width of an enclosure that is sharp enough
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < most_proof_steps; ++step) {
     double largest_y = 1.0;
     for (const Ball& v : out.y) largest_y = std::max(largest_y, std::abs(v.middle()));
     std::fill(y_reach.begin(), y_reach.end(), reach * largest_y);

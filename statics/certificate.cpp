@@ -19,11 +19,10 @@ namespace poise {
 namespace {
 
 // These numbers choose what is tried, and where. What is proved is proved in ball arithmetic.
-constexpr double touched = 1e-6;      // distance from its bound, rad or sizes, at which a stop may be active
-constexpr double same_place = 1e-15;  // rad or sizes
-constexpr int most_undecided = 4;     // stops and one-way springs whose state is undecided: 2^4 pieces
+constexpr double touched_within = 1e-6;   // distance from its bound, rad or sizes, at which a stop may be active
+constexpr double place_rounding = 1e-15;  // rad or sizes
+constexpr int most_undecided = 4;         // stops and one-way springs whose state is undecided: 2^4 pieces
 constexpr double largest_gap_by_rounding = 1e-6;
-constexpr int dense_limit = SmoothPiece::dense_limit;
 
 // An active stop and the side on which it acts.
 struct ActiveStop {
@@ -139,8 +138,8 @@ std::vector<ActiveStop> Certifier::stops_in_contact() const {
   const std::vector<double> g = stop_values();
   for (int s = 0; s < m().stops(); ++s) {
     if (m().lower()[s] == m().upper()[s]) continue;
-    if (g[s] > m().upper()[s] - touched) out.push_back({.stop = s, .upper = true});
-    if (g[s] < m().lower()[s] + touched) out.push_back({.stop = s, .upper = false});
+    if (g[s] > m().upper()[s] - touched_within) out.push_back({.stop = s, .upper = true});
+    if (g[s] < m().lower()[s] + touched_within) out.push_back({.stop = s, .upper = false});
   }
   return out;
 }
@@ -154,7 +153,7 @@ std::vector<ActiveStop> Certifier::find_active_stops() const {
   }
   const std::vector<ActiveStop> candidates = stops_in_contact();
   if (candidates.empty()) return active;
-  if (m().coordinates() > dense_limit) {
+  if (m().coordinates() > SmoothPiece::dense_limit) {
     active.insert(active.end(), candidates.begin(), candidates.end());
     return active;
   }
@@ -288,7 +287,7 @@ std::vector<int> Certifier::undecided_springs(const Finding& finding) const {
   std::vector<Ball> box(x().begin(), x().end());
   const bool found = finding.kind != Finding::Kind::none;
   for (std::size_t i = 0; i < box.size(); ++i) {
-    box[i] = found ? finding.solution.box[i] : box[i].widened(touched);
+    box[i] = found ? finding.solution.box[i] : box[i].widened(touched_within);
   }
   const std::vector<Ball> g = BalanceSystem(balls(), finding.kept).measures(box);
   std::erase_if(one_way, [&](int e) {
@@ -339,7 +338,7 @@ std::size_t Certifier::row_of(const Finding& finding, const ActiveStop& a) const
 Certifier::Sharing Certifier::sharing(const Finding& finding, const std::vector<ActiveStop>& active,
                                       const ActiveStop& dependent) const {
   Sharing out;
-  if (m().coordinates() > dense_limit || finding.kept.rows.empty()) return out;
+  if (m().coordinates() > SmoothPiece::dense_limit || finding.kept.rows.empty()) return out;
   const std::vector<double> x = middles(finding.solution.q);
   const DensePoint<double> kept(m(), x, finding.kept.rows);
   const DensePoint<double> stop(m(), x, {m().stop_row(dependent.stop)});
@@ -435,7 +434,7 @@ Certifier::Settled Certifier::settle() const {
   if (contact.empty() || contact.size() > most_undecided) return out;
   std::vector<ActiveStop> always;
   const auto rank = [&](const Settled& s) {
-    return moved(s) + (s.finding.unstable > 0 || !touched_stops(s).weak.empty() ? same_place : 0.0);
+    return moved(s) + (s.finding.unstable > 0 || !touched_stops(s).weak.empty() ? place_rounding : 0.0);
   };
   std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
   if (out.consistent && out.active.size() == always.size() + contact.size()) return out;
@@ -581,7 +580,7 @@ Certifier::Touched Certifier::touched_stops(const Settled& settled) const {
       out.weak.push_back({.stop = s, .upper = upper});
     }
   }
-  if (out.weak.empty() || m().coordinates() > dense_limit) return out;
+  if (out.weak.empty() || m().coordinates() > SmoothPiece::dense_limit) return out;
   const std::size_t before = piece_.dependent_rows(equations(strong), SmoothPiece::nearly_dependent).size();
   const auto shares = std::stable_partition(out.weak.begin(), out.weak.end(), [&](const ActiveStop& a) {
     std::vector<ActiveStop> with_it = strong;

@@ -9,7 +9,7 @@ namespace poise {
 namespace {
 
 constexpr double same_place = 1e-15;  // rad or sizes
-constexpr double margin = 1e-7;
+constexpr double change_margin = 1e-7;
 
 // How far from a change point equilibria may lie whose row is open by so much there: across the branches a gap is the
 // square of a distance, v^T T v = 2 open, and equilibria lie where  H v = lambda T v.
@@ -48,7 +48,7 @@ ChangePoint examine_change_point(const Eigen::MatrixXd& h, const std::vector<Los
   }
   out.spread = spread;
   const double scale = std::max(1.0, h.cwiseAbs().maxCoeff());
-  if (least(h) > margin * scale) out.stability = Stability::stable;
+  if (least(h) > change_margin * scale) out.stability = Stability::stable;
   if (out.stability == Stability::stable || lost.size() != 1) return out;
   const Eigen::MatrixXd& t = lost.front().second;
   const double size = t.cwiseAbs().maxCoeff();
@@ -61,8 +61,8 @@ ChangePoint examine_change_point(const Eigen::MatrixXd& h, const std::vector<Los
   }
   const double best = least(h + (from + to) / 2 * t);
   const double near_best = scale + std::abs((from + to) / 2) * size;
-  if (best > margin * near_best) out.stability = Stability::stable;
-  if (best < -margin * near_best) out.stability = Stability::unstable;
+  if (best > change_margin * near_best) out.stability = Stability::stable;
+  if (best < -change_margin * near_best) out.stability = Stability::unstable;
   return out;
 }
 

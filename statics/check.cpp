@@ -18,9 +18,9 @@ constexpr double no_length = 1e-12;  // of the mechanism's size
 // Share of the largest force that rounding of stiff springs may leave unbalanced.
 constexpr double rounding_forgiven = 1e-6;
 // Of the mechanism's size: how deep a profile may cut into its line, to rounding.
-constexpr double cut = 1e-8;
+constexpr double deepest_cut = 1e-8;
 // Of the largest force: a wheel that is pulled less than that touches its line to rounding.
-constexpr double no_pull = 1e-10;
+constexpr double negligible_pull = 1e-10;
 
 // Gap of a joint between the poses of its two bodies, m.
 double gap(const Scene& scene, const Joint& joint, const std::vector<BodyPose<double>>& poses, double size) {
@@ -205,7 +205,7 @@ class EquilibriumCheck {
 
   // A wheel or a profile that would have to be pulled to its line or circle lifts off.
   void look_at_wheels() {
-    const double least = -no_pull * out_.largest_force;
+    const double least = -negligible_pull * out_.largest_force;
     for (const Reaction& reaction : out_.reactions) {
       if (!reaction.of_stop || !reaction.kind.starts_with("rolling")) continue;
       const auto row = std::find_if(scene_.stops.begin(), scene_.stops.end(),
@@ -249,7 +249,7 @@ class EquilibriumCheck {
       const bool is_on_circle = rows->table == "rolling_profile_on_circle";
       deepest = std::max(deepest, is_on_circle ? rows->sense * (rows->max - norm(at)) : -dot(at, outward));
     }
-    if (deepest > cut * size_) refuse("cuts with its profile into what it rolls on");
+    if (deepest > deepest_cut * size_) refuse("cuts with its profile into what it rolls on");
   }
 
   // Its energy has the tip of a cone there, where no derivative exists.

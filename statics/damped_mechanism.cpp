@@ -15,13 +15,13 @@ namespace {
 constexpr int most_judged = 200;        // coordinates up to which the dampers are considered
 constexpr double least_damping = 1e-8;  // relative: of the freedom that dampers resist least
 
-struct Pose final : solvers::Scratch {
+struct DampedPose final : solvers::Scratch {
   std::vector<Planar<double>> phasors;
   std::vector<Planar<double>> measure;  // scratch of dampers and one-way springs
   std::vector<double> slopes;           // of one damper
 };
 
-Pose& pose_of(solvers::Evaluation& at) { return static_cast<Pose&>(*at.scratch); }
+DampedPose& damped_pose_of(solvers::Evaluation& at) { return static_cast<DampedPose&>(*at.scratch); }
 
 }  // namespace
 
@@ -79,7 +79,7 @@ bool DampedMechanism::dampers_resist_all(const std::vector<double>& x) const {
   const DensePoint<double> point(mechanism_, x, rows);
   const Eigen::MatrixXd basis = solvers::null_space<double>(point.jacobian, solvers::known_to::closed_point);
   const auto pose = make_scratch();
-  auto& buffers = static_cast<Pose&>(*pose);
+  auto& buffers = static_cast<DampedPose&>(*pose);
   mechanism_.place(x.data(), buffers.phasors.data());
   Eigen::MatrixXd slopes(static_cast<Eigen::Index>(dampers_.size()), basis.cols());
   for (std::size_t d = 0; d < dampers_.size(); ++d) {
@@ -115,7 +115,7 @@ void DampedMechanism::extend_pattern() {
 }
 
 std::unique_ptr<solvers::Scratch> DampedMechanism::make_scratch() const {
-  auto pose = std::make_unique<Pose>();
+  auto pose = std::make_unique<DampedPose>();
   pose->phasors.resize(mechanism_.pose_size());
   pose->measure.resize(measure_scratch_);
   pose->slopes.resize(dampers_.empty() ? 0 : mechanism_.coordinates());
@@ -124,7 +124,7 @@ std::unique_ptr<solvers::Scratch> DampedMechanism::make_scratch() const {
 
 void DampedMechanism::evaluate(solvers::Evaluation& at) const {
   const double* q = at.x.data();
-  Planar<double>* pose = pose_of(at).phasors.data();
+  Planar<double>* pose = damped_pose_of(at).phasors.data();
   mechanism_.place(q, pose);
   mechanism_.negative_force(q, pose, at.gradient.data());
   mechanism_.constraint(q, pose, at.constraint.data());
@@ -132,17 +132,17 @@ void DampedMechanism::evaluate(solvers::Evaluation& at) const {
 }
 
 double DampedMechanism::objective(solvers::Evaluation& at) const {
-  return mechanism_.energy(at.x.data(), pose_of(at).phasors.data());
+  return mechanism_.energy(at.x.data(), damped_pose_of(at).phasors.data());
 }
 
 void DampedMechanism::tangent(solvers::Evaluation& at, std::span<const double> multipliers,
                               std::span<double> values) const {
-  mechanism_.tangent(pose_of(at).phasors.data(), multipliers.data(), values.data());
+  mechanism_.tangent(damped_pose_of(at).phasors.data(), multipliers.data(), values.data());
   std::fill(values.begin() + problem_.tangent_pattern().size(), values.end(), 0.0);
 }
 
 Configuration<double> DampedMechanism::configuration(solvers::Evaluation& at) const {
-  Pose& pose = pose_of(at);
+  DampedPose& pose = damped_pose_of(at);
   return {mechanism_.phasors(), pose.phasors.data(), pose.measure.data()};
 }
 
@@ -163,7 +163,7 @@ void DampedMechanism::resistance(solvers::Evaluation& at, std::span<double> valu
     std::fill(values.begin(), values.begin() + variables(), 1.0);
     return;
   }
-  Pose& pose = pose_of(at);
+  DampedPose& pose = damped_pose_of(at);
   for (const ViscousElement& damper : dampers_) {
     const std::vector<int>& support = damper.on.support();
     std::vector<double>& slopes = pose.slopes;

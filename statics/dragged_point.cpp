@@ -16,10 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double longest_step = 0.05;   // rad or mechanism sizes
-constexpr double shortest_step = 1e-8;  // the same, below which it is blocked
-constexpr double shortest_leap = 5e-3;  // the same, of a step across a place from which short ones lead away
-constexpr int most_steps = 400;
+constexpr double longest_drag_step = 0.05;   // rad or mechanism sizes
+constexpr double shortest_drag_step = 1e-8;  // the same, below which it is blocked
+constexpr double shortest_leap = 5e-3;       // the same, of a step across a place from which short ones lead away
+constexpr int most_drag_steps = 400;
 constexpr double close_enough = 1e-11;  // of what a step still gains, mechanism sizes
 constexpr double immovable = 1e-9;      // rate of a point, mechanism sizes per rad or size
 constexpr double on_a_curve = 1e-6;     // ratio of its rates across and along the way of a point that runs on a curve
@@ -27,11 +27,11 @@ constexpr double on_a_curve = 1e-6;     // ratio of its rates across and along t
 // holds the mechanism.
 constexpr double end_of_curve = 2e-4;
 constexpr double end_of_area = 5e-3;
-constexpr double shortest_part = 1e-4;  // of a straight way
-constexpr double sideways = 1e-3;       // of a step away from the farthest place, rad or mechanism sizes
+constexpr double shortest_drag_part = 1e-4;  // of a straight way
+constexpr double sideways = 1e-3;            // of a step away from the farthest place, rad or mechanism sizes
 constexpr double damping = 0.02;  // of steps, where a point can hardly move in one direction: part of the other rate
-constexpr double touching = 1e-9;
-constexpr double overrun = 1e-10;
+constexpr double touching_within = 1e-9;
+constexpr double drag_overrun = 1e-10;
 constexpr double clear = 1e-7;           // of stops, rad or mechanism sizes
 constexpr double farthest_clear = 1e-5;  // the same, of the motion that clears them
 
@@ -134,7 +134,7 @@ bool DraggedPoint::holds_at(const Motions& there) const {
 bool DraggedPoint::go_straight(Vec2 target) {
   const Vec2 from = place_;
   double part = 0.0, step = 1.0;
-  for (int k = 0; k < most_steps && step > shortest_part; ++k) {
+  for (int k = 0; k < most_drag_steps && step > shortest_drag_part; ++k) {
     const double to = std::min(1.0, part + step);
     const Vec2 goal = from + to * (target - from);
     const std::vector<double> x = x_;
@@ -163,7 +163,7 @@ bool DraggedPoint::reach(Vec2 goal) {
   const Index closures = m.equalities();
   const std::vector<double> from = x_;
   const std::vector<double> stops_before = values_;
-  double last = longest_step;
+  double last = longest_drag_step;
   for (int i = 0; i < 8; ++i) {
     MatrixXd rows(closures + 2, m.coordinates());
     rows.topRows(closures) = here_->jacobian.topRows(closures);
@@ -198,13 +198,13 @@ double DraggedPoint::largest_gap() const {
 // `holds`: at each step a force on the point holds the mechanism.
 void DraggedPoint::approach(Vec2 target, bool holds) {
   locked_ = false;
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < most_drag_steps; ++k) {
     const double before = norm(target - place_);
     const auto try_step = [&](bool strongly) {
       const VectorXd step = step_to(target, strongly);
       const double size = step.size() == 0 ? 0.0 : step.cwiseAbs().maxCoeff();
-      if (!(size > shortest_step)) return false;
-      locked_ = !advance(step, std::min(1.0, longest_step / size), target, holds, shortest_step);
+      if (!(size > shortest_drag_step)) return false;
+      locked_ = !advance(step, std::min(1.0, longest_drag_step / size), target, holds, shortest_drag_step);
       return !locked_;
     };
     if (!try_step(false) && !(locked_ && try_step(true))) return;
@@ -222,7 +222,7 @@ bool DraggedPoint::leap(Vec2 target, bool holds) {
   const Motions now = motions({});
   if (now.basis.cols() != 1) return false;
   const double towards = now.rates(0, 0) * (target.x - place_.x) + now.rates(1, 0) * (target.y - place_.y);
-  const VectorXd step = std::copysign(longest_step, towards) / now.basis.cwiseAbs().maxCoeff() * now.basis.col(0);
+  const VectorXd step = std::copysign(longest_drag_step, towards) / now.basis.cwiseAbs().maxCoeff() * now.basis.col(0);
   return advance(step, 1.0, target, holds, shortest_leap) || advance(-step, 1.0, target, holds, shortest_leap);
 }
 
@@ -303,7 +303,7 @@ VectorXd DraggedPoint::newton_step(const Motions& left, const std::vector<int>& 
   VectorXd along = eigen.vectors.transpose() * (left.rates.transpose() * missing);
   const double least = damping * damping * left.rate.x * left.rate.x;
   // Where it is farther away than at both sides either is as good.
-  if (eigen.values[0] < -least && std::abs(along[0]) < shortest_step * -eigen.values[0]) {
+  if (eigen.values[0] < -least && std::abs(along[0]) < shortest_drag_step * -eigen.values[0]) {
     return left.basis * (sideways * eigen.vectors.col(0));
   }
   for (Index i = 0; i < along.size(); ++i) along[i] /= std::max(std::abs(eigen.values[i]), least);
@@ -318,7 +318,7 @@ int DraggedPoint::first_blocked(const VectorXd& step, const std::vector<int>& he
     const double rate = here_->jacobian.row(m.equalities() + s).dot(step);
     const double value = values_[static_cast<std::size_t>(s)];
     const double room = rate > 0 ? m.upper()[s] - value : value - m.lower()[s];
-    if (room <= touching && std::abs(rate) > 1e-7 * step.cwiseAbs().maxCoeff()) return s;
+    if (room <= touching_within && std::abs(rate) > 1e-7 * step.cwiseAbs().maxCoeff()) return s;
   }
   return -1;
 }
@@ -333,7 +333,7 @@ bool DraggedPoint::overruns(const std::vector<double>& x, const std::vector<doub
   for (int s = 0; s < stops(); ++s) {
     const double value = c[static_cast<std::size_t>(m.stop_row(s))], now = before[static_cast<std::size_t>(s)];
     const double over = std::max(m.lower()[s] - value, value - m.upper()[s]);
-    if (over > std::max(overrun, std::max(m.lower()[s] - now, now - m.upper()[s]) + 1e-13)) return true;
+    if (over > std::max(drag_overrun, std::max(m.lower()[s] - now, now - m.upper()[s]) + 1e-13)) return true;
   }
   return false;
 }

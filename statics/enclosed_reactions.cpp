@@ -30,17 +30,17 @@ Planar<Ball> body_measures::in_any_direction() {
 
 namespace {
 
-using Body = PlacedBody<Ball>;
-using Equations = FreeBodyEquations<Body>;
+using BallBody = PlacedBody<Ball>;
+using BallEquations = FreeBodyEquations<BallBody>;
 using Effort = UnitEffortOf<Ball>;
 
 // At least the exact result of a sum of non-negative doubles, or of a few operations on them, that was rounded to v.
 double above(double v) { return v == 0.0 ? 0.0 : v * (1.0 + 1e-6) + std::numeric_limits<double>::min(); }
 
 constexpr int most_refinements = 4;
-constexpr int dense_limit = 40;       // unknowns; residuals in balls make up for what sparse factors lose
-constexpr std::size_t long_row = 32;  // entries
-constexpr int once_only = 2000;       // unknowns beyond which a proof that fails is not tried with more digits
+constexpr int dense_reactions_limit = 40;  // unknowns; residuals in balls make up for what sparse factors lose
+constexpr std::size_t long_row = 32;       // entries
+constexpr int once_only = 2000;            // unknowns beyond which a proof that fails is not tried with more digits
 
 // A double and the greatest distance to a number of the ball.
 struct Rounded {
@@ -119,7 +119,7 @@ class Enclosure {
     return Ball(sign);
   }
 
-  std::vector<Body> placed() const {
+  std::vector<BallBody> placed() const {
     std::vector<Ball> q;
     for (std::size_t i = 0; i < certificate_.x.size(); ++i) {
       q.push_back(certificate_.rest.empty()
@@ -127,7 +127,7 @@ class Enclosure {
                       : (Ball(certificate_.x[i]) + Ball(certificate_.rest[i])).widened(certificate_.rest_radius));
     }
     std::vector<BodyPose<Ball>> poses = model_.balls().exact.poses(q.data(), model_.layout().anchor);
-    std::vector<Body> out;
+    std::vector<BallBody> out;
     out.reserve(scene_.bodies.size());
     const Ball unit_length(model_.scales().length);
     // Every arm on the way to a body may be open in both components.
@@ -222,7 +222,7 @@ class Enclosure {
   }
 
   std::optional<std::vector<Ball>> solve() const {
-    MinimumNorm nearly(middle_, dense_limit);
+    MinimumNorm nearly(middle_, dense_reactions_limit);
     std::vector<Ball> f(static_cast<std::size_t>(columns_));
     std::vector<Ball> left = load_;
     for (int k = 0; k < most_refinements; ++k) {
@@ -309,7 +309,7 @@ class Enclosure {
     };
     std::vector<Sum> sums(equations_.items().size());
     for (std::size_t u = 0; u < column_.size(); ++u) {
-      const Equations::Unknown& unknown = equations_.unknowns()[u];
+      const BallEquations::Unknown& unknown = equations_.unknowns()[u];
       if (unknown.item < 0) continue;
       Sum& sum = sums[static_cast<std::size_t>(unknown.item)];
       if (column_[u] < 0) {
@@ -348,8 +348,8 @@ class Enclosure {
   const StaticModel& model_;
   const Scene& scene_;
   const Certificate& certificate_;
-  std::vector<Body> bodies_;
-  Equations equations_;
+  std::vector<BallBody> bodies_;
+  BallEquations equations_;
   std::vector<Ball> load_;
   std::vector<Ball> elements_;
   std::vector<std::pair<std::size_t, double>> signs_;  // unknowns of teeth, and the signs that they are taken to have

@@ -3,11 +3,11 @@
 namespace poise {
 namespace {
 
-struct Pose final : solvers::Scratch {
+struct PhasorPose final : solvers::Scratch {
   std::vector<Planar<double>> phasors;
 };
 
-Planar<double>* pose_of(solvers::Evaluation& at) { return static_cast<Pose&>(*at.scratch).phasors.data(); }
+Planar<double>* phasors_of(solvers::Evaluation& at) { return static_cast<PhasorPose&>(*at.scratch).phasors.data(); }
 
 }  // namespace
 
@@ -18,14 +18,14 @@ EquilibriumProblem::EquilibriumProblem(const Mechanism<double>& mechanism) : mec
 }
 
 std::unique_ptr<solvers::Scratch> EquilibriumProblem::make_scratch() const {
-  auto pose = std::make_unique<Pose>();
+  auto pose = std::make_unique<PhasorPose>();
   pose->phasors.resize(mechanism_.pose_size());
   return pose;
 }
 
 void EquilibriumProblem::evaluate(solvers::Evaluation& at) const {
   const double* q = at.x.data();
-  Planar<double>* pose = pose_of(at);
+  Planar<double>* pose = phasors_of(at);
   mechanism_.place(q, pose);
   mechanism_.negative_force(q, pose, at.gradient.data());
   mechanism_.constraint(q, pose, at.constraint.data());
@@ -33,12 +33,12 @@ void EquilibriumProblem::evaluate(solvers::Evaluation& at) const {
 }
 
 double EquilibriumProblem::objective(solvers::Evaluation& at) const {
-  return mechanism_.energy(at.x.data(), pose_of(at));
+  return mechanism_.energy(at.x.data(), phasors_of(at));
 }
 
 void EquilibriumProblem::tangent(solvers::Evaluation& at, std::span<const double> multipliers,
                                  std::span<double> values) const {
-  mechanism_.tangent(pose_of(at), multipliers.data(), values.data());
+  mechanism_.tangent(phasors_of(at), multipliers.data(), values.data());
 }
 
 }  // namespace poise

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "statics/event_accuracy.hpp"
+#include "statics/tracing_steps.hpp"
 
 namespace poise {
 namespace {
@@ -18,25 +19,17 @@ using Eigen::VectorXd;
 using solvers::FoldPlace;
 
 // Distances along the curve: rad, mechanism sizes, parts of the ranges.
-constexpr double first_step = 0.005;
-constexpr double shortest_step = 1e-9;
-constexpr double largest_correction = 0.1;  // of a predicted point, in steps
-constexpr double usual_correction = 0.02;
-constexpr double largest_turn = 0.3;  // between the tangents at the ends of a step, rad
-constexpr double usual_turn = 0.1;
-constexpr double least_cosine = 0.8;        // between the directions v of neighbouring points
+constexpr double first_fold_step = 0.005;
+constexpr double least_fold_cosine = 0.8;   // between the directions v of neighbouring points
 constexpr double zero_coefficient = 1e-3;   // of those at the ends of the step: at a cusp, and not at a pole
-constexpr double largest_deviation = 0.05;  // of points within a step from the interpolated ones, in steps
-constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
 constexpr double run_away = 100.0;          // of a coordinate
-constexpr double same_point = 1e-6;
-constexpr double known_distance = 1e-3;  // the fold that path() met is met again nearer than this
-constexpr double in_balance = 1e-8;      // residuals of a pose that is an equilibrium
+constexpr double known_distance = 1e-3;     // the fold that path() met is met again nearer than this
+constexpr double in_balance_within = 1e-8;  // residuals of a pose that is an equilibrium
 
 // Root of a function of opposite signs fa, fb at 0 and h: secant steps kept within the bracket (Illinois).
 // `f` returns the value, or nothing where it cannot be had.
-std::optional<double> root(const std::function<std::optional<double>(double)>& f, double h, double fa, double fb,
-                           double width) {
+std::optional<double> root_by_secants(const std::function<std::optional<double>(double)>& f, double h, double fa,
+                                      double fb, double width) {
   double a = 0.0, b = h, s = 0.0;
   int side = 0;
   for (int k = 0; k < 80 && b - a > width; ++k) {
@@ -98,12 +91,12 @@ std::optional<FoldPlace> FoldTracer::step(Piece& piece, const FoldPlace& here, d
   next.z = here.z + h * here.tangent;
   if (bend != nullptr) next.z += 0.5 * h * h * *bend;
   const auto correction = piece.system.correct(next, here.tangent, here);
-  if (!correction.converged || correction.first > largest_correction * h) return std::nullopt;
+  if (!correction.converged || correction.first > tracing::largest_correction * h) return std::nullopt;
   const double turn = std::acos(std::clamp(piece.system.dot(here.tangent, next.tangent), -1.0, 1.0));
-  if (turn > largest_turn) return std::nullopt;
+  if (turn > tracing::largest_turn) return std::nullopt;
   const Index n = piece.system.variables();
-  if (here.v.head(n).dot(next.v.head(n)) < least_cosine) return std::nullopt;
-  badness = std::max(std::sqrt(correction.first / h / usual_correction), turn / usual_turn);
+  if (here.v.head(n).dot(next.v.head(n)) < least_fold_cosine) return std::nullopt;
+  badness = std::max(std::sqrt(correction.first / h / tracing::usual_correction), turn / tracing::usual_turn);
   return next;
 }
 
@@ -116,7 +109,7 @@ std::optional<FoldPlace> FoldTracer::at(Piece& piece, const Segment& segment, do
   out.z = interpolated;
   const VectorXd row = (1 - t) * segment.a.tangent + t * segment.b.tangent;
   if (!piece.system.correct(out, row, segment.a).converged) return std::nullopt;
-  if (piece.system.norm(out.z - interpolated) > largest_deviation * h) return std::nullopt;
+  if (piece.system.norm(out.z - interpolated) > tracing::largest_deviation * h) return std::nullopt;
   return out;
 }
 
@@ -134,8 +127,8 @@ std::optional<FoldPlace> FoldTracer::crossing_of(Piece& piece, const Segment& se
     if (!found) return std::nullopt;
     s += piece.system.dot(place - found->z, found->tangent);
   }
-  if (s < -same_point || s > segment.h + same_point) return std::nullopt;
-  if (piece.system.norm(found->z - place) > same_point) return std::nullopt;
+  if (s < -tracing::same_point || s > segment.h + tracing::same_point) return std::nullopt;
+  if (piece.system.norm(found->z - place) > tracing::same_point) return std::nullopt;
   return found;
 }
 
@@ -194,7 +187,7 @@ std::string FoldTracer::place_text(const VectorXd& z) const {
 VectorXd FoldTracer::turned_towards(Piece& piece, const VectorXd& z, const VectorXd& other) const {
   VectorXd out = z;
   for (Index i = 0; i < angles_; ++i) out[i] += 2 * M_PI * std::round((other[i] - z[i]) / (2 * M_PI));
-  return out == z || piece.system.residual(out) < in_balance ? out : z;
+  return out == z || piece.system.residual(out) < in_balance_within ? out : z;
 }
 
 bool FoldTracer::is_known(Piece& piece, const VectorXd& z) {
@@ -217,7 +210,7 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
   out.places.push_back(start);
   FoldPlace here = start;
   const double longest_step = options_.spacing;
-  double h = std::min(first_step, longest_step);
+  double h = std::min(first_fold_step, longest_step);
   VectorXd bend;
   std::vector<double> values, next_values;
   watch(piece, here.z, values);
@@ -239,7 +232,7 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
     ++out_.steps;
     if (!next) {
       h *= 0.5;
-      if (h > shortest_step) continue;
+      if (h > tracing::shortest_step) continue;
       end(End::stuck, "no step along the curve succeeds " + place_text(here.z));
       return out;
     }
@@ -258,7 +251,7 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
       if (!(fb < 0.0)) return;
       std::optional<FoldPlace> place = here;
       const auto s = fa <= 0.0 ? std::optional(0.0)
-                               : root(
+                               : root_by_secants(
                                      [&](double at_s) -> std::optional<double> {
                                        place = at(piece, segment, at_s);
                                        if (!place) return std::nullopt;
@@ -274,7 +267,7 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
     const Index count = segment.b.z.size();
     watch(piece, segment.b.z, next_values);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (std::isinf(values[k]) || next_values[k] >= -overrun) continue;
+      if (std::isinf(values[k]) || next_values[k] >= -tracing::overrun) continue;
       std::vector<double> watched;
       cut(
           [&](const FoldPlace& place) {
@@ -307,7 +300,7 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
     }
     if (segment.a.coefficient * last.coefficient < 0.0) {
       std::optional<FoldPlace> place;
-      const auto s = root(
+      const auto s = root_by_secants(
           [&](double at_s) -> std::optional<double> {
             place = at(piece, segment, at_s);
             if (!place) return std::nullopt;

@@ -31,8 +31,8 @@ constexpr double carried_step = 0.05;     // rad or mechanism sizes
 constexpr double shortest_carry = 1e-6;   // of a change
 
 constexpr const char* not_proved_way = "a nearly singular place, through which the way is not proved";
-constexpr const char* acts = "acts";
-constexpr const char* is_slack = "is slack";
+constexpr const char* acts_words = "acts";
+constexpr const char* is_slack_words = "is slack";
 
 std::string in_words(const Scene& scene, const PathEvent& event) {
   const auto item = static_cast<std::size_t>(event.item);
@@ -40,7 +40,7 @@ std::string in_words(const Scene& scene, const PathEvent& event) {
     case PathEvent::Kind::stop:
       return fmt::format("stop \"{}\" {}", scene.stops[item].name, event.on ? "comes on" : "comes off");
     case PathEvent::Kind::slack:
-      return fmt::format("\"{}\" {}", scene.elements[item].name, event.on ? acts : is_slack);
+      return fmt::format("\"{}\" {}", scene.elements[item].name, event.on ? acts_words : is_slack_words);
     case PathEvent::Kind::fold:
       return "fold";
     case PathEvent::Kind::branch:
@@ -59,7 +59,8 @@ void add_changes_of_springs(const Scene& before, const BodyPoses& from, const Sc
   for (const int e : springs) {
     const auto at = static_cast<std::size_t>(e);
     if (first.elements[at].slack == last.elements[at].slack) continue;
-    passed.push_back(fmt::format("\"{}\" {}", before.elements[at].name, first.elements[at].slack ? acts : is_slack));
+    passed.push_back(
+        fmt::format("\"{}\" {}", before.elements[at].name, first.elements[at].slack ? acts_words : is_slack_words));
   }
 }
 

@@ -136,7 +136,7 @@ class Statics {
   }
 
   void report(const Equations& equations, const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& f,
-              const NullSpace& self_stress) {
+              const TouchedNullSpace& self_stress) {
     const Eigen::VectorXd left = load_ + a * f;
     Eigen::Index worst = 0;
     out_.imbalance = left.size() > 0 ? left.cwiseAbs().maxCoeff(&worst) : 0.0;

@@ -17,19 +17,19 @@
 namespace poise {
 namespace {
 
-using Body = PlacedBody<Ball>;
-using Equations = FreeBodyEquations<Body>;
+using BallBody = PlacedBody<Ball>;
+using BallEquations = FreeBodyEquations<BallBody>;
 
 // Rounding of the closed coordinates, of the mechanism's size and of radians: places of bodies are known to it.
 constexpr double closure_rounding = 0x1p-49;
-constexpr double rank_tolerance = 1e-11;  // of singular values of A, whose entries are of order one
+constexpr double basis_tolerance = 1e-11;  // of singular values of A, whose entries are of order one
 
-std::vector<Body> placed(const StaticModel& model, const std::vector<double>& x) {
+std::vector<BallBody> placed(const StaticModel& model, const std::vector<double>& x) {
   std::vector<Ball> q;
   for (const double value : x) q.push_back(Ball(value).widened(closure_rounding * std::max(1.0, std::abs(value))));
   std::vector<BodyPose<Ball>> poses = model.balls().exact.poses(q.data(), model.layout().anchor);
   const Ball unit_length(model.scales().length);
-  std::vector<Body> out;
+  std::vector<BallBody> out;
   for (std::size_t i = 0; i < model.scene().bodies.size(); ++i) {
     poses[i].origin = {unit_length * poses[i].origin.x, unit_length * poses[i].origin.y};
     out.emplace_back(poses[i]);
@@ -109,7 +109,7 @@ std::optional<std::vector<int>> basis_of(Eigen::MatrixXd m, const Eigen::VectorX
 }
 
 // The angle of a rope's wrap on a pulley that it lies on.
-Ball wrap_of(const Scene& scene, const Measure& rope, int contact, const std::vector<Body>& bodies) {
+Ball wrap_of(const Scene& scene, const Measure& rope, int contact, const std::vector<BallBody>& bodies) {
   const auto k = static_cast<std::size_t>(contact);
   return rope_wrap(body_measures::rope_part(scene, rope, k - 1, bodies).along,
                    body_measures::rope_part(scene, rope, k, bodies).along, rope.contacts[k].turn);
@@ -135,7 +135,7 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
     : model_(model), bodies_(placed(model, x)) {
   const Scene& scene = model.scene();
   const double size = model.scales().length;
-  Equations equations(scene, bodies_, size);
+  BallEquations equations(scene, bodies_, size);
   equations.add_joints();
   std::vector<int> first_of_joint(scene.joints.size(), -1);
   for (std::size_t u = 0; u < equations.unknowns().size(); ++u) {
@@ -226,7 +226,7 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
 }
 
 std::vector<Ball> FrictionProblem::load_of(const Scene& scene) const {
-  const Equations equations(scene, bodies_, model_.scales().length);
+  const BallEquations equations(scene, bodies_, model_.scales().length);
   std::vector<Ball> out(static_cast<std::size_t>(equations.rows()));
   const auto push = [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
     if (body == 0) return;
@@ -273,7 +273,7 @@ void FrictionProblem::refresh() {
     right[i] = -load_[static_cast<std::size_t>(i)].middle() / unit_;
   }
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(middle_, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  svd.setThreshold(rank_tolerance);
+  svd.setThreshold(basis_tolerance);
   solutions_.particular = svd.solve(right);
   solutions_.basis = svd.matrixV().rightCols(columns - svd.rank());
   solutions_.residual = right - middle_ * solutions_.particular;

@@ -19,15 +19,15 @@ namespace poise {
 namespace {
 
 using Choice = FrictionProblem::Choice;
-using Part = FrictionProblem::Part;
+using ForcePart = FrictionProblem::Part;
 using Row = FrictionProblem::Row;
 using Side = FrictionProblem::Side;
-using Status = solvers::LinearProgramResult::Status;
+using ProgramStatus = solvers::LinearProgramResult::Status;
 
-constexpr int most_cases = 4000;     // linear programs of one search
-constexpr double rounding = 1e-13;   // of forces over the unit of load
-constexpr double unbalanced = 1e-9;  // of the load: no efforts balance it
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int most_cases = 4000;          // linear programs of one search
+constexpr double force_rounding = 1e-13;  // of forces over the unit of load
+constexpr double unbalanced_load = 1e-9;  // of the load: no efforts balance it
+constexpr double no_end = std::numeric_limits<double>::infinity();
 
 /// Rows over w, v = particular + basis w.
 struct ReducedRows {
@@ -74,10 +74,10 @@ Slackest slackest(const FrictionProblem& problem, const std::vector<Row>& rows) 
   program.bounds[count] = 1.0;
   const solvers::LinearProgramResult result = solvers::solve(program);
   Slackest out;
-  out.solved = result.status == Status::optimal || result.status == Status::infeasible;
-  out.slack = -infinity;
-  if (result.status == Status::infeasible) out.multipliers = result.multipliers.head(count);
-  if (result.status == Status::optimal) {
+  out.solved = result.status == ProgramStatus::optimal || result.status == ProgramStatus::infeasible;
+  out.slack = -no_end;
+  if (result.status == ProgramStatus::infeasible) out.multipliers = result.multipliers.head(count);
+  if (result.status == ProgramStatus::optimal) {
     out.slack = result.x[n];
     out.v = problem.solutions().particular + problem.solutions().basis * result.x.head(n);
     out.multipliers = result.multipliers.head(count);
@@ -118,7 +118,7 @@ int most_exceeded(const FrictionProblem& problem, const Choice& choice, const Ei
 
 /// Puts the parts of a case, one source divided, behind the others.
 void divide(const FrictionProblem& problem, const Choice& choice, std::size_t source, std::vector<Choice>& cases) {
-  for (const Part& part : problem.divided(source, choice[source])) {
+  for (const ForcePart& part : problem.divided(source, choice[source])) {
     cases.push_back(choice);
     cases.back()[source] = part;
   }
@@ -158,7 +158,7 @@ class BoundedForces {
       cases.pop_back();
       const std::vector<Row> rows = problem_.rows(choice, factor_, Side::outer);
       const solvers::LinearProgramResult found = largest(column, sign, rows);
-      if (found.status != Status::optimal) return false;
+      if (found.status != ProgramStatus::optimal) return false;
       const auto of_rows = static_cast<Eigen::Index>(rows.size());
       if (problem_.proves_below_one(column, sign, found.multipliers.head(of_rows), rows, most_)) continue;
       const int source = most_exceeded(problem_, choice, basis_ * found.x, factor_);
@@ -238,14 +238,14 @@ Inside ascended(const FrictionProblem& problem, Eigen::VectorXd v, double factor
 /// `strictly`: held is proved with some slack.
 Decision decide(const FrictionProblem& problem, double factor, bool prove, bool strictly = false) {
   Decision out;
-  if (problem.solutions().gap > unbalanced) {
+  if (problem.solutions().gap > unbalanced_load) {
     out.verdict = Holding::slips;
     return out;
   }
   std::vector<Choice> cases = problem.whole();
   std::optional<double> most;  // bound of the forces, found where a case is refused
   bool all_proved = prove;
-  double nearest = -infinity;
+  double nearest = -no_end;
   Eigen::VectorXd nearest_v;
   for (int count = 0; !cases.empty(); ++count) {
     if (count == most_cases) {
@@ -267,7 +267,7 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove, bool 
     }
     // What is refused without a proof must miss by more than rounding: forces may lie on the edge of two sectors.
     const bool is_refused = all_proved && found.slack < 0.0 ? problem.proves_none(found.multipliers, outer, *most)
-                                                            : found.slack < -rounding;
+                                                            : found.slack < -force_rounding;
     if (is_refused) {
       if (found.slack > nearest) {
         nearest = found.slack;
@@ -289,7 +289,7 @@ Decision decide(const FrictionProblem& problem, double factor, bool prove, bool 
       return out;
     }
     const int source = most_exceeded(problem, choice, found.v, factor);
-    if (source < 0 && found.slack < -rounding) {
+    if (source < 0 && found.slack < -force_rounding) {
       all_proved = false;
       continue;
     }
@@ -326,7 +326,7 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
     lower = upper;
     upper *= 4.0;
     if (upper > most) {
-      out.least_factor = infinity;
+      out.least_factor = no_end;
       out.slips = decide(problem, most, false).slips;
       return;
     }
@@ -347,7 +347,7 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
     }
   }
   if (out.least_factor == 0.0 || exhausted) return;
-  for (double aside = 1e-11; aside < 1e-5 && !(out.factor_upper < infinity); aside *= 10) {
+  for (double aside = 1e-11; aside < 1e-5 && !(out.factor_upper < no_end); aside *= 10) {
     if (decide(problem, upper * (1 + aside), true).proved) out.factor_upper = upper * (1 + aside);
   }
   for (double aside = 1e-11; aside < 1e-5 && !(out.factor_lower > 0.0); aside *= 10) {
@@ -402,7 +402,7 @@ HeldPose pose_of(const FrictionProblem& problem) {
 }
 
 /// All values of q for which the rows can be satisfied, in q_unit(), with points at both ends.
-struct Reach {
+struct LoadReach {
   bool any = false, solved = true;
   double lower = 0.0, upper = 0.0;
   Eigen::VectorXd at_lower, at_upper;
@@ -411,10 +411,10 @@ struct Reach {
 
 /// The same with q between two values.
 struct Span {
-  double from = -infinity, to = infinity;
+  double from = -no_end, to = no_end;
 };
 
-Reach reach(const FrictionProblem& problem, const std::vector<Row>& rows, const Span& span) {
+LoadReach reach(const FrictionProblem& problem, const std::vector<Row>& rows, const Span& span) {
   const ReducedRows r = reduced(problem, rows);
   const auto& solutions = problem.solutions();
   const Eigen::Index count = r.rows.rows(), n = r.rows.cols(), q = problem.columns();
@@ -423,7 +423,7 @@ Reach reach(const FrictionProblem& problem, const std::vector<Row>& rows, const 
   program.rows.topRows(count) = r.rows;
   program.bounds.head(count) = r.bounds;
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (rows[static_cast<std::size_t>(i)].is_edge) program.bounds[i] += rounding;
+    if (rows[static_cast<std::size_t>(i)].is_edge) program.bounds[i] += force_rounding;
   }
   constexpr double far = 1e30;  // no row at all
   program.rows.row(count) = solutions.basis.row(q);
@@ -435,23 +435,23 @@ Reach reach(const FrictionProblem& problem, const std::vector<Row>& rows, const 
     program.rows.row(i).setZero();
     program.bounds[i] = 1.0;
   }
-  Reach out;
+  LoadReach out;
   const auto end = [&](double sign, double& value, Eigen::VectorXd& at, Eigen::VectorXd& multipliers) {
     solvers::LinearProgram sided = program;
     sided.objective *= sign;
     const solvers::LinearProgramResult result = solvers::solve(sided);
-    if (result.status == Status::infeasible) return false;
-    if (result.status == Status::not_solved) out.solved = false;
+    if (result.status == ProgramStatus::infeasible) return false;
+    if (result.status == ProgramStatus::not_solved) out.solved = false;
     if (!out.solved) return false;
     at = solutions.particular + solutions.basis * result.x;
     value = at[q];
-    if (result.status == Status::optimal) {
+    if (result.status == ProgramStatus::optimal) {
       multipliers = result.multipliers.head(count);
       return true;
     }
     const Eigen::VectorXd ray = solutions.basis * result.ray;
     at += (1e6 / ray.cwiseAbs().maxCoeff()) * ray;
-    value = sign * infinity;
+    value = sign * no_end;
     return true;
   };
   out.any = end(1.0, out.upper, out.at_upper, out.multipliers_upper) &&
@@ -492,7 +492,7 @@ class RangeSearch {
  private:
   struct Node {
     Choice choice;
-    Reach outer;
+    LoadReach outer;
   };
   struct Inner {
     double lower, upper;
@@ -511,10 +511,10 @@ class RangeSearch {
 
   /// Ascends: what is possible with the directions at a point, then with those at its end, ...
   void add_inner(Eigen::VectorXd v, bool upwards) {
-    double before = -infinity;
+    double before = -no_end;
     for (int step = 0; step < 8; ++step) {
       const std::vector<Row> rows = problem_.rows(problem_.choice_at(v), 1.0, Side::inner);
-      const Reach found = reach(problem_, rows, span_);
+      const LoadReach found = reach(problem_, rows, span_);
       if (!found.any) return;
       Inner& inner = inner_.emplace_back(Inner{found.lower, found.upper, {}, {}});
       if (found.multipliers_lower.size() > 0) inner.slips_lower = slips_of(problem_, rows, found.multipliers_lower);
@@ -549,7 +549,7 @@ class RangeSearch {
     for (bool grew = true; grew;) {
       grew = false;
       for (const Node& node : nodes_) {
-        const Reach& one = node.outer;
+        const LoadReach& one = node.outer;
         if (one.lower > out.outer_upper + tolerance(out.outer_upper) ||
             one.upper < out.outer_lower - tolerance(out.outer_lower)) {
           continue;
@@ -581,7 +581,7 @@ class RangeSearch {
     int out = -1;
     double most = 0.0;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
-      const Reach& one = nodes_[n].outer;
+      const LoadReach& one = nodes_[n].outer;
       if (one.lower > part.outer_upper + tolerance(part.outer_upper) ||
           one.upper < part.outer_lower - tolerance(part.outer_lower)) {
         continue;
@@ -632,7 +632,7 @@ class Varied {
     check_is_free(scene, row);
     places_ = {row.place};
     present_ = value_at(scene, row.place).value_or(0.0);
-    span_.from = row.range == Range::finite ? -infinity : 0.0;
+    span_.from = row.range == Range::finite ? -no_end : 0.0;
     const auto item = static_cast<std::size_t>(row.place.item);
     const std::string_view key = row.path.parts[3];
     switch (row.place.owner) {
@@ -763,9 +763,9 @@ class RangeFinder {
     svd.setThreshold(1e-11);
     const Eigen::VectorXd right = -problem.load_over_unit();
     const Eigen::VectorXd found = svd.solve(right);
-    if ((all * found - right).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
+    if ((all * found - right).cwiseAbs().maxCoeff() > unbalanced_load) return std::nullopt;
     const Eigen::MatrixXd free = svd.matrixV().rightCols(all.cols() - svd.rank());
-    if (free.cols() > 0 && free.row(problem.columns()).cwiseAbs().maxCoeff() > unbalanced) return std::nullopt;
+    if (free.cols() > 0 && free.row(problem.columns()).cwiseAbs().maxCoeff() > unbalanced_load) return std::nullopt;
     const double ideal = out_.present + found[problem.columns()] * problem.q_unit();
     // What is left of a difference by rounding is no load, of which there would be an efficiency.
     return std::abs(ideal) <= 1e-12 * (std::abs(out_.present) + problem.q_unit()) ? 0.0 : ideal;
@@ -790,10 +790,10 @@ class RangeFinder {
       }
       const Choice choice = std::move(cases.back());
       cases.pop_back();
-      const Reach outer = reach(problem, problem.rows(choice, 1.0, Side::outer), span);
+      const LoadReach outer = reach(problem, problem.rows(choice, 1.0, Side::outer), span);
       if (!outer.any) continue;
       for (const Eigen::VectorXd& v : {outer.at_upper, outer.at_lower}) {
-        const Reach inner = reach(problem, problem.rows(problem.choice_at(v), 1.0, Side::inner), span);
+        const LoadReach inner = reach(problem, problem.rows(problem.choice_at(v), 1.0, Side::inner), span);
         if (!inner.any) continue;
         if (std::isfinite(inner.lower) && std::isfinite(inner.upper)) return 0.5 * (inner.lower + inner.upper);
         return std::isfinite(inner.lower) ? inner.lower : std::isfinite(inner.upper) ? inner.upper : 0.0;
@@ -883,7 +883,7 @@ class RangeFinder {
       }
     }
     if (held(out)) {
-      edge.value = std::isfinite(span_.to) || grows ? out : infinity;
+      edge.value = std::isfinite(span_.to) || grows ? out : no_end;
       edge.at_limit = std::isfinite(edge.value);
       edge.proved = edge.at_limit && with_friction(out, true).proved;
       return;

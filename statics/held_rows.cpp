@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::uint64_t poses_for_rank = 6;
 constexpr std::uint64_t poses_for_stiffness = 300;
-constexpr double nearby = 0.3;    // rad or mechanism sizes
-constexpr double implied = 1e-7;  // share of the greatest row that others leave of one that they imply
-constexpr double closed = 1e-12;  // mechanism sizes
-constexpr double open = 1e-8;
-constexpr int most_steps = 20;
+constexpr double spread_of_poses = 0.3;  // rad or mechanism sizes
+constexpr double implied = 1e-7;         // share of the greatest row that others leave of one that they imply
+constexpr double closed_row = 1e-12;     // mechanism sizes
+constexpr double open_row = 1e-8;
+constexpr int most_closing_steps = 20;
 
 // Whether rows that are closed in poses near x close all rows there.
 bool imply(const Mechanism<double>& mechanism, const std::vector<int>& rows, const std::vector<int>& all,
@@ -28,12 +28,12 @@ bool imply(const Mechanism<double>& mechanism, const std::vector<int>& rows, con
   for (std::uint64_t k = 0; k < poses_for_rank; ++k) {
     solvers::RandomStream random(1, 3, k);
     std::vector<double> x = start;
-    for (double& value : x) value += random.uniform(-0.3 * nearby, 0.3 * nearby);
-    for (int step = 0; step < most_steps; ++step) {
+    for (double& value : x) value += random.uniform(-0.3 * spread_of_poses, 0.3 * spread_of_poses);
+    for (int step = 0; step < most_closing_steps; ++step) {
       const DensePoint<double> point(mechanism, x, rows);
       const Eigen::VectorXd gaps = gaps_of(mechanism, rows, point.constraint);
-      if (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() < closed) {
-        if (gaps_of(mechanism, all, point.constraint).lpNorm<Eigen::Infinity>() > open) return false;
+      if (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() < closed_row) {
+        if (gaps_of(mechanism, all, point.constraint).lpNorm<Eigen::Infinity>() > open_row) return false;
         ++closings;
         break;
       }
@@ -76,7 +76,7 @@ double passed_by(const Mechanism<double>& mechanism, int stop, const std::vector
 int freedoms_of(const StaticModel& model, const std::vector<double>& x, double tolerance) {
   const DensePoint<double> point(model.mechanism(), x, held_rows(model.mechanism()));
   // Rows that others imply in every pose may be rounding alone, of which a rank says nothing.
-  if (point.jacobian.rows() == 0 || point.jacobian.lpNorm<Eigen::Infinity>() < closed) {
+  if (point.jacobian.rows() == 0 || point.jacobian.lpNorm<Eigen::Infinity>() < closed_row) {
     return model.mechanism().coordinates();
   }
   return model.mechanism().coordinates() -
@@ -107,7 +107,7 @@ int repeated_rows(const StaticModel& model, const std::vector<double>& start) {
   solvers::Newton closing(model.problem());
   for (std::uint64_t k = 0; k < poses_for_rank && !rows.empty(); ++k) {
     const std::optional<std::vector<double>> x =
-        k == 0 ? start : random_closed_pose(closing, start, nearby, solvers::RandomStream(1, 2, k));
+        k == 0 ? start : random_closed_pose(closing, start, spread_of_poses, solvers::RandomStream(1, 2, k));
     if (!x) continue;
     Eigen::MatrixXd basis = DensePoint<double>(model.mechanism(), *x, rows).jacobian.transpose();
     const double size = basis.size() == 0 ? 0.0 : basis.colwise().norm().maxCoeff();
@@ -119,7 +119,7 @@ int repeated_rows(const StaticModel& model, const std::vector<double>& start) {
       for (int time = 0; time < 2; ++time) {
         rest -= basis.leftCols(used) * (basis.leftCols(used).transpose() * rest);
       }
-      if (!(rest.norm() > std::max(implied * size, closed))) continue;
+      if (!(rest.norm() > std::max(implied * size, closed_row))) continue;
       basis.col(used++) = rest.normalized();
       independent.push_back(rows[r]);
     }

@@ -13,8 +13,8 @@
 namespace poise {
 namespace {
 
-constexpr double rounding = 1e-9;       // of sums of lengths, relative to all of them
-constexpr std::size_t most_edges = 20;  // of which all sets are formed
+constexpr double length_rounding = 1e-9;  // of sums of lengths, relative to all of them
+constexpr std::size_t most_edges = 20;    // of which all sets are formed
 
 double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -32,7 +32,7 @@ bool can_vanish(const StaticModel& model, const Measure& distance) {
   const std::vector<double> lengths = lengths_of({model.mechanism().phasors(), arms});
   const double longest = *std::max_element(lengths.begin(), lengths.end());
   const double all = sum_of(lengths);
-  return longest <= all - longest + rounding * all;
+  return longest <= all - longest + length_rounding * all;
 }
 
 bool can_vanish_in(const StaticModel& model, const Measure& on) {
@@ -78,7 +78,7 @@ std::optional<long> polygon_characteristic(std::vector<double> edges) {
       length += edges[e];
       ++members;
     }
-    if (std::abs(2.0 * length - all) <= rounding * all) return std::nullopt;
+    if (std::abs(2.0 * length - all) <= length_rounding * all) return std::nullopt;
     if (2.0 * length < all) ++a[members - 1];
   }
   long out = 0;
@@ -100,7 +100,7 @@ std::optional<long> index_sum(const StaticModel& model) {
     }
     std::vector<double> edges = lengths_of(loop);
     // Without a fixed edge the whole polygon turns, a circle of poses for each.
-    const bool turns = edges.front() <= rounding * sum_of(edges);
+    const bool turns = edges.front() <= length_rounding * sum_of(edges);
     if (turns) edges.erase(edges.begin());
     const std::optional<long> polygons = polygon_characteristic(edges);
     if (!polygons) return std::nullopt;

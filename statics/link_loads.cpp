@@ -17,8 +17,8 @@ namespace poise {
 namespace {
 
 /// Part of a length below which places are one, and part of a force below which it is rounding.
-constexpr double same_place = 1e-9;
-constexpr double rounding = 1e-9;
+constexpr double same_within = 1e-9;
+constexpr double part_rounding = 1e-9;
 
 /// A reason why nothing can be said of a link.
 struct Refusal {
@@ -81,7 +81,7 @@ class Line {
     for (std::size_t k = 0; k < stretches(); ++k) {
       const double x = std::clamp(dot(along(k), p - corners_[k]), 0.0, s_[k + 1] - s_[k]);
       const double distance = norm(p - corners_[k] - x * along(k));
-      if (distance < least - same_place * length()) {
+      if (distance < least - same_within * length()) {
         best = s_[k] + x;
         least = distance;
       }
@@ -131,9 +131,9 @@ class Actions {
     if (is_near(line_.centroid(), body.center)) out_.spread = std::min(body.mass, body.inertia / gyration);
     // What is left by rounding is none.
     const double left = body.mass - out_.spread;
-    const double lumped = left > same_place * body.mass ? left : 0.0;
+    const double lumped = left > same_within * body.mass ? left : 0.0;
     const double turning = body.inertia - out_.spread * gyration;
-    const double couple = turning > same_place * body.inertia ? -turning * motion->turning : 0.0;
+    const double couple = turning > same_within * body.inertia ? -turning * motion->turning : 0.0;
     const double density = out_.spread / line_.length();
     for (std::size_t k = 0; density > 0.0 && k < line_.stretches(); ++k) {
       const double from = line_.stations()[k], to = line_.stations()[k + 1];
@@ -206,7 +206,7 @@ class Actions {
   }
 
  private:
-  bool is_near(Vec2 a, Vec2 b) const { return norm(a - b) <= same_place * line_.length(); }
+  bool is_near(Vec2 a, Vec2 b) const { return norm(a - b) <= same_within * line_.length(); }
   Vec2 local(Vec2 world) const { return turned_back(world - pose_.origin); }
   Vec2 turned_back(Vec2 world) const { return world * conj(pose_.direction()); }
 
@@ -219,10 +219,10 @@ class Actions {
   /// Places within rounding of each other are one.
   double station(double s) {
     for (const double known : line_.stations()) {
-      if (std::abs(known - s) <= same_place * line_.length()) return known;
+      if (std::abs(known - s) <= same_within * line_.length()) return known;
     }
     for (const LinkAction& action : out_.actions) {
-      if (std::abs(action.s - s) <= same_place * line_.length()) return action.s;
+      if (std::abs(action.s - s) <= same_within * line_.length()) return action.s;
     }
     return s;
   }
@@ -231,7 +231,7 @@ class Actions {
     if (force == Vec2{} && moment == 0.0) return;
     const double s = station(line_.nearest(at));
     const Vec2 arm = at - line_.at(s);
-    const bool is_on_line = norm(arm) <= same_place * line_.length();
+    const bool is_on_line = norm(arm) <= same_within * line_.length();
     out_.actions.push_back({name, s, force, moment + cross(arm, force), is_on_line ? 0.0 : norm(arm)});
   }
 
@@ -257,7 +257,7 @@ class Actions {
     const Vec2 a = scene_.local(force.at), b = scene_.local(*force.to);
     const double s_a = station(line_.nearest(a)), s_b = station(line_.nearest(b));
     const bool is_on_line = is_near(line_.at(s_a), a) && is_near(line_.at(s_b), b) &&
-                            std::abs(std::abs(s_b - s_a) - norm(b - a)) <= same_place * line_.length();
+                            std::abs(std::abs(s_b - s_a) - norm(b - a)) <= same_within * line_.length();
     if (!is_on_line) throw Refusal{fmt::format("the line of {} is not part of its own", name)};
     add_along(name, std::min(s_a, s_b), std::max(s_a, s_b), vector);
   }
@@ -423,7 +423,7 @@ void find_deflection(const Line& line, double stiffness, LinkLoads& loads) {
   }
   const Vec2 chord = line.last() - line.first();
   const double span = norm(chord);
-  const double back = span > same_place * loads.length ? -dot(moved, quarter_turn((1 / span) * chord)) / span : 0.0;
+  const double back = span > same_within * loads.length ? -dot(moved, quarter_turn((1 / span) * chord)) / span : 0.0;
   for (LinkPiece& piece : loads.pieces) {
     piece.turn += back;
     piece.deflection += back * quarter_turn(piece.at - line.first());
@@ -516,7 +516,7 @@ std::optional<double> buckling_factor(const Scene& scene, const LinkLoads& loads
     if (is_on_link && joint.keeps_angle()) return std::nullopt;
   }
   const double force = loads.normal.value;
-  const double none = rounding * std::abs(force);
+  const double none = part_rounding * std::abs(force);
   if (force >= 0.0 || !loads.line_actions.empty()) return std::nullopt;
   if (std::abs(loads.shear.value) > none || std::abs(loads.moment.value) > none * loads.length) return std::nullopt;
   double first = loads.length, last = 0.0, pressed = 0.0;
@@ -527,7 +527,7 @@ std::optional<double> buckling_factor(const Scene& scene, const LinkLoads& loads
     last = std::max(last, piece.to);
     pressed += piece.to - piece.from;
   }
-  if (std::abs(last - first - pressed) > same_place * loads.length) return std::nullopt;
+  if (std::abs(last - first - pressed) > same_within * loads.length) return std::nullopt;
   return std::numbers::pi * std::numbers::pi * stiffness_of(loads.section) / (pressed * pressed) / -force;
 }
 
@@ -548,7 +548,7 @@ LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& po
   for (const Reaction& reaction : forces.reactions) actions.add_reaction(reaction);
   actions.expect_joints_on_line();
   find_pieces(line, out);
-  if (!(out.imbalance <= rounding)) {
+  if (!(out.imbalance <= part_rounding)) {
     throw Refusal{
         fmt::format("what acts on it does not balance along its line, by {:.1g} of the largest force", out.imbalance)};
   }

@@ -20,12 +20,12 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int most_coordinates = 16;       // of mechanisms whose curves are followed
-constexpr int most_steps = 3000;           // of one curve, each way
-constexpr std::size_t most_changes = 200;  // of the sign of the force: more are rounding
-constexpr double shortest_step = 3e-5;     // parts of this length: where the closures need shorter ones, curves cross
-constexpr double no_force = 1e-10;         // in the mechanism's units of force and size
-constexpr double closed_within = 1e-11;
+constexpr int most_followed_coordinates = 16;   // of mechanisms whose curves are followed
+constexpr int most_curve_steps = 3000;          // of one curve, each way
+constexpr std::size_t most_sign_changes = 200;  // of the sign of the force: more are rounding
+constexpr double shortest_curve_step = 3e-5;    // where the closures need shorter ones, curves cross
+constexpr double no_force = 1e-10;              // in the mechanism's units of force and size
+constexpr double turn_closed_within = 1e-11;
 constexpr double stiffness_of_stops = 1e6;   // in these units, much more than that of springs
 constexpr double stiffness_to_start = 1e-6;  // much less
 
@@ -92,7 +92,7 @@ class LoopTurns::WoundSprings {
 LoopTurns::LoopTurns(const StaticModel& model, const Turns& turns, const std::vector<double>& start)
     : model_(model), turns_(turns), start_(start), rows_(held_rows(model.mechanism())) {
   const Mechanism<double>& m = model.mechanism();
-  if (m.closures() == 0 || m.coordinates() > most_coordinates) return;
+  if (m.closures() == 0 || m.coordinates() > most_followed_coordinates) return;
   const auto& columns = m.jacobian_column();
   const auto& rows = m.jacobian_row();
   for (std::size_t e = 0; e < columns.size(); ++e) {
@@ -227,7 +227,7 @@ std::vector<std::vector<double>> LoopTurns::changes_of_force() const {
     const int rounds = matter_ && winds(course) ? most_rounds : 0;
     std::vector<std::vector<double>> here;
     for (int round = -rounds; round <= rounds; ++round) {
-      for (std::size_t k = 1; k < course.poses.size() && here.size() <= most_changes; ++k) {
+      for (std::size_t k = 1; k < course.poses.size() && here.size() <= most_sign_changes; ++k) {
         std::vector<double> a = turned(course, k - 1, round), b = turned(course, k, round);
         std::vector<double> way = a;
         for (std::size_t i = 0; i < way.size(); ++i) way[i] = b[i] - a[i];
@@ -237,7 +237,7 @@ std::vector<std::vector<double>> LoopTurns::changes_of_force() const {
         here.push_back(change_between(std::move(a), std::move(b), way));
       }
     }
-    if (here.size() <= most_changes) out.insert(out.end(), here.begin(), here.end());
+    if (here.size() <= most_sign_changes) out.insert(out.end(), here.begin(), here.end());
   }
   return out;
 }
@@ -314,7 +314,7 @@ LoopTurns::Course LoopTurns::follow(const std::vector<double>& x) {
       std::reverse(out.poses.begin(), out.poses.end());
     }
     bool ends = false;
-    for (int k = 0; k < most_steps && !ends; ++k) {
+    for (int k = 0; k < most_curve_steps && !ends; ++k) {
       const std::optional<Step> next = step_from(at, along);
       if (!next) break;
       at = next->to;
@@ -341,7 +341,7 @@ LoopTurns::Course LoopTurns::follow(const std::vector<double>& x) {
 // one curve to another. Nothing where they would have to be too short.
 std::optional<LoopTurns::Step> LoopTurns::step_from(const std::vector<double>& at,
                                                     const std::vector<double>& along) const {
-  for (double h = step; h >= shortest_step; h *= 0.5) {
+  for (double h = step; h >= shortest_curve_step; h *= 0.5) {
     if (is_singular(at, 2.0 * h)) continue;
     std::vector<double> ahead = at;
     for (std::size_t i = 0; i < at.size(); ++i) ahead[i] += h * along[i];
@@ -365,7 +365,7 @@ std::vector<double> LoopTurns::closed(std::vector<double> x) const {
   for (int k = 0; k < 8; ++k) {
     const DensePoint<double> point(m, x, rows_);
     const VectorXd gap = gaps_of(m, rows_, point.constraint);
-    if (gap.lpNorm<Eigen::Infinity>() <= closed_within) return x;
+    if (gap.lpNorm<Eigen::Infinity>() <= turn_closed_within) return x;
     const VectorXd change =
         solvers::minimum_norm_solution<double>(point.jacobian, gap, solvers::known_to::closed_point);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] -= change[static_cast<Eigen::Index>(i)];

@@ -5,7 +5,7 @@
 namespace poise {
 namespace {
 
-constexpr double takes_part = 1e-8;  // component of an orthonormal basis
+constexpr double takes_part_from = 1e-8;  // component of an orthonormal basis
 
 }  // namespace
 
@@ -32,16 +32,16 @@ Eigen::VectorXd MinimumNorm::solve(const Eigen::VectorXd& b) {
   return x + dense_->factors.solve(b - a_ * x);
 }
 
-NullSpace MinimumNorm::null_space() {
+TouchedNullSpace MinimumNorm::null_space() {
   if (sparse_) return sparse_->null_space();
-  NullSpace out;
+  TouchedNullSpace out;
   out.touches.assign(static_cast<std::size_t>(a_.cols()), false);
   if (!dense_) return out;
   out.dimension = static_cast<int>(a_.cols() - dense_->factors.rank());
   if (out.dimension == 0) return out;
   const Eigen::MatrixXd basis = dense_->factors.null_space();
   for (Eigen::Index u = 0; u < a_.cols(); ++u) {
-    out.touches[static_cast<std::size_t>(u)] = basis.row(u).norm() > takes_part;
+    out.touches[static_cast<std::size_t>(u)] = basis.row(u).norm() > takes_part_from;
   }
   return out;
 }

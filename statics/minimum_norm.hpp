@@ -17,7 +17,7 @@ class MinimumNorm {
   ~MinimumNorm();
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b);
-  NullSpace null_space();
+  TouchedNullSpace null_space();
 
  private:
   struct Dense;

@@ -18,8 +18,8 @@
 namespace poise {
 namespace {
 
-constexpr double closed_within = 1e-9;
-constexpr int dense_limit = 400;
+constexpr double reach_tolerance = 1e-9;
+constexpr int dense_mobility_limit = 400;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -118,19 +118,19 @@ bool is_same(const Measure& a, const Measure& b) {
 bool is_impossible(const ScaledModel& model) {
   const Mechanism<double>& m = model.mechanism();
   for (const Closure& closure : m.layout().closures) {
-    if (reach_of(m, closure.arms).shortest > closed_within) return true;
+    if (reach_of(m, closure.arms).shortest > reach_tolerance) return true;
   }
   const std::vector<Stop>& stops = model.scene().stops;
   for (std::size_t s = 0; s < stops.size(); ++s) {
     const Reach range = range_of(model, stops[s].on);
-    double min = range.shortest - closed_within;
-    double max = range.longest + closed_within;
+    double min = range.shortest - reach_tolerance;
+    double max = range.longest + reach_tolerance;
     for (std::size_t other = 0; other < stops.size(); ++other) {
       if (other != s && !is_same(stops[s].on, stops[other].on)) continue;
       min = std::max(min, m.lower()[other]);
       max = std::min(max, m.upper()[other]);
     }
-    if (min - max > closed_within) return true;
+    if (min - max > reach_tolerance) return true;
   }
   return false;
 }
@@ -185,8 +185,8 @@ void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mob
   const int count = static_cast<int>(rows.size());
   Eigen::SparseMatrix<double> jacobian(count, m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
-  if (count > dense_limit) {
-    const NullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
+  if (count > dense_mobility_limit) {
+    const TouchedNullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
     out.rank = count - repeats.dimension;
     name_redundant(
         model, rows, [&](int row) { return static_cast<bool>(repeats.touches[row]); }, out);
@@ -217,7 +217,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   const std::vector<double> start = model.start();
   const solvers::NewtonResult& closed = newton.close(start);
   out.x = closed.x;
-  out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= closed_within;
+  out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= reach_tolerance;
   if (!out.assembled) {
     find_widest_gap(model, out);
     out.impossible = is_impossible(model);

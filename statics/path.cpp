@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 
 constexpr double widest_range = 1e6;     // of loads, in forces that act besides
 constexpr double small_distance = 0.05;  // rad or mechanism sizes
-constexpr double same_place = 1e-4;      // the same: next to branch points folds are found to half the digits
+constexpr double same_fold = 1e-4;       // the same: next to branch points folds are found to half the digits
 constexpr int driven_steps = 50;         // from the start's pose to the first value of a driven measure
 constexpr double beyond_loss = 1e-6;     // of the range: how far beyond the loss of stability the mechanism is released
 
@@ -348,7 +348,7 @@ class PathFinder {
     if (far.end != Settling::End::settled || near.end != Settling::End::settled) return out;
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
     const double reach = distance(far.x);
-    const bool goes_on = reach < same_place || (reach < small_distance && distance(near.x) < 0.5 * reach);
+    const bool goes_on = reach < same_fold || (reach < small_distance && distance(near.x) < 0.5 * reach);
     out.spot = goes_on ? tracer_.spot(far.x, part(beyond_loss), far.active_stops, loss.direction)
                        : tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
     if (out.spot) {

@@ -14,6 +14,7 @@
 #include "solvers/vectors.hpp"
 #include "statics/curvature.hpp"
 #include "statics/event_accuracy.hpp"
+#include "statics/tracing_steps.hpp"
 
 namespace poise {
 namespace {
@@ -24,24 +25,16 @@ using Eigen::VectorXd;
 
 // Distances along the curve: rad, mechanism sizes, parts of the parameter's range.
 constexpr double first_step = 0.01;
-constexpr double shortest_step = 1e-9;
-constexpr double shortest_split = 1e-5;     // steps are halved down to it to tell events apart
-constexpr double largest_correction = 0.1;  // of a predicted point, in steps
-constexpr double usual_correction = 0.02;
-constexpr double largest_turn = 0.3;  // between the tangents at the ends of a step, rad
-constexpr double usual_turn = 0.1;
-constexpr double largest_deviation = 0.05;  // of points within a step from the interpolated ones, in steps
-constexpr double standstill = 1e-9;         // rate of the parameter below which it does not vary
-constexpr double overrun = 1e-12;           // of a stop or a free length, that is no event yet
-constexpr double pole_growth = 100.0;       // of multipliers, towards a dead centre
-constexpr double heavy_multipliers = 1e3;   // in the model's unit of force, next to a dead centre
-constexpr double farthest_turn = 100.0;     // rad, of a mechanism that has not run away
-constexpr double farthest_travel = 20.0;    // mechanism sizes, the same
-constexpr double taken_apart = 1e-9;        // gap of joints that repeat others
-constexpr double same_point = 1e-6;
-constexpr double same_pose = 1e-9;  // of forces and measures after whole turns
-constexpr double departure = 1e-3;  // radius of the sphere on which curves leave a branch point
-constexpr int most_switches = 8;    // of pieces at one point
+constexpr double shortest_split = 1e-5;    // steps are halved down to it to tell events apart
+constexpr double standstill = 1e-9;        // rate of the parameter below which it does not vary
+constexpr double pole_growth = 100.0;      // of multipliers, towards a dead centre
+constexpr double heavy_multipliers = 1e3;  // in the model's unit of force, next to a dead centre
+constexpr double farthest_turn = 100.0;    // rad, of a mechanism that has not run away
+constexpr double farthest_travel = 20.0;   // mechanism sizes, the same
+constexpr double taken_apart = 1e-9;       // gap of joints that repeat others
+constexpr double same_pose = 1e-9;         // of forces and measures after whole turns
+constexpr double departure = 1e-3;         // radius of the sphere on which curves leave a branch point
+constexpr int most_switches = 8;           // of pieces at one point
 
 }  // namespace
 
@@ -309,7 +302,7 @@ bool PathTracer::repeats(const PathSpot& fold) {
     if (event.kind != PathEvent::Kind::fold || event.at.active_stops != here.active_stops) continue;
     if (std::abs(event.at.parameter - here.parameter) > same_pose * range) continue;
     const std::vector<double> x = unwound(here.x, event.at.x, Turns::forces);
-    if (solvers::largest_difference(x, event.at.x) < same_point) return true;
+    if (solvers::largest_difference(x, event.at.x) < tracing::same_point) return true;
   }
   return false;
 }
@@ -335,21 +328,21 @@ std::optional<PathSpot> PathTracer::at(const Segment& segment, double s) {
   PathSpot out = segment.a;
   out.point.z = z_;
   if (!system.correct(out.point.z, row_).converged || !system.differentiate(out.point, row_)) return std::nullopt;
-  if (system.norm(out.point.z - z_) > largest_deviation * segment.h) return std::nullopt;
+  if (system.norm(out.point.z - z_) > tracing::largest_deviation * segment.h) return std::nullopt;
   out.negative = s < 0.5 * segment.h ? segment.a.negative : segment.b.negative;
   return out;
 }
 
 // Root of f on a segment, of opposite signs at its ends: secant steps kept within the bracket (Illinois).
 namespace {
-struct Root {
+struct RootOnSegment {
   double s;
   PathSpot spot;
 };
 template <class At, class F>
-std::optional<Root> root(At at, F f, double h, double fa, double fb) {
+std::optional<RootOnSegment> root_on_segment(At at, F f, double h, double fa, double fb) {
   double a = 0.0, b = h;
-  std::optional<Root> best;
+  std::optional<RootOnSegment> best;
   int side = 0;
   for (int k = 0; k < 80; ++k) {
     double s = (a * fb - b * fa) / (fb - fa);
@@ -357,7 +350,7 @@ std::optional<Root> root(At at, F f, double h, double fa, double fb) {
     std::optional<PathSpot> spot = at(s);
     if (!spot) return std::nullopt;
     const double value = f(*spot);
-    best = Root{s, std::move(*spot)};
+    best = RootOnSegment{s, std::move(*spot)};
     if (value == 0.0 || b - a < 1e-15 * h || s == a || s == b) break;
     if (std::abs(value) < 1e-16) break;
     if ((value > 0.0) == (fa > 0.0)) {
@@ -448,8 +441,8 @@ std::optional<PathSpot> PathTracer::held(const PathSpot& spot, double p) {
   PathSpot out = spot;
   VectorXd& z = out.point.z;
   z[z.size() - 1] = p;
-  const bool found =
-      system.correct(z, VectorXd::Unit(z.size(), z.size() - 1)).converged && system.norm(z - spot.point.z) < same_point;
+  const bool found = system.correct(z, VectorXd::Unit(z.size(), z.size() - 1)).converged &&
+                     system.norm(z - spot.point.z) < tracing::same_point;
   return found ? std::optional(std::move(out)) : std::nullopt;
 }
 
@@ -471,8 +464,8 @@ void PathTracer::fill(const Segment& segment, double from, double to, const Path
       continue;
     }
     if (fa == 0.0 || (fa > 0.0) == (fb > 0.0)) continue;
-    auto found = root([&](double s) { return at(segment, from + s); }, [&](const PathSpot& q) { return q.p() - w; },
-                      to - from, fa, fb);
+    auto found = root_on_segment([&](double s) { return at(segment, from + s); },
+                                 [&](const PathSpot& q) { return q.p() - w; }, to - from, fa, fb);
     if (!found) continue;
     std::optional<PathSpot> spot = held(found->spot, w);
     if (!spot) continue;
@@ -607,13 +600,13 @@ std::optional<PathSpot> PathTracer::step(const PathSpot& here, double h, double&
   next.point.z = here.point.z + h * here.point.tangent + (0.5 * h * h) * here.point.bend;
   const VectorXd row = system.without_multipliers(here.point.tangent);
   const auto correction = system.correct(next.point.z, row);
-  if (!correction.converged || correction.first > largest_correction * h) return std::nullopt;
+  if (!correction.converged || correction.first > tracing::largest_correction * h) return std::nullopt;
   if (!system.differentiate(next.point, row)) return std::nullopt;
   const double cosine = std::clamp(system.dot(here.point.tangent, next.point.tangent), -1.0, 1.0);
   const double turn = std::acos(cosine);
-  if (turn > largest_turn) return std::nullopt;
+  if (turn > tracing::largest_turn) return std::nullopt;
   system.estimate_bend(next.point);
-  badness = std::max(std::sqrt(correction.first / h / usual_correction), turn / usual_turn);
+  badness = std::max(std::sqrt(correction.first / h / tracing::usual_correction), turn / tracing::usual_turn);
   next.negative = system.negative_directions(next.point.z);
   return next;
 }
@@ -668,7 +661,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
     std::vector<Crossing> crossings;
     double badness = 1.0;
     while (true) {
-      if (h < shortest_step) {
+      if (h < tracing::shortest_step) {
         if (heaviest_multiplier(here) > heavy_multipliers) {
           end(PathBranch::End::singular, dead_centre_text(here));
         } else {
@@ -782,7 +775,7 @@ std::vector<PathTracer::Loss> PathTracer::follow(const PathSpot& start, int from
       int index = -1;
       if (event.kind == PathEvent::Kind::branch) {
         for (const auto& [known, z] : branch_points_) {
-          if (z.size() == place.size() && curve(spot.piece).norm(z - place) < same_point) index = known;
+          if (z.size() == place.size() && curve(spot.piece).norm(z - place) < tracing::same_point) index = known;
         }
       }
       if (crossing.kind == Crossing::Kind::fold && repeats(spot)) {
@@ -854,24 +847,24 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
   for (std::size_t k = 0; k < before.size(); ++k) {
     const Watched &at_a = before[k], &at_b = after[k];
     if (std::isinf(at_a.value) || std::isinf(at_b.value)) continue;
-    if (at_b.value >= -overrun) {
-      const bool may_dip = at_a.value > overrun && at_a.smooth_rate < 0.0 && at_b.smooth_rate > 0.0;
+    if (at_b.value >= -tracing::overrun) {
+      const bool may_dip = at_a.value > tracing::overrun && at_a.smooth_rate < 0.0 && at_b.smooth_rate > 0.0;
       if (can_split && may_dip &&
           solvers::Cubic(at_a.smooth, at_a.smooth_rate, at_b.smooth, at_b.smooth_rate, h).least() < 0.0) {
         return false;
       }
       continue;
     }
-    if (at_a.value <= overrun && at_a.rate > 0.0 && can_split) return false;
+    if (at_a.value <= tracing::overrun && at_a.rate > 0.0 && can_split) return false;
     Crossing crossing{Crossing::Kind::watched, 0.0, static_cast<int>(k), a};
     if (at_a.value > 0.0) {
       std::vector<Watched> between;
-      auto found = root([&](double s) { return at(segment, s); },
-                        [&](const PathSpot& spot) {
-                          watch(spot, between);
-                          return between[k].value;
-                        },
-                        h, at_a.value, at_b.value);
+      auto found = root_on_segment([&](double s) { return at(segment, s); },
+                                   [&](const PathSpot& spot) {
+                                     watch(spot, between);
+                                     return between[k].value;
+                                   },
+                                   h, at_a.value, at_b.value);
       if (!found) return false;
       crossing.s = found->s;
       crossing.spot = std::move(found->spot);
@@ -937,9 +930,9 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
       out.push_back({Crossing::Kind::range, from, -1, a});
       continue;
     }
-    auto found = root([&](double s) { return at(segment, from + s); },
-                      [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; }, h - from, begin,
-                      std::max(beyond, 1e-300));
+    auto found = root_on_segment([&](double s) { return at(segment, from + s); },
+                                 [&](const PathSpot& spot) { return limit == 0.0 ? -spot.p() : spot.p() - 1.0; },
+                                 h - from, begin, std::max(beyond, 1e-300));
     if (!found) return false;
     Crossing crossing{Crossing::Kind::range, from + found->s, -1, std::move(found->spot)};
     if (std::optional<PathSpot> spot = held(crossing.spot, limit)) crossing.spot = std::move(*spot);
@@ -960,10 +953,10 @@ bool PathTracer::find_crossings(const Segment& segment, const std::vector<Watche
     const VectorXd& t = start->point.tangent;
     const double fa = system.dot(a.point.z - origin, t), fb = system.dot(b.point.z - origin, t);
     if (fa < 0.0 && fb >= 0.0 && system.norm(b.point.z - origin) < 1.5 * h) {
-      auto found =
-          root([&](double s) { return at(segment, s); },
-               [&](const PathSpot& spot) { return system.dot(spot.point.z - origin, t); }, h, fa, std::max(fb, 1e-300));
-      if (found && system.norm(found->spot.point.z - origin) < same_point) {
+      auto found = root_on_segment([&](double s) { return at(segment, s); },
+                                   [&](const PathSpot& spot) { return system.dot(spot.point.z - origin, t); }, h, fa,
+                                   std::max(fb, 1e-300));
+      if (found && system.norm(found->spot.point.z - origin) < tracing::same_point) {
         out.push_back({Crossing::Kind::start, found->s, -1, std::move(found->spot)});
       }
     }

@@ -10,7 +10,7 @@
 namespace poise {
 namespace {
 
-constexpr int most_coordinates = 300;
+constexpr int most_coordinates_judged = 300;
 constexpr Eigen::Index most_directions = 6;
 
 CurvatureDirection direction_of(const StaticModel& model, double curvature, const Eigen::VectorXd& direction) {
@@ -31,7 +31,7 @@ CurvatureDirection direction_of(const StaticModel& model, double curvature, cons
 
 std::vector<CurvatureDirection> principal_directions(const StaticModel& model, const Certificate& certificate) {
   const Mechanism<double>& m = model.mechanism();
-  if (!certificate.confirmed() || m.has_follower_loads() || m.coordinates() > most_coordinates) return {};
+  if (!certificate.confirmed() || m.has_follower_loads() || m.coordinates() > most_coordinates_judged) return {};
   std::vector<int> rows(m.equalities());
   std::iota(rows.begin(), rows.end(), 0);
   for (const int stop : certificate.active_stops) rows.push_back(m.stop_row(stop));

@@ -17,7 +17,7 @@
 namespace poise {
 namespace {
 
-constexpr double farthest = 6.0;  // standard deviations of a normal number, which is drawn again beyond
+constexpr double farthest_draw = 6.0;  // standard deviations of a normal number, which is drawn again beyond
 
 /// "*" stands for any text.
 bool matches(std::string_view pattern, std::string_view text) {
@@ -72,7 +72,8 @@ Tolerance read_one(const TomlTable& table, const std::string& key, const Paramet
 void check_range(const Scene& scene, const ParameterRow& row, double value, const Tolerance& tolerance,
                  const TomlPlace& place) {
   const bool is_normal = tolerance.distribution == Tolerance::Distribution::normal;
-  const double reach = is_normal ? std::max(tolerance.half_width, farthest * tolerance.sigma) : tolerance.half_width;
+  const double reach =
+      is_normal ? std::max(tolerance.half_width, farthest_draw * tolerance.sigma) : tolerance.half_width;
   const double unit = row.dimension.unit(scene.units);
   if (!contains(row.range, value - reach)) {
     place.fail(fmt::format("{} = {} may fall to {}, {}", tolerance.number, value / unit, (value - reach) / unit,

@@ -14,15 +14,15 @@ namespace {
 
 using Real = Real50;
 using Vector = DensePoint<Real>::Vector;
-using Matrix = DensePoint<Real>::Matrix;
+using DenseReal = DensePoint<Real>::Matrix;
 
-constexpr int dense_limit =
+constexpr int dense_reference_limit =
     80;  // number of coordinates up to which redundancy is resolved by a rank-revealing factorization
 constexpr int steps = 120;
-constexpr double longest_step = 1e-3;
-constexpr double nearby = 1e-2;    // a larger correction leads to another equilibrium
-constexpr double nearly = 1e-9;    // accepted where Newton converges only linearly
-constexpr double touching = 1e-7;  // of an active stop
+constexpr double longest_reference_step = 1e-3;
+constexpr double same_solution = 1e-2;  // a larger correction leads to another equilibrium
+constexpr double nearly = 1e-9;         // accepted where Newton converges only linearly
+constexpr double active_within = 1e-7;  // of an active stop
 
 // Newton on {F + J^T y = 0, c = 0} in 50 digits.
 class Refinement {
@@ -47,8 +47,8 @@ class Refinement {
     mechanism_.constraint(q_.data(), pose.data(), constraint.data());
     for (int s = 0; s < mechanism_.stops(); ++s) {
       const Real& g = constraint[mechanism_.stop_row(s)];
-      const bool at_top = abs(g - mechanism_.upper()[s]) < touching;
-      const bool at_bottom = abs(g - mechanism_.lower()[s]) < touching;
+      const bool at_top = abs(g - mechanism_.upper()[s]) < active_within;
+      const bool at_bottom = abs(g - mechanism_.lower()[s]) < active_within;
       if (!at_top && !at_bottom) continue;
       rows_.push_back(mechanism_.stop_row(s));
       target_.push_back(at_top ? mechanism_.upper()[s] : mechanism_.lower()[s]);
@@ -56,7 +56,7 @@ class Refinement {
     }
     // In a large mechanism every touched stop counts as active: the check decides whether its reaction has the right
     // sign.
-    while (rows_.size() > closures && mechanism_.coordinates() <= dense_limit) {
+    while (rows_.size() > closures && mechanism_.coordinates() <= dense_reference_limit) {
       const Vector y = DensePoint<Real>(mechanism_, q_, rows_).multipliers();
       std::size_t pulling = rows_.size();
       for (std::size_t k = closures; k < rows_.size(); ++k) {
@@ -73,7 +73,7 @@ class Refinement {
   // Redundant closures agree only to the rounding of the scene's doubles; in 50 digits they would contradict each
   // other. The independent ones are kept.
   void keep_independent_rows() {
-    if (rows_.empty() || mechanism_.coordinates() > dense_limit) return;
+    if (rows_.empty() || mechanism_.coordinates() > dense_reference_limit) return;
     const DensePoint<Real> point(mechanism_, q_, rows_);
     const auto [rank, order] = solvers::pivot_order<Real>(point.jacobian.transpose(), solvers::known_to::data);
     if (rank == static_cast<Eigen::Index>(rows_.size())) return;
@@ -95,7 +95,7 @@ class Refinement {
     Real last = 1;
     for (int k = 0; k < steps; ++k) {
       const std::optional<Vector> step =
-          mechanism_.coordinates() <= dense_limit ? std::optional(dense_step()) : sparse_step();
+          mechanism_.coordinates() <= dense_reference_limit ? std::optional(dense_step()) : sparse_step();
       if (!step || !step->allFinite()) {
         why = "Newton in 50 digits: singular system";
         return false;
@@ -104,13 +104,13 @@ class Refinement {
       Real length = 0;
       for (Eigen::Index i = 0; i < d.size(); ++i) length = std::max(length, Real(abs(d[i])));
       // Near a fold full steps overshoot: they are bounded.
-      const Real part = length > longest_step ? Real(longest_step / length) : Real(1);
+      const Real part = length > longest_reference_step ? Real(longest_reference_step / length) : Real(1);
       Real travelled = 0;
       for (Eigen::Index i = 0; i < d.size(); ++i) {
         q_[i] += part * d[i];
         travelled = std::max(travelled, Real(abs(q_[i] - from_[i])));
       }
-      if (travelled > nearby) {
+      if (travelled > same_solution) {
         why = "the nearest solution in 50 digits is another equilibrium";
         return false;
       }
@@ -136,7 +136,7 @@ class Refinement {
  private:
   // Where J loses rank steps may become small without a solution.
   bool is_solved() {
-    if (mechanism_.coordinates() > dense_limit) return true;
+    if (mechanism_.coordinates() > dense_reference_limit) return true;
     DensePoint<Real> point(mechanism_, q_, rows_);
     const Vector y = point.multipliers();
     const Vector left = point.force + point.jacobian.transpose() * y;
@@ -161,7 +161,7 @@ class Refinement {
     const Eigen::Index n = mechanism_.coordinates();
     const auto m = static_cast<Eigen::Index>(rows_.size());
     const Vector y = point.multipliers();
-    Matrix system = Matrix::Zero(n + m, n + m);
+    DenseReal system = DenseReal::Zero(n + m, n + m);
     system.topLeftCorner(n, n) = point.tangent(y);
     system.topRightCorner(n, m) = point.jacobian.transpose();
     system.bottomLeftCorner(m, n) = point.jacobian;

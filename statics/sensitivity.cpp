@@ -20,9 +20,9 @@
 namespace poise {
 namespace {
 
-constexpr int most_unknowns = 1200;  // whose dense factors are computed in seconds
-constexpr double rounding = 1e-13;   // parts of a sum's terms below which it is zero
-constexpr double nothing = 1e-9;     // parts of a vector below which it has no component along another
+constexpr int most_dense_unknowns = 1200;  // whose dense factors are computed in seconds
+constexpr double sum_rounding = 1e-13;     // parts of a sum's terms below which it is zero
+constexpr double nothing = 1e-9;           // parts of a vector below which it has no component along another
 
 // --- names ----------------------------------------------------------------------------------------------------------
 
@@ -253,7 +253,7 @@ std::string without_direction(const NumberedEquations& equations, const std::vec
 }
 
 constexpr const char* no_direction = "the size of a force of zero has no derivative";
-constexpr double rank_tolerance = solvers::known_to::solution;
+constexpr double response_rank_tolerance = solvers::known_to::solution;
 
 double factor(const Dimension& of, const Dimension& number, const Scales& scales) {
   return number.per_scale(scales) / of.per_scale(scales);
@@ -341,7 +341,7 @@ class AtEquilibrium {
       }
       const double by = gradient.by_numbers[row] - mu.dot(by_numbers.col(row));
       const double size = std::abs(gradient.by_numbers[row]) + mu.norm() * by_numbers.col(row).norm();
-      return std::abs(by) > rounding * size ? by : 0.0;
+      return std::abs(by) > sum_rounding * size ? by : 0.0;
     });
     return out;
   }
@@ -436,7 +436,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
   const bool turns = found.stop < 0 && found.spring < 0;  // not a corner
   // Across the fold the matrix is singular, and Newton's steps along its null vector are rounding.
   const LinearResponse response =
-      response_at(*there, found.fold.at.x, active, turns ? solvers::known_to::path : rank_tolerance);
+      response_at(*there, found.fold.at.x, active, turns ? solvers::known_to::path : response_rank_tolerance);
   const NumberedEquations& equations = response.equations();
   out.why = response.why().empty() ? without_direction(equations, response.z()) : response.why();
   if (!out.why.empty()) return out;
@@ -465,7 +465,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
         }
       }
     }
-    const solvers::LeastSquares<double> transposed(response.by_unknowns().transpose(), rank_tolerance);
+    const solvers::LeastSquares<double> transposed(response.by_unknowns().transpose(), response_rank_tolerance);
     if (transposed.rank() < equations.unknowns()) {
       out.why = "redundant constraints leave the forces at the fold undetermined";
       return out;
@@ -477,7 +477,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
   }
   const solvers::SingularValues values = solvers::singular_value_decomposition(response.by_unknowns());
   const Eigen::Index last = values.values.size() - 1;
-  if (last > 0 && values.values[last - 1] < rank_tolerance * values.values[0]) {
+  if (last > 0 && values.values[last - 1] < response_rank_tolerance * values.values[0]) {
     out.why = "redundant constraints or neutral directions leave the fold undetermined";
     return out;
   }
@@ -492,9 +492,9 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
                             const SensitivityOptions& options) {
   const Scene scene = model.scaled_scene();
   const int unknowns = NumberedEquations(scene, {}).unknowns();
-  if (unknowns > most_unknowns) {
+  if (unknowns > most_dense_unknowns) {
     throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}", scene.file,
-                                 most_unknowns, unknowns));
+                                 most_dense_unknowns, unknowns));
   }
   Sensitivities out;
   out.size = model.layout().size * model.scales().length;
@@ -512,7 +512,7 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
   if (!out.why.empty()) return out;
   // Where an isolated equilibrium is proved, small pivots are those of soft springs.
   const bool is_isolated = proof.outcome == Outcome::proved && proof.redundant == 0;
-  const double tolerance = is_isolated ? solvers::known_to::rounding : rank_tolerance;
+  const double tolerance = is_isolated ? solvers::known_to::rounding : response_rank_tolerance;
   const LinearResponse response = response_at(model, out.equilibrium.x, proof.active_stops, tolerance);
   out.why = response.why().empty() ? without_direction(response.equations(), response.z()) : response.why();
   if (!out.why.empty()) return out;

@@ -22,16 +22,16 @@ namespace {
 using solvers::Arrival;
 using solvers::DampedResult;
 
-constexpr int dense_limit = 300;  // coordinates up to which ranks and directions are found by dense factors
-constexpr double closed_within = 1e-13;
+constexpr int dense_settling_limit = 300;  // coordinates up to which ranks and directions are found by dense factors
+constexpr double settling_closed_within = 1e-13;
 // Several freedoms: error of one step, at first and at least, and of the whole motion, where it has grown most.
 constexpr double first_tolerance = 1e-3;
 constexpr double least_tolerance = 1e-11;
 constexpr double accurate_within = 0.02;
-constexpr double beside[] = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};  // distances of displaced starts
-constexpr double flat = 1e-9;         // curvature, relative to the largest, below which a direction may be unstable
-constexpr double rounding = 1e-13;    // of forces, relative to the largest
-constexpr double course_step = 0.05;  // of motions whose poses are kept, so that they can be shown
+constexpr double beside_start[] = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};  // distances of displaced starts
+constexpr double flat_curvature = 1e-9;   // curvature, relative to the largest, below which a direction may be unstable
+constexpr double drive_rounding = 1e-13;  // of forces, relative to the largest
+constexpr double course_step = 0.05;      // of motions whose poses are kept, so that they can be shown
 
 class Settler {
  public:
@@ -85,7 +85,7 @@ class Settler {
     problem.evaluate(at);
     double gap = 0.0;
     for (int r = 0; r < problem.constraints(); ++r) gap = std::max(gap, std::abs(solvers::violation(problem, at, r)));
-    if (gap <= closed_within) return true;
+    if (gap <= settling_closed_within) return true;
     const solvers::NewtonResult& closed = closing_.close(x);
     out_.evaluations += closed.evaluations;
     x = closed.x;
@@ -101,7 +101,7 @@ class Settler {
   int freedoms_at(const std::vector<double>& x) const {
     const int n = mechanism_.coordinates();
     if (mechanism_.equalities() == 0) return n;
-    if (n > dense_limit) return n - mechanism_.equalities();
+    if (n > dense_settling_limit) return n - mechanism_.equalities();
     const DensePoint<double> point(mechanism_, x, closure_rows());
     return n - static_cast<int>(solvers::rank<double>(point.jacobian.transpose(), solvers::known_to::closed_point));
   }
@@ -129,7 +129,7 @@ class Settler {
     for (double tolerance = first_tolerance;;) {
       passed_.resize(options_.course ? 1 : 0);
       result = counted(motion_->run(x, tolerance));
-      const bool is_large = mechanism_.coordinates() > dense_limit;
+      const bool is_large = mechanism_.coordinates() > dense_settling_limit;
       if (result.error <= accurate_within || result.arrival == Arrival::interrupted || is_large) break;
       if (tolerance <= least_tolerance) break;
       tolerance = std::max(least_tolerance, tolerance * std::min(0.1, 0.2 * accurate_within / result.error));
@@ -230,7 +230,7 @@ class Settler {
   std::vector<Eigen::VectorXd> falling_directions(const std::vector<double>& x, const std::vector<char>& active) const {
     std::vector<Eigen::VectorXd> out;
     const auto n = static_cast<Eigen::Index>(x.size());
-    if (n > dense_limit) {
+    if (n > dense_settling_limit) {
       out.push_back(
           Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return std::sin(1.0 + 2.0 * i); }).normalized());
       return out;
@@ -243,14 +243,14 @@ class Settler {
     if (hessian.matrix.size() == 0) return out;
     const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(0.5 * (hessian.matrix + hessian.matrix.transpose()));
     for (Eigen::Index k = 0; k < eigen.values.size(); ++k) {
-      if (eigen.values[k] < flat * hessian.largest) out.emplace_back(hessian.basis * eigen.vectors.col(k));
+      if (eigen.values[k] < flat_curvature * hessian.largest) out.emplace_back(hessian.basis * eigen.vectors.col(k));
     }
     return out;
   }
 
   // The nearest displaced pose on a side from which the force drives farther away; none if it holds.
   std::optional<std::vector<double>> start_of_fall(const std::vector<double>& x, const Eigen::VectorXd& direction) {
-    for (const double by : beside) {
+    for (const double by : beside_start) {
       std::vector<double> displaced = x;
       for (std::size_t i = 0; i < x.size(); ++i) displaced[i] += by * direction[static_cast<Eigen::Index>(i)];
       if (!close(displaced)) return std::nullopt;
@@ -266,13 +266,13 @@ class Settler {
     const DensePoint<double> point(mechanism_, to, closure_rows());
     Eigen::VectorXd way = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(to.size()));
     for (std::size_t i = 0; i < to.size(); ++i) way[static_cast<Eigen::Index>(i)] = to[i] - from[i];
-    if (static_cast<int>(to.size()) <= dense_limit && point.jacobian.rows() > 0) {
+    if (static_cast<int>(to.size()) <= dense_settling_limit && point.jacobian.rows() > 0) {
       const Eigen::MatrixXd basis = solvers::null_space<double>(point.jacobian, solvers::known_to::solution);
       way = basis * (basis.transpose() * way);
     }
-    if (!(way.norm() > 0.3 * beside[0])) return std::numeric_limits<double>::quiet_NaN();
+    if (!(way.norm() > 0.3 * beside_start[0])) return std::numeric_limits<double>::quiet_NaN();
     const double drive = -point.force.dot(way.normalized());
-    return std::abs(drive) <= rounding * (1e-3 + point.force.cwiseAbs().maxCoeff()) ? 0.0 : drive;
+    return std::abs(drive) <= drive_rounding * (1e-3 + point.force.cwiseAbs().maxCoeff()) ? 0.0 : drive;
   }
 
   std::string describe() const {

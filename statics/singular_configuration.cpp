@@ -12,12 +12,12 @@
 namespace poise {
 namespace {
 
-constexpr int most_coordinates = 60;
-constexpr double closed_within = 1e-7;
+constexpr int most_searched_coordinates = 60;
+constexpr double nearly_closed = 1e-7;
 constexpr double unbalanced_beyond = 1e-6;  // relative to the largest load
 // A search that approaches a singular configuration stops at some distance, because small gaps displace such poses far.
-constexpr double rank_tolerance = solvers::known_to::singular_point;
-constexpr double beside = 0.1;  // rad or mechanism sizes
+constexpr double singular_rank_tolerance = solvers::known_to::singular_point;
+constexpr double beside_singular = 0.1;  // rad or mechanism sizes
 constexpr int tries = 8;
 
 std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
@@ -27,7 +27,7 @@ std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
 }
 
 int rank_of(const Eigen::MatrixXd& jacobian) {
-  return static_cast<int>(solvers::rank<double>(jacobian.transpose(), rank_tolerance));
+  return static_cast<int>(solvers::rank<double>(jacobian.transpose(), singular_rank_tolerance));
 }
 
 double largest_gap(const DensePoint<double>& point) {
@@ -39,12 +39,12 @@ double largest_gap(const DensePoint<double>& point) {
 // With the rank of the singular configuration: singular values below the tolerance count as zero.
 bool balances(const DensePoint<double>& point) {
   const Eigen::MatrixXd directions = point.jacobian.transpose();
-  const Eigen::VectorXd left =
-      point.force + directions * solvers::minimum_norm_solution<double>(directions, -point.force, rank_tolerance);
+  const Eigen::VectorXd left = point.force + directions * solvers::minimum_norm_solution<double>(
+                                                              directions, -point.force, singular_rank_tolerance);
   return left.cwiseAbs().maxCoeff() <= unbalanced_beyond * (1.0 + point.force.cwiseAbs().maxCoeff());
 }
 
-constexpr int most_steps = 30;
+constexpr int most_search_steps = 30;
 constexpr double converged_within = 1e-12;
 constexpr double loses_rank_within = 1e-10;  // |J^T u|; where nothing loses rank a rest remains
 
@@ -54,7 +54,7 @@ std::optional<std::vector<double>> nearest_singular_point(const Mechanism<double
                                                           const std::vector<double>& x, const std::vector<int>& rows) {
   const auto m = static_cast<Eigen::Index>(rows.size());
   const Eigen::Index n = mechanism.coordinates();
-  if (m == 0 || n > most_coordinates) return std::nullopt;
+  if (m == 0 || n > most_searched_coordinates) return std::nullopt;
   std::vector<double> q = x;
   // Stops keep the value that they have at x.
   std::vector<double> kept(rows.size(), 0.0);
@@ -64,7 +64,7 @@ std::optional<std::vector<double>> nearest_singular_point(const Mechanism<double
   }
   Eigen::VectorXd u = solvers::symmetric_eigen(first.jacobian * first.jacobian.transpose()).vectors.col(0);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(m);
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < most_search_steps; ++step) {
     DensePoint<double> point(mechanism, q, rows);
     Eigen::MatrixXd derivative = Eigen::MatrixXd::Zero(m + n + 1, n + m);
     derivative.topLeftCorner(m, n) = point.jacobian;
@@ -89,20 +89,20 @@ std::optional<SingularConfiguration> find_singular_configuration(const StaticMod
                                                                  const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
   const std::vector<int> rows = closure_rows(m);
-  if (rows.empty() || m.coordinates() > most_coordinates) return std::nullopt;
+  if (rows.empty() || m.coordinates() > most_searched_coordinates) return std::nullopt;
   const DensePoint<double> here(m, x, rows);
-  if (largest_gap(here) > closed_within || balances(here)) return std::nullopt;
+  if (largest_gap(here) > nearly_closed || balances(here)) return std::nullopt;
   SingularConfiguration singular;
   singular.rank = rank_of(here.jacobian);
   if (singular.rank == std::min<int>(static_cast<int>(rows.size()), m.coordinates())) return std::nullopt;
   solvers::Newton closing(model.problem());
   std::minstd_rand random(20220531);
-  std::uniform_real_distribution<double> uniform(-beside, beside);
+  std::uniform_real_distribution<double> uniform(-beside_singular, beside_singular);
   for (int k = 0; k < tries; ++k) {
     std::vector<double> moved = x;
     for (double& v : moved) v += uniform(random);
     const DensePoint<double> there(m, closing.close(moved).x, rows);
-    if (largest_gap(there) <= closed_within)
+    if (largest_gap(there) <= nearly_closed)
       singular.rank_beside = std::max(singular.rank_beside, rank_of(there.jacobian));
   }
   return singular.rank_beside > singular.rank ? std::optional(singular) : std::nullopt;

@@ -18,12 +18,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int most_coordinates = 200;  // of dense factors
-constexpr double longest = 0.2;        // of a step, rad or mechanism sizes
-constexpr double in_balance = 1e-7;    // of the start, in its largest force
-constexpr double closed = 1e-8;        // of the start
-constexpr double converged = 1e-12;
-constexpr double rounding = 1e-8;  // larger steps are none of rounding
+constexpr int most_dense_coordinates = 200;  // of dense factors
+constexpr double longest = 0.2;              // of a step, rad or mechanism sizes
+constexpr double start_in_balance = 1e-7;    // of the start, in its largest force
+constexpr double closed_start = 1e-8;        // of the start
+constexpr double converged_step = 1e-12;
+constexpr double largest_rounding = 1e-8;  // larger steps are none of rounding
 constexpr int most_iterations = 8;
 
 double largest_of(const VectorXd& v) { return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff(); }
@@ -39,7 +39,7 @@ class SmallStep {
                        a.jacobian_column() == b.jacobian_column() && a.tangent_row() == b.tangent_row() &&
                        a.tangent_column() == b.tangent_column() && from.scales().length == to.scales().length &&
                        from.scales().force == to.scales().force;
-    if (!alike || n_ != a.coordinates() || n_ > most_coordinates) return;
+    if (!alike || n_ != a.coordinates() || n_ > most_dense_coordinates) return;
     side_ = piece_at(from, x, active).side;
     rows_ = independent_closures(a, x);
     for (int s = 0; s < a.stops(); ++s) {
@@ -54,8 +54,8 @@ class SmallStep {
     VectorXd y = begin.multipliers();
     const VectorXd left = begin.force + begin.jacobian.transpose() * y;
     const double heaviest = std::max({1e-3, largest_of(begin.force), largest_of(y)});
-    if (largest_of(left) > in_balance * heaviest) return std::nullopt;
-    if (largest_of(gaps(from_.mechanism(), begin)) > closed) return std::nullopt;
+    if (largest_of(left) > start_in_balance * heaviest) return std::nullopt;
+    if (largest_of(gaps(from_.mechanism(), begin)) > closed_start) return std::nullopt;
     const VectorXd first = y;
     const MatrixXd equations = equations_at(begin, y);
     std::vector<double> x = x_;
@@ -71,7 +71,7 @@ class SmallStep {
       y = step.tail(y.size());
       const double size = largest_of(step.head(n_));
       // Next to a singular pose rounding ends it earlier; the proof bounds what is left.
-      const bool is_last = size <= converged || (size > last && size < rounding);
+      const bool is_last = size <= converged_step || (size > last && size < largest_rounding);
       if (size > last && !is_last) return std::nullopt;
       for (Index j = 0; j < n_; ++j) x[static_cast<std::size_t>(j)] += step[j];
       last = 0.5 * size;
@@ -112,7 +112,7 @@ class SmallStep {
     const Mechanism<double>& m = to_.mechanism();
     const DensePoint<double> end(m, x, rows_);
     return std::none_of(end.constraint.begin(), end.constraint.begin() + m.equalities(),
-                        [](double gap) { return std::abs(gap) > closed; });
+                        [](double gap) { return std::abs(gap) > closed_start; });
   }
 
   const StaticModel& from_;

@@ -8,30 +8,30 @@
 namespace poise {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double>;
+using Sparse = Eigen::SparseMatrix<double>;
 
 constexpr double relax = 1e-12;
 constexpr int refinements = 20;
 constexpr int projections = 4;
 constexpr double unmet = 1e-9;  // relative to the right-hand side
 constexpr double smallest_singular_value = 1e-6;
-constexpr double takes_part = 1e-6;  // of a probe of order one
-constexpr int long_column = 32;      // entries
+constexpr double probe_takes_part = 1e-6;  // of a probe of order one
+constexpr int long_column = 32;            // entries
 
 // Calls visit(i, j, value) for one triangle of the matrix to be factored, duplicate entries one by one.
 template <class Visit>
-void for_each_entry(const Matrix& a, double shift, Visit visit) {
+void for_each_entry(const Sparse& a, double shift, Visit visit) {
   const int rows = static_cast<int>(a.rows());
   int extra = rows;
   for (Eigen::Index c = 0; c < a.outerSize(); ++c) {
     if (a.innerVector(c).nonZeros() > long_column) {
       visit(extra, extra, -1.0);
-      for (Matrix::InnerIterator i(a, c); i; ++i) visit(extra, static_cast<int>(i.row()), i.value());
+      for (Sparse::InnerIterator i(a, c); i; ++i) visit(extra, static_cast<int>(i.row()), i.value());
       ++extra;
       continue;
     }
-    for (Matrix::InnerIterator i(a, c); i; ++i) {
-      for (Matrix::InnerIterator j(a, c); j && j.row() <= i.row(); ++j) {
+    for (Sparse::InnerIterator i(a, c); i; ++i) {
+      for (Sparse::InnerIterator j(a, c); j && j.row() <= i.row(); ++j) {
         visit(static_cast<int>(i.row()), static_cast<int>(j.row()), i.value() * j.value());
       }
     }
@@ -46,19 +46,19 @@ Eigen::VectorXd probe(Eigen::Index size) {
   return Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(random); });
 }
 
-NullSpace touched(const Eigen::VectorXd& part) {
-  NullSpace out;
-  for (const double p : part) out.touches.push_back(std::abs(p) > takes_part);
+TouchedNullSpace touched(const Eigen::VectorXd& part) {
+  TouchedNullSpace out;
+  for (const double p : part) out.touches.push_back(std::abs(p) > probe_takes_part);
   return out;
 }
 
-bool is_empty(const NullSpace& null) {
+bool is_empty(const TouchedNullSpace& null) {
   return std::find(null.touches.begin(), null.touches.end(), true) == null.touches.end();
 }
 
 }  // namespace
 
-SparseLeastSquares::SparseLeastSquares(const Matrix& a) : a_(a) {
+SparseLeastSquares::SparseLeastSquares(const Sparse& a) : a_(a) {
   even_rows();
   analyse();
   factor(relax);
@@ -67,12 +67,12 @@ SparseLeastSquares::SparseLeastSquares(const Matrix& a) : a_(a) {
 void SparseLeastSquares::even_rows() {
   scale_ = Eigen::VectorXd::Zero(a_.rows());
   for (Eigen::Index c = 0; c < a_.outerSize(); ++c) {
-    for (Matrix::InnerIterator i(a_, c); i; ++i) scale_[i.row()] += i.value() * i.value();
+    for (Sparse::InnerIterator i(a_, c); i; ++i) scale_[i.row()] += i.value() * i.value();
     long_columns_ += a_.innerVector(c).nonZeros() > long_column;
   }
   for (double& s : scale_) s = s > 0 ? 1.0 / std::sqrt(s) : 1.0;
   for (Eigen::Index c = 0; c < a_.outerSize(); ++c) {
-    for (Matrix::InnerIterator i(a_, c); i; ++i) i.valueRef() *= scale_[i.row()];
+    for (Sparse::InnerIterator i(a_, c); i; ++i) i.valueRef() *= scale_[i.row()];
   }
 }
 
@@ -157,17 +157,17 @@ int SparseLeastSquares::count_small() {
 }
 
 // The projection of a random vector has a component in every unknown that takes part in the null space.
-NullSpace SparseLeastSquares::null_space() {
+TouchedNullSpace SparseLeastSquares::null_space() {
   const Eigen::VectorXd any = probe(a_.cols());
-  NullSpace out = touched(any - solve_even(a_ * any));
+  TouchedNullSpace out = touched(any - solve_even(a_ * any));
   if (!is_empty(out)) out.dimension = static_cast<int>(a_.cols() - a_.rows()) + count_small();
   return out;
 }
 
-NullSpace SparseLeastSquares::left_null_space() {
+TouchedNullSpace SparseLeastSquares::left_null_space() {
   Eigen::VectorXd part = probe(a_.rows());
   project(part);
-  NullSpace out = touched(part);
+  TouchedNullSpace out = touched(part);
   if (!is_empty(out)) out.dimension = count_small();
   return out;
 }

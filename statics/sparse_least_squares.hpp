@@ -9,7 +9,7 @@
 namespace poise {
 
 /// The null space of a sparse matrix.
-struct NullSpace {
+struct TouchedNullSpace {
   int dimension = 0;          ///< singular values below 1e-6, counted by Sylvester's law in the signs of LDL^T pivots
   std::vector<bool> touches;  ///< per unknown: has a component in it
 };
@@ -29,9 +29,9 @@ class SparseLeastSquares {
   Eigen::VectorXd solve(const Eigen::VectorXd& b);
 
   /// A x = 0: unknowns with a component in it are not determined by A x = b.
-  NullSpace null_space();
+  TouchedNullSpace null_space();
   /// A^T y = 0: rows with a component in it are combinations of others.
-  NullSpace left_null_space();
+  TouchedNullSpace left_null_space();
 
  private:
   void even_rows();

@@ -22,11 +22,11 @@ namespace {
 
 using Placed = NumberedEquations::Placed<double>;
 
-constexpr int most_unknowns = 400;
+constexpr int most_sampled_unknowns = 400;
 constexpr double chord_contraction = 0.3;
-constexpr double converged = 1e-11;  // rad, mechanism sizes, parts of its force
-constexpr double known = 1e-6;       // the same; an equilibrium that rounding moves further is not decided
-constexpr double singular = 1e-14;   // reciprocal condition; the sign of the determinant is not known
+constexpr double converged_sample = 1e-11;  // rad, mechanism sizes, parts of its force
+constexpr double decided_within = 1e-6;     // the same; an equilibrium that rounding moves further is not decided
+constexpr double singular = 1e-14;          // reciprocal condition; the sign of the determinant is not known
 constexpr int most_chords = 20;
 constexpr double farthest_normal = 6.0;         // standard deviations; beyond, a number is drawn again
 constexpr std::size_t chunk = 500;              // samples computed by a thread at a time
@@ -164,7 +164,7 @@ class Continuation {
       moved += size_of(dz.head(poses));
       const double size = size_of(dz);
       if (!(moved < farthest)) return false;
-      if (size < converged) return true;
+      if (size < converged_sample) return true;
       if (k > 1 && !(size < 0.5 * before)) return is_rounding(size, state, numbers);
       before = size;
     }
@@ -179,7 +179,7 @@ class Continuation {
     const double rounding =
         rounding_of(at, factors.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))), numbers, state.z);
     drowned_ = !(size > rounding);
-    return drowned_ && rounding < known;
+    return drowned_ && rounding < decided_within;
   }
 
   // Lets go of stops that pull and holds those that are overrun.
@@ -352,7 +352,7 @@ class Sampler {
   /// By how much a quantity differs where Newton's steps and chords end, SI.
   double rounding_of_value(std::size_t q) const {
     const QuantityGradient gradient = gradient_of(of_[q], equations(), equations().numbers(), nominal_.z);
-    return std::max(converged, rounding_) * gradient.by_unknowns.lpNorm<1>() /
+    return std::max(converged_sample, rounding_) * gradient.by_unknowns.lpNorm<1>() /
            of_[q].dimension.per_scale(model_.scales());
   }
 
@@ -406,8 +406,8 @@ class Sampler {
   bool chord(Work& work) const {
     work.dz.noalias() = moves_ * work.by;
     double before = size_of(work.dz);
-    const double enough = std::max(converged, rounding_);
-    if (!(rounding_ < known)) return false;
+    const double enough = std::max(converged_sample, rounding_);
+    if (!(rounding_ < decided_within)) return false;
     for (std::size_t i = 0; i < work.z.size(); ++i) {
       work.z[i] = nominal_.z[i] + work.dz[static_cast<Eigen::Index>(i)];
     }
@@ -629,9 +629,9 @@ ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Toler
   if (!out.why.empty()) return out;
   const LinearResponse response =
       response_at(model, first.equilibrium.x, first.equilibrium.certificate.active_stops, solvers::known_to::solution);
-  if (response.equations().unknowns() > most_unknowns) {
+  if (response.equations().unknowns() > most_sampled_unknowns) {
     throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}",
-                                 model.scene().file, most_unknowns, response.equations().unknowns()));
+                                 model.scene().file, most_sampled_unknowns, response.equations().unknowns()));
   }
   std::vector<SoughtQuantity> sampled;
   std::vector<std::size_t> places;

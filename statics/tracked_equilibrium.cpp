@@ -14,7 +14,7 @@ namespace poise {
 namespace {
 
 constexpr double still = 1e-9;           // rad or mechanism sizes: it rests where it did
-constexpr double same_place = 1e-6;      // the same: a search ended where it was expected to
+constexpr double expected_place = 1e-6;  // the same: a search ended where it was expected to
 constexpr double near_place = 0.1;       // the same: near a position that is asked for
 constexpr double cosine_of_turn = 0.95;  // of a way along which a hand holds in one direction
 
@@ -190,9 +190,9 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPos
     return largest_difference(scene_, poses, out.model->poses(equilibrium.x), out.model->scales().length);
   };
   equilibrium = poise::solve(*out.model, out.model->start(), solving);
-  if (equilibrium.found() && equilibrium.certificate.outcome == Outcome::neutral && distance() > same_place) {
+  if (equilibrium.found() && equilibrium.certificate.outcome == Outcome::neutral && distance() > expected_place) {
     // Of all that are as good, the one there.
-    solving.tolerance = same_place;
+    solving.tolerance = expected_place;
     Equilibrium nearer = poise::solve(*out.model, out.model->start(), solving);
     if (nearer.found()) equilibrium = std::move(nearer);
   }
@@ -232,11 +232,11 @@ TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene held, std::vect
     transition.why = rest.why;
     return out;
   }
-  Found found = found_at(out.model->scene(), out.model->poses(rest.x), same_place);
+  Found found = found_at(out.model->scene(), out.model->poses(rest.x), expected_place);
   const BodyPoses end = found.model->poses(found.equilibrium.x);
   const double length = out.model->scales().length;
   if (largest_difference(scene_, first, end, length) <= still) return found;
-  if (found.equilibrium.found() && largest_difference(scene_, released, end, length) <= same_place) {
+  if (found.equilibrium.found() && largest_difference(scene_, released, end, length) <= expected_place) {
     transition.kind = Transition::Kind::followed;
     return found;
   }
@@ -257,7 +257,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::moved(const Position& at, const Sc
   if (at.is_stable) {
     FollowedChange change = follow_change(at.scene, after, at.poses, at.active_stops, options_);
     if (change.arrived) {
-      Found found = found_at(after, change.poses, same_place);
+      Found found = found_at(after, change.poses, expected_place);
       if (found.equilibrium.found()) {
         transition = std::move(change.transition);
         return found;
@@ -328,7 +328,7 @@ Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
 Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
   const BodyPoses there = *movable_;
   const std::vector<Vec2> along = DraggedPoint(started_at(scene_, there), point).directions();
-  Found before = found_at(with_hand(scene_, point, along, place_of(scene_, there, point)), there, same_place);
+  Found before = found_at(with_hand(scene_, point, along, place_of(scene_, there, point)), there, expected_place);
   if (along.empty() || !before.equilibrium.found()) {
     throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
   }
@@ -359,7 +359,7 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
   };
   if (along.size() == 2) {
     if (const auto there = straight(place)) {
-      Found found = found_at(with_hand(scene_, point, along, place), *there, same_place);
+      Found found = found_at(with_hand(scene_, point, along, place), *there, expected_place);
       if (found.equilibrium.found()) {
         take(scene_, Hand{point, along}, std::move(found));
         Transition out;
@@ -377,7 +377,7 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
   if (along.size() == 2 && held == along) {
     if (auto direct = straight(walk.place())) there = std::move(*direct);
   }
-  Found found = found_at(with_hand(scene_, point, held, walk.place()), there, same_place);
+  Found found = found_at(with_hand(scene_, point, held, walk.place()), there, expected_place);
   take(scene_, Hand{point, held}, std::move(found));
   return out;
 }
@@ -425,7 +425,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   }
   // The equilibrium at these poses, to which it was followed.
   const auto held_where = [&](const BodyPoses& there) -> std::optional<Found> {
-    Found arrived = found_at(held_at(place), there, same_place);
+    Found arrived = found_at(held_at(place), there, expected_place);
     if (!arrived.equilibrium.found()) return std::nullopt;
     if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
     return arrived;
@@ -485,7 +485,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   const std::vector<Vec2> last = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
   if (!found || (last != along && !last.empty())) {
     if (!last.empty()) along = last;
-    found = found_at(held_at(place_of(scene_, now.poses, hand.at)), now.poses, same_place);
+    found = found_at(held_at(place_of(scene_, now.poses, hand.at)), now.poses, expected_place);
   }
   if (out.kind != Transition::Kind::snapped && out.kind != Transition::Kind::settled) {
     out.kind = way.kind;

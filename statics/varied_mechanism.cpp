@@ -11,9 +11,9 @@
 namespace poise {
 namespace {
 
-constexpr double stencil_step = 1e-3;    // of the parameter's range, for derivatives of fourth order
-constexpr double beside = 1e-13;         // of the range: from where something vanishes
-constexpr std::size_t most_recent = 12;  // compiled pieces kept: of a point and of its stencil, and of a trial point
+constexpr double stencil_step = 1e-3;      // of the parameter's range, for derivatives of fourth order
+constexpr double vanishing_share = 1e-13;  // of the range: from where something vanishes
+constexpr std::size_t most_recent = 12;    // compiled pieces kept: of a point and of its stencil, and of a trial point
 
 }  // namespace
 
@@ -82,7 +82,7 @@ VariedMechanism::Piece& VariedMechanism::at(double p) {
   recent_.push_back(compiled(p));
   if (!alike(first_, recent_.back())) {
     // A number is zero just here.
-    recent_.back() = compiled(p + (p < 0.5 ? beside : -beside));
+    recent_.back() = compiled(p + (p < 0.5 ? vanishing_share : -vanishing_share));
     recent_.back().p = p;
   }
   return recent_.back();

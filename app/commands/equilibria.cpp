@@ -35,7 +35,7 @@ struct EquilibriaRequest {
 };
 
 /// Holds a measure at a value, SI, or where the mechanism stands at its start.
-void hold(Scene& scene, const std::string& name, const Measure& on, const std::optional<double>& value) {
+void hold_at(Scene& scene, const std::string& name, const Measure& on, const std::optional<double>& value) {
   Stop& motor = scene.stops.emplace_back();
   motor.name = name;
   motor.on = on;
@@ -56,7 +56,7 @@ Scene held_scene(const EquilibriaRequest& request) {
     const std::string name = text.substr(0, text.find('='));
     if (!held.insert(name).second) throw InputError(fmt::format("--drive {}: expected once, found twice", name));
     if (text.find('=') == std::string::npos) {
-      hold(scene, text, find_drive(scene, text).on, {});
+      hold_at(scene, text, find_drive(scene, text).on, {});
       continue;
     }
     const DriveRange range = read_drive(text, scene, "NAME=VALUE, say crank=30");
@@ -66,10 +66,10 @@ Scene held_scene(const EquilibriaRequest& request) {
                       "poise path",
                       text));
     }
-    hold(scene, range.name, find_drive(scene, range.name).on, range.from);
+    hold_at(scene, range.name, find_drive(scene, range.name).on, range.from);
   }
   if (request.assemblies && request.drives.empty()) {
-    for (const Drive& drive : own) hold(scene, drive.name, drive.on, drive.start);
+    for (const Drive& drive : own) hold_at(scene, drive.name, drive.on, drive.start);
   }
   return request.assemblies ? positions_alone(std::move(scene)) : scene;
 }

@@ -56,8 +56,8 @@ std::optional<std::vector<double>> pose_of(const StaticModel& model, bool at_res
 
 /// The mechanism in that pose, with a mark where something slips first: in the middle of the two bodies' points of a
 /// [[friction]] on a distance, at the centre of a pulley, at a joint's second point.
-std::string picture(const StaticModel& model, const std::vector<double>& x, const HeldPose& pose,
-                    const std::string& heading, bool decided) {
+std::string picture_of_hold(const StaticModel& model, const std::vector<double>& x, const HeldPose& pose,
+                            const std::string& heading, bool decided) {
   const Scene& scene = model.scene();
   MechanismPicture out{.poses = model.poses(x), .heading = heading, .confirmed = decided};
   const std::vector<Rubbing> all = rubbing(scene);
@@ -108,7 +108,7 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   const Result result = hold_result(model, x, pose, view, request.common.settings);
   const bool decided = pose.verdict != Holding::not_decided && pose.proved && (!view.range || view.range->why.empty());
   Pictures pictures;
-  if (files.wants_svg()) pictures.svg = picture(model, x, pose, result.verdict.text, decided);
+  if (files.wants_svg()) pictures.svg = picture_of_hold(model, x, pose, result.verdict.text, decided);
   return finish(request.common, result, &files, pictures, decided, progress, palette);
 }
 

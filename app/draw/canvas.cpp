@@ -257,15 +257,15 @@ std::string Canvas::elements() const {
 }
 
 std::vector<PlacedShape> placed_shapes(const Canvas& canvas) {
-  struct Group {
+  struct ItemGroup {
     std::string_view layer;
     Placing placing;
   };
-  std::vector<Group> groups{{"", {}}};
+  std::vector<ItemGroup> groups{{"", {}}};
   std::vector<PlacedShape> out;
   out.reserve(canvas.entries().size());
   for (const Canvas::Entry& entry : canvas.entries()) {
-    const Group& now = groups.back();
+    const ItemGroup& now = groups.back();
     if (const auto* open = std::get_if<shape::Open>(&entry.shape)) {
       const std::string_view layer = open->id.empty() ? now.layer : std::string_view(open->id);
       const Placing& outer = now.placing;

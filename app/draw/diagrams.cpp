@@ -7,7 +7,7 @@ namespace poise::app {
 namespace {
 
 constexpr double largest_ordinate = 52.0;  // px
-constexpr double negligible = 1e-9;
+constexpr double negligible_load = 1e-9;
 
 void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
   std::vector<Vec2> line, area;
@@ -18,7 +18,7 @@ void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
                    (largest_ordinate * diagram.value[k] / largest) * Stage::page_direction(diagram.toward[k]));
     if (std::abs(diagram.value[k]) > std::abs(diagram.value[top])) top = k;
   }
-  if (std::abs(diagram.value[top]) <= negligible * largest) return;
+  if (std::abs(diagram.value[top]) <= negligible_load * largest) return;
   const std::string text = stage.value(diagram.value[top], diagram.quantity);
   stage.canvas.item(diagram.name, text);
   std::vector<Vec2> outline = area;

@@ -15,8 +15,8 @@
 namespace poise::app {
 namespace {
 
-constexpr double negligible = 1e-9;  ///< part of the largest force below which nothing is drawn
-constexpr double hold = 40.0;        ///< px covered for which an arrow stays as it was in the picture before
+constexpr double negligible_force = 1e-9;    ///< part of the largest force below which nothing is drawn
+constexpr double covered_for_change = 40.0;  ///< px covered for which an arrow stays as it was in the picture before
 
 struct Arrow {
   Vec2 tail, tip;
@@ -53,7 +53,7 @@ Arrow place_load(const Stage& stage, Vec2 at, Vec2 force) {
   if (stage.detail == Detail::sketch) return arrow;
   const Arrow opposite = leaving(stage, at, -force);
   const double ending = covered_by(stage, at, opposite) + preference;
-  if (stage.least(stage.canvas.current().name, {covered_by(stage, at, arrow), ending}, hold) == 1)
+  if (stage.least(stage.canvas.current().name, {covered_by(stage, at, arrow), ending}, covered_for_change) == 1)
     arrow = {opposite.tip, opposite.tail};
   const Vec2 u = (1 / norm(arrow.tip - arrow.tail)) * (arrow.tip - arrow.tail);
   for (const auto& [tail, tip] : stage.arrows) {
@@ -106,7 +106,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const std::string mark = reaction.determined ? "" : "*";
   const std::string item = "force of " + Stage::item_of(joint);
   if (joint.keeps_length()) {
-    if (std::abs(reaction.axial) <= negligible * stage.largest_force) return;
+    if (std::abs(reaction.axial) <= negligible_force * stage.largest_force) return;
     const Vec2 a = stage.page(joint.a);
     const Vec2 b = stage.page(joint.b);
     Vec2 beside = quarter_turn(b - a);
@@ -119,8 +119,8 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     return;
   }
   const double size = norm(reaction.force);
-  const bool has_force = size > negligible * stage.largest_force;
-  const bool has_moment = std::abs(reaction.moment) > negligible * stage.largest_force * stage.extent;
+  const bool has_force = size > negligible_force * stage.largest_force;
+  const bool has_moment = std::abs(reaction.moment) > negligible_force * stage.largest_force * stage.extent;
   if (!has_force && !has_moment) return;
   stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
   const std::string_view dash = reaction.determined ? "" : "4 3";
@@ -138,7 +138,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     const Arrow on_b = leaving(stage, at, reaction.force);
     const double cost_a = covered_by(stage, at, on_a) + (joint.a.body == 0 ? on_ground : 0.0);
     const double cost_b = covered_by(stage, at, on_b) + (joint.b.body == 0 ? on_ground : 0.0);
-    const bool acts_on_b = stage.least(item, {cost_b, cost_a}, hold) == 0;
+    const bool acts_on_b = stage.least(item, {cost_b, cost_a}, covered_for_change) == 0;
     body = acts_on_b ? joint.b.body : joint.a.body;
     stage.canvas.item(item, stage.value(size, Quantity::force) + mark + " on " + stage.scene.bodies[body].name);
     draw_force(stage, at, acts_on_b ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);

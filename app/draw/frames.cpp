@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/draw/sheet.hpp"
 #include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr double page_width = 900.0;
-constexpr double margin = 28.0;
-constexpr double room_across = page_width - 2 * margin;
+constexpr double room_across = sheet::width - 2 * sheet::margin;
 
 void include(Box& box, const Box& other) {
   if (other.empty()) return;
@@ -91,32 +90,32 @@ Canvas FrameDrawer::draw(const MechanismPicture& picture) {
 }
 
 FrameView FrameDrawer::view() const {
-  return {sizes_.scale, Vec2{margin, margin} - area_.low - sizes_.scale * conj(sizes_.centre)};
+  return {sizes_.scale, Vec2{sheet::margin, sheet::margin} - area_.low - sizes_.scale * conj(sizes_.centre)};
 }
 
 Drawing FrameDrawer::finished(std::vector<Frame> frames, std::string description) const {
   Drawing drawing;
   drawing.description = std::move(description);
   drawing.frames = std::move(frames);
-  for (Frame& frame : drawing.frames) frame.canvas.move(Vec2{margin, margin} - area_.low);
+  for (Frame& frame : drawing.frames) frame.canvas.move(Vec2{sheet::margin, sheet::margin} - area_.low);
   drawing.view = view();
   const double width = area_.width();
-  drawing.width = width + 2 * margin;
-  double y = margin + area_.height();
+  drawing.width = width + 2 * sheet::margin;
+  double y = sheet::margin + area_.height();
   if (labels_) {
     Canvas& still = drawing.still;
     y += 34;
-    still.insert(draw_scale_bar(sizes_.scale, scene_->units), "scale", {margin + 4, y});
-    if (gravity_) still.insert(draw_gravity(*scene_), "gravity", {margin + width - 24, y});
+    still.insert(draw_scale_bar(sizes_.scale, scene_->units), "scale", {sheet::margin + 4, y});
+    if (gravity_) still.insert(draw_gravity(*scene_), "gravity", {sheet::margin + width - 24, y});
     y += 34;
     const Canvas signs = draw_legend(legend_, width);
     Canvas legend;
     legend.line({0, 0}, {width, 0}, {.stroke = ink::ghost, .width = 1});
     legend.insert(signs, "", {0, 22});
-    still.insert(legend, "legend", {margin, y});
+    still.insert(legend, "legend", {sheet::margin, y});
     y += 22 + std::max(0.0, signs.bounds().high.y);
   }
-  drawing.height = y + margin;
+  drawing.height = y + sheet::margin;
   return drawing;
 }
 

@@ -14,7 +14,7 @@
 namespace poise::app {
 namespace {
 
-constexpr int parts = 24;  // in which a piece is drawn
+constexpr int parts_of_piece = 24;  // in which a piece is drawn
 
 /// Where positive values are drawn, seen in the direction of the line.
 enum class Side { left, right };
@@ -38,7 +38,7 @@ MechanismPicture picture_of_quantity(const Poses& poses, const std::vector<LinkL
   for (const LinkLoads& link : links) {
     const BodyPose<double>& pose = poses[static_cast<std::size_t>(link.frame)];
     Diagram diagram{.name = link.name, .quantity = drawn.quantity, .colour = drawn.colour};
-    for (const LinkSample& sample : link.sampled(parts)) {
+    for (const LinkSample& sample : link.sampled(parts_of_piece)) {
       const Vec2 left = quarter_turn(sample.along) * pose.direction();
       diagram.at.push_back(pose.world(sample.state.at));
       diagram.toward.push_back(drawn.side == Side::left ? left : -left);
@@ -68,7 +68,7 @@ MechanismPicture picture_of_deflection(const Poses& poses, const std::vector<Lin
   for (const LinkLoads& link : links) {
     if (link.flexible) continue;
     PointPath path{link.name, {}};
-    for (const LinkSample& sample : link.sampled(parts)) {
+    for (const LinkSample& sample : link.sampled(parts_of_piece)) {
       const Vec2 at = sample.state.at + factor * sample.state.deflection;
       path.points.push_back(poses[static_cast<std::size_t>(link.frame)].world(at));
     }

@@ -8,22 +8,21 @@
 
 #include <fmt/format.h>
 
+#include "app/draw/sheet.hpp"
 #include "app/draw/stage.hpp"
 #include "statics/answer.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr double page_width = 900.0;
-constexpr double margin = 28.0;
-constexpr double room = page_width - 2 * margin;
+constexpr double room_across_page = sheet::width - 2 * sheet::margin;
 
 Stage drawn(const Scene& scene, const MechanismPicture& picture, double width) {
   constexpr double page_height = 500.0;
   Stage stage(scene, picture, {width, page_height});
   draw_all(stage);
   const double middle = stage.canvas.bounds().middle().x;
-  stage.setter.keep_between(middle - room / 2, middle + room / 2);
+  stage.setter.keep_between(middle - room_across_page / 2, middle + room_across_page / 2);
   stage.set_labels();
   return stage;
 }
@@ -36,13 +35,13 @@ Stage drawn_to_fit(const Scene& scene, const MechanismPicture& picture) {
   double width = largest;
   for (;;) {
     Stage stage = drawn(scene, picture, width);
-    const double over = stage.canvas.bounds().width() - room;
+    const double over = stage.canvas.bounds().width() - room_across_page;
     if (over <= 0.0 || width <= smallest) return stage;
     width = std::max(smallest, std::min(width - over - 1.0, least_step * width));
   }
 }
 
-std::string verdict(const Equilibrium& equilibrium) {
+std::string heading_of(const Equilibrium& equilibrium) {
   const std::string method = to_string(equilibrium.method);
   const bool is_answer = equilibrium.found() || equilibrium.status == Status::checked;
   if (!is_answer) return "No equilibrium proved (" + to_string(equilibrium.status) + ", " + method + ")";
@@ -110,37 +109,39 @@ double draw_heading(Canvas& page, const Scene& scene, const std::string& heading
 std::string heading_page(const Scene& scene, const std::string& heading, bool confirmed, const std::string& kind) {
   constexpr double width = 900.0;
   Canvas page;
-  const double bottom = draw_heading(page, scene, heading, confirmed, {margin, margin / 2}, width - 2 * margin);
+  const double bottom =
+      draw_heading(page, scene, heading, confirmed, {sheet::margin, sheet::margin / 2}, width - 2 * sheet::margin);
   return svg_document(page, width, bottom, kind, heading);
 }
 
 std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) {
   const Stage stage = drawn_to_fit(scene, picture);
   const Box& bounds = stage.canvas.bounds();
-  const double width = std::max(room, bounds.width());
+  const double width = std::max(room_across_page, bounds.width());
 
   Canvas page;
   const double below_heading =
-      draw_heading(page, scene, picture.heading, picture.confirmed, {margin, margin}, width - 130) + 14;
-  page.insert(picture.loads ? draw_gravity(scene) : Canvas(), "gravity", {margin + width - 24, margin + 22});
+      draw_heading(page, scene, picture.heading, picture.confirmed, {sheet::margin, sheet::margin}, width - 130) + 14;
+  page.insert(picture.loads ? draw_gravity(scene) : Canvas(), "gravity",
+              {sheet::margin + width - 24, sheet::margin + 22});
   page.insert(stage.canvas, "mechanism",
-              {margin + (width - bounds.width()) / 2 - bounds.low.x, below_heading - bounds.low.y});
+              {sheet::margin + (width - bounds.width()) / 2 - bounds.low.x, below_heading - bounds.low.y});
   double y = below_heading + bounds.height() + 34;
-  page.insert(draw_scale_bar(stage.scale, scene.units), "scale", {margin + 4, y});
+  page.insert(draw_scale_bar(stage.scale, scene.units), "scale", {sheet::margin + 4, y});
   y += 34;
-  page.line({margin, y}, {margin + width, y}, {.stroke = ink::ghost, .width = 1});
+  page.line({sheet::margin, y}, {sheet::margin + width, y}, {.stroke = ink::ghost, .width = 1});
   y += 22;
   const Canvas legend = draw_legend({stage.signs, stage.shadows, picture.reactions.has_value()}, width);
-  page.insert(legend, "legend", {margin, y});
-  const double height = y + std::max(0.0, legend.bounds().high.y) + margin;
+  page.insert(legend, "legend", {sheet::margin, y});
+  const double height = y + std::max(0.0, legend.bounds().high.y) + sheet::margin;
 
-  return svg_document(page, width + 2 * margin, height, title_of(scene), picture.heading);
+  return svg_document(page, width + 2 * sheet::margin, height, title_of(scene), picture.heading);
 }
 
 MechanismPicture picture_of(const StaticModel& model, const Equilibrium& equilibrium,
                             const std::vector<double>& start) {
   MechanismPicture picture{.poses = model.poses(equilibrium.x),
-                           .heading = verdict(equilibrium),
+                           .heading = heading_of(equilibrium),
                            .confirmed = equilibrium.found(),
                            .reactions = equilibrium.check.reactions};
   if (!start.empty()) picture.others.push_back({"starting position", model.poses(start)});

@@ -4,17 +4,15 @@
 #include <cmath>
 #include <cstddef>
 
+#include "app/draw/sheet.hpp"
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr double page_width = 900.0;
-constexpr double margin = 28.0;
-constexpr double gap = 16.0;
-constexpr double text_size = 11.0;
-constexpr double row_of_text = 1.35 * text_size;
+constexpr double between_pictures = 16.0;
+constexpr double row_of_text = 1.35 * sheet::text_size;
 
 /// A picture as large as signs need, to be shown smaller.
 Canvas drawn(const Multiple& multiple, const Box& frame) {
@@ -42,33 +40,33 @@ std::string draw_multiples(const std::vector<Multiple>& multiples) {
     bounds.include(pictures.back().bounds().low);
     bounds.include(pictures.back().bounds().high);
   }
-  const double cell = (page_width - 2 * margin - (most_columns - 1) * gap) / most_columns;
+  const double cell = (sheet::width - 2 * sheet::margin - (most_columns - 1) * between_pictures) / most_columns;
   const double scale = std::min(0.6, cell / std::max(1.0, bounds.width()));
   const double height = scale * bounds.height();
 
   Canvas page;
-  double y = margin / 2;
+  double y = sheet::margin / 2;
   for (std::size_t row = 0; row < pictures.size(); row += most_columns) {
     std::size_t lines = 1;
     for (std::size_t i = row; i < std::min(row + most_columns, pictures.size()); ++i) {
-      const double x = margin + static_cast<double>(i - row) * (cell + gap);
-      const std::vector<std::string> caption = wrapped(multiples[i].caption, text_size, cell);
+      const double x = sheet::margin + static_cast<double>(i - row) * (cell + between_pictures);
+      const std::vector<std::string> caption = wrapped(multiples[i].caption, sheet::text_size, cell);
       const Colour colour = multiples[i].colour == Colour::none ? ink::dark : multiples[i].colour;
       for (std::size_t k = 0; k < caption.size(); ++k) {
         page.text({x + cell / 2, y + static_cast<double>(k + 1) * row_of_text}, caption[k],
-                  {.size = text_size, .colour = colour, .halo = false});
+                  {.size = sheet::text_size, .colour = colour, .halo = false});
       }
       lines = std::max(lines, caption.size());
     }
     y += static_cast<double>(lines) * row_of_text + 10;
     for (std::size_t i = row; i < std::min(row + most_columns, pictures.size()); ++i) {
-      const double x = margin + static_cast<double>(i - row) * (cell + gap);
+      const double x = sheet::margin + static_cast<double>(i - row) * (cell + between_pictures);
       const Vec2 middle{x + cell / 2, y + height / 2};
       page.insert(pictures[i], "multiple" + std::to_string(i + 1), middle - scale * bounds.middle(), scale);
     }
-    y += height + gap;
+    y += height + between_pictures;
   }
-  return svg_document(page, page_width, y + margin / 2, "positions", "");
+  return svg_document(page, sheet::width, y + sheet::margin / 2, "positions", "");
 }
 
 }  // namespace poise::app

@@ -7,12 +7,12 @@
 namespace poise::app {
 namespace {
 
-struct Entry {
+struct PaletteEntry {
   Colour colour;
   std::string_view name, light, dark;
 };
 
-constexpr std::array<Entry, static_cast<std::size_t>(Colour::count)> table = {{
+constexpr std::array<PaletteEntry, static_cast<std::size_t>(Colour::count)> palette_table = {{
     {ink::none, "none", "none", "none"},
     {ink::paper, "paper", "white", "#14181d"},
     {ink::text, "text", "#222b33", "#e3e8ec"},
@@ -55,14 +55,14 @@ constexpr std::array<Entry, static_cast<std::size_t>(Colour::count)> table = {{
 }};
 
 constexpr bool in_order() {
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    if (static_cast<std::size_t>(table[i].colour) != i) return false;
+  for (std::size_t i = 0; i < palette_table.size(); ++i) {
+    if (static_cast<std::size_t>(palette_table[i].colour) != i) return false;
   }
   return true;
 }
 static_assert(in_order());
 
-const Entry& entry(Colour colour) { return table[static_cast<std::size_t>(colour)]; }
+const PaletteEntry& entry(Colour colour) { return palette_table[static_cast<std::size_t>(colour)]; }
 
 Colour nth_from(Colour first, std::size_t i) { return static_cast<Colour>(static_cast<std::size_t>(first) + i); }
 
@@ -83,7 +83,7 @@ Colour curve_colour(std::size_t i) { return nth_from(ink::curve_1, i % curve_col
 
 std::string palette_json() {
   std::string text;
-  for (const Entry& e : table) {
+  for (const PaletteEntry& e : palette_table) {
     if (e.colour == ink::none) continue;
     // Pages take colours by their numbers, SVG files have the word.
     const std::string_view light = e.light == "white" ? "#ffffff" : e.light;

@@ -22,9 +22,9 @@ std::string cell_text(const std::string& text) {
 
 std::string row(const std::vector<std::string>& cells) { return fmt::format("| {} |\n", fmt::join(cells, " | ")); }
 
-class Writer {
+class MarkdownWriter {
  public:
-  explicit Writer(Verbosity level) : level_(level) {}
+  explicit MarkdownWriter(Verbosity level) : level_(level) {}
 
   std::string text;
 
@@ -91,7 +91,7 @@ class Writer {
 }  // namespace
 
 std::string markdown_text(const Result& result, Verbosity level) {
-  Writer writer(level);
+  MarkdownWriter writer(level);
   if (!result.title.empty()) writer.paragraph("# " + one_line(result.title));
   if (!result.source.empty()) writer.paragraph("Source: " + one_line(result.source));
   if (!result.verdict.text.empty()) writer.paragraph(result.verdict.text);

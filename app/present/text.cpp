@@ -11,9 +11,9 @@
 namespace poise::app {
 namespace {
 
-class Writer {
+class TextWriter {
  public:
-  Writer(const Palette& palette, Verbosity level) : palette_(palette), level_(level) {}
+  TextWriter(const Palette& palette, Verbosity level) : palette_(palette), level_(level) {}
 
   std::string text;
 
@@ -100,7 +100,7 @@ class Writer {
 }  // namespace
 
 std::string plain_text(const Result& result, const Palette& palette, Verbosity level) {
-  Writer writer(palette, level);
+  TextWriter writer(palette, level);
   if (level > Verbosity::quiet && !result.title.empty()) {
     writer.line(one_line(result.title), Tone::strong);
     if (!result.source.empty()) writer.line("source: " + one_line(result.source), Tone::faint);

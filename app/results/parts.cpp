@@ -1,6 +1,7 @@
 #include "app/results/parts.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -318,6 +319,11 @@ void warn_of_friction(Result& result, const Scene& scene) {
   if (names.empty()) return;
   result.warnings.push_back(
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
+}
+
+std::string sentence_of(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text.ends_with('.') ? text : text + ".";
 }
 
 void warn_of_unloaded_bearings(Result& result, const Scene& scene) {

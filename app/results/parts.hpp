@@ -103,6 +103,9 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
 /// The largest proved distance; those of values of which nothing is proved, infinite, do not count.
 double widest(const std::vector<double>& radii);
 
+/// With a capital and one full stop.
+std::string sentence_of(std::string text);
+
 /// A warning that dry friction, which statics leaves out, may hold the mechanism elsewhere, where there is any.
 void warn_of_friction(Result& result, const Scene& scene);
 

@@ -13,7 +13,7 @@
 namespace poise::app {
 namespace {
 
-constexpr Vec2 room{720.0, 460.0};
+constexpr Vec2 page_room{720.0, 460.0};
 constexpr std::size_t most_passed = 40;
 
 /// The scene without the hand, its force as a load.
@@ -39,7 +39,7 @@ Box with_room_to_move(Box box) {
   return {box.low - Vec2{more, more}, box.high + Vec2{more, more}};
 }
 
-std::string in_words(const TrackedEquilibrium& tracked) {
+std::string state_in_words(const TrackedEquilibrium& tracked) {
   const Equilibrium& equilibrium = tracked.equilibrium();
   const std::string held = tracked.hand() ? "held, " : "";
   return equilibrium.found() ? held + in_few_words(equilibrium) : held + "no equilibrium: " + equilibrium.why;
@@ -50,7 +50,7 @@ std::string in_words(const TrackedEquilibrium& tracked) {
 Screen::Screen(const TrackedEquilibrium& tracked)
     : scene_(drawn_scene(tracked)),
       world_(with_room_to_move(extent_now(tracked))),
-      drawer_(scene_, world_, room),
+      drawer_(scene_, world_, page_room),
       view_(drawer_.view()),
       largest_force_(largest_force_of(scene_, picture_of(tracked))) {}
 
@@ -79,7 +79,7 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
   const Tone tone = !found                                                               ? Tone::bad
                     : tracked.equilibrium().certificate.stability == Stability::unstable ? Tone::bad
                                                                                          : Tone::good;
-  frames.push_back({drawer_.draw(picture), in_words(tracked), tone, found});
+  frames.push_back({drawer_.draw(picture), state_in_words(tracked), tone, found});
   find_loads(frames.back().canvas, tracked);
   Drawing out = drawer_.finished(std::move(frames), scene_.title.empty() ? "the mechanism" : scene_.title);
   // A legend that becomes shorter moves nothing.
@@ -88,7 +88,7 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
 }
 
 Drawing Screen::others(const OtherEquilibria::Found& found) const {
-  FrameDrawer drawer(found.scene, world_, room, false);
+  FrameDrawer drawer(found.scene, world_, page_room, false);
   drawer.show(drawer_.area());
   std::vector<Frame> frames;
   for (const BodyPoses& poses : found.poses) {
@@ -100,7 +100,7 @@ Drawing Screen::others(const OtherEquilibria::Found& found) const {
 Figure Screen::figure(const TrackedEquilibrium& tracked) {
   const Scene scene = drawn_scene(tracked);
   MechanismPicture picture = picture_of(tracked);
-  picture.heading = in_words(tracked);
+  picture.heading = state_in_words(tracked);
   Figure out;
   out.title = "The mechanism";
   out.drawing = draw_frames({{.scene = &scene, .picture = std::move(picture)}}, scene.title);

@@ -71,9 +71,9 @@ class Limiter {
   std::mutex mutex_;
 };
 
-constexpr const char* html = "text/html; charset=utf-8";
-constexpr const char* json = "application/json; charset=utf-8";
-constexpr const char* plain = "text/plain; charset=utf-8";
+constexpr const char* html_type = "text/html; charset=utf-8";
+constexpr const char* json_type = "application/json; charset=utf-8";
+constexpr const char* plain_type = "text/plain; charset=utf-8";
 
 }  // namespace
 
@@ -132,7 +132,7 @@ class LocalServer::Server {
   // Nothing is said to a request that comes from elsewhere, but that it is refused.
   static httplib::Server::HandlerResponse refuse(Response& response, int status, const char* why) {
     response.status = status;
-    response.set_content(why, plain);
+    response.set_content(why, plain_type);
     return httplib::Server::HandlerResponse::Handled;
   }
 
@@ -171,17 +171,18 @@ class LocalServer::Server {
     });
     const std::string base = "/" + token_ + "/";
     server_.Get(base, [this](const Request&, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.page(); }), html);
+      response.set_content(one_at_a_time([&] { return answers_.page(); }), html_type);
     });
     server_.Post(base + "do", [this](const Request& request, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.act(request.body); }), json);
+      response.set_content(one_at_a_time([&] { return answers_.act(request.body); }), json_type);
     });
     server_.Get(base + "poll", [this](const Request& request, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.poll(request.get_param_value("revision")); }), json);
+      response.set_content(one_at_a_time([&] { return answers_.poll(request.get_param_value("revision")); }),
+                           json_type);
     });
     server_.Get(base + "page", [this](const Request&, Response& response) {
       response.set_header("Content-Disposition", "attachment; filename=\"mechanism.html\"");
-      response.set_content(one_at_a_time([&] { return answers_.shared(); }), html);
+      response.set_content(one_at_a_time([&] { return answers_.shared(); }), html_type);
     });
   }
 

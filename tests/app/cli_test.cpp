@@ -8,7 +8,7 @@
 #include "tests/app/scenes.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::cli_test {
 namespace {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -479,4 +479,4 @@ TEST(CommandLine, AStartThatCannotBeClosedIsAFailureOfTheSearchAndNoBadInput) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::cli_test

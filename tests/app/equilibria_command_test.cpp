@@ -12,7 +12,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::equilibria_command_test {
 namespace {
 
 using nlohmann::json;
@@ -142,4 +142,4 @@ TEST(EquilibriaCommand, ShowsProgressOnATerminalOnly) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::equilibria_command_test

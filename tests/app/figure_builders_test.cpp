@@ -24,7 +24,7 @@
 #include "motion/release.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app {
+namespace poise::app::figure_builders_test {
 namespace {
 
 using nlohmann::json;
@@ -276,4 +276,4 @@ TEST(FigureBuilders, NothingFoundIsNothingDrawn) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::figure_builders_test

@@ -16,7 +16,7 @@
 #include "motion/forces_along.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app {
+namespace poise::app::figure_test {
 namespace {
 
 using nlohmann::json;
@@ -128,7 +128,7 @@ TEST(Figure, FramesDecodedAreTheShapesDrawn) {
       const Shown shown = decoded(alone).front();
       for (const auto& [slot, drawn] : shown) {
         // A single frame has the values of its items in their names.
-        const auto seen = std::find_if(frames[k].begin(), frames[k].end(), [&](const auto& entry) {
+        const auto seen = std::find_if(frames[k].begin(), frames[k].end(), [&slot = slot](const auto& entry) {
           return entry.first.first == slot.first &&
                  (entry.first.second == slot.second || slot.second.starts_with(entry.first.second + ": "));
         });
@@ -252,4 +252,4 @@ TEST(Figure, ChartsHaveNoNumbersThatJsonLacks) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::figure_test

@@ -10,7 +10,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::fold_curve_command_test {
 namespace {
 
 using nlohmann::json;
@@ -53,4 +53,4 @@ TEST(FoldCurveCommand, SaysWhereThereIsNoFold) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::fold_curve_command_test

@@ -8,7 +8,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::help_test {
 namespace {
 
 /// What the first group of the pattern matches.
@@ -50,4 +50,4 @@ TEST(ManPage, HasEveryCommandAndOption) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::help_test

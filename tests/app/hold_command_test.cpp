@@ -5,7 +5,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::hold_command_test {
 namespace {
 
 using nlohmann::json;
@@ -215,4 +215,4 @@ TEST(HoldCommand, OthersSayThatFrictionIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::hold_command_test

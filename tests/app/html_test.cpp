@@ -11,7 +11,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::html_test {
 namespace {
 
 using nlohmann::json;
@@ -251,4 +251,4 @@ TEST(Html, PageOfAFitIsSmallEnoughToSend) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::html_test

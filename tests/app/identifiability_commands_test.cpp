@@ -12,7 +12,7 @@
 
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::identifiability_commands_test {
 namespace {
 
 using nlohmann::json;
@@ -270,4 +270,4 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::identifiability_commands_test

@@ -16,7 +16,7 @@
 #include "identification/record.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::identify_command_test {
 namespace {
 
 using nlohmann::json;
@@ -393,4 +393,4 @@ TEST(IdentifyCommand, InterruptShowsTheValuesReached) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::identify_command_test

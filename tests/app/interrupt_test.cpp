@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::app {
+namespace poise::app::interrupt_test {
 namespace {
 
 // In a process of its own: nothing else should run with the handler in place.
@@ -28,4 +28,4 @@ TEST(InterruptDeathTest, FirstSignalSetsTheFlagAndTheSecondEndsTheProgram) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::interrupt_test

@@ -10,7 +10,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::kinematics_command_test {
 namespace {
 
 using nlohmann::json;
@@ -163,4 +163,4 @@ TEST(DesignCommand, ExitsOneWhereItFindsNothing) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::kinematics_command_test

@@ -7,7 +7,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::loads_command_test {
 namespace {
 
 using nlohmann::json;
@@ -115,4 +115,4 @@ TEST(LoadsCommand, DrawsItsDiagrams) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::loads_command_test

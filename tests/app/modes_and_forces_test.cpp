@@ -9,7 +9,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::modes_and_forces_test {
 namespace {
 
 using nlohmann::json;
@@ -351,4 +351,4 @@ TEST(ForcesCommand, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::modes_and_forces_test

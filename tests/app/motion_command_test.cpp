@@ -19,7 +19,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::motion_command_test {
 namespace {
 
 using nlohmann::json;
@@ -307,4 +307,4 @@ TEST(MotionCommand, InterruptKeepsWhatWasReached) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::motion_command_test

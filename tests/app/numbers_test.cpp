@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::app {
+namespace poise::app::numbers_test {
 namespace {
 
 TEST(Numbers, SignificantDigitsWithoutZerosAtTheEnd) {
@@ -79,4 +79,4 @@ TEST(Numbers, KnownDigitsEndWhereTheRadiusBegins) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::numbers_test

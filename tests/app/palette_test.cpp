@@ -15,7 +15,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app {
+namespace poise::app::palette_test {
 namespace {
 
 std::vector<Colour> all_colours() {
@@ -109,4 +109,4 @@ TEST(Palette, HasEveryColourOfEveryDataset) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::palette_test

@@ -9,7 +9,7 @@
 
 #include "model/scene.hpp"
 
-namespace poise::app {
+namespace poise::app::parked_items_test {
 namespace {
 
 const Scene& scene() {
@@ -107,4 +107,4 @@ TEST(ParkedItems, FunctionsOfTimeFollowTheirLoads) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::parked_items_test

@@ -11,7 +11,7 @@
 #include "tests/app/scenes.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::path_command_test {
 namespace {
 
 using nlohmann::json;
@@ -127,4 +127,4 @@ TEST(PathCommand, InterruptKeepsWhatWasFollowed) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::path_command_test

@@ -17,7 +17,7 @@
 #include "tests/app/fabricated_path.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app {
+namespace poise::app::path_report_test {
 namespace {
 
 using app_tests::toggle_path;
@@ -256,4 +256,4 @@ TEST(PathChart, PutsTheLoadUpwardsAndBreaksTheLineAtFolds) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::path_report_test

@@ -15,7 +15,7 @@
 #include "tests/app/scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise::app {
+namespace poise::app::picture_test {
 namespace {
 
 /// What a group of a picture holds; the groups asked for have no groups inside.
@@ -331,4 +331,4 @@ TEST(Picture, ShadowShowsWhereItStarted) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::picture_test

@@ -10,7 +10,7 @@
 
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::plan_command_test {
 namespace {
 
 using nlohmann::json;
@@ -294,4 +294,4 @@ TEST(PlanCommand, BadLimitsAreNamed) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::plan_command_test

@@ -22,7 +22,7 @@
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app {
+namespace poise::app::plot_test {
 namespace {
 
 using app_tests::objection_to_xml;
@@ -182,7 +182,7 @@ TEST(Plot, ColoursOfNeighboursDifferForTheColourBlindToo) {
     for (const auto& [seen, least] :
          {std::pair(all, 55.0), std::pair(protanopia, 45.0), std::pair(deuteranopia, 45.0)}) {
       for (std::size_t i = 0; i < curve_colours; ++i) {
-        const auto colour = [&](std::size_t k) {
+        const auto colour = [&, &seen = seen](std::size_t k) {
           std::array<double, 3> rgb = seen * linear_rgb(value(curve_colour(k)));
           for (double& c : rgb) c = std::clamp(c, 0.0, 1.0);
           return lab(rgb);
@@ -310,4 +310,4 @@ TEST(Plot, ReportsTheErrorOfGnuplot) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::plot_test

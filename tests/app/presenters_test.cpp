@@ -20,7 +20,7 @@
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
 
-namespace poise::app {
+namespace poise::app::presenters_test {
 namespace {
 
 using nlohmann::json;
@@ -254,4 +254,4 @@ TEST(Csv, EveryNumberReadsBackAsTheSameDouble) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::presenters_test

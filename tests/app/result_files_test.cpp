@@ -10,7 +10,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::result_files_test {
 namespace {
 
 using nlohmann::json;
@@ -255,4 +255,4 @@ TEST(ResultFiles, FullDiskIsAnError) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::result_files_test

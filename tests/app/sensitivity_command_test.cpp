@@ -11,7 +11,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::sensitivity_command_test {
 namespace {
 
 using nlohmann::json;
@@ -117,4 +117,4 @@ r = -0.1
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::sensitivity_command_test

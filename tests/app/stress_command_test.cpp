@@ -9,7 +9,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/comparison/toy_catalogue.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::stress_command_test {
 namespace {
 
 using nlohmann::json;
@@ -166,4 +166,4 @@ TEST(StressCommand, NamesTheError) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::stress_command_test

@@ -14,7 +14,7 @@
 
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::study_commands_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST(StudyCommands, WithoutMpiRanksAreRefused) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::study_commands_test

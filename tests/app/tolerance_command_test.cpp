@@ -9,7 +9,7 @@
 
 #include "tests/app/run_poise.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::tolerance_command_test {
 namespace {
 
 using nlohmann::json;
@@ -98,4 +98,4 @@ TEST(ToleranceCommand, WritesTheSameDataForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::tolerance_command_test

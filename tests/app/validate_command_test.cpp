@@ -17,7 +17,7 @@
 #include "model/scene.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::validate_command_test {
 namespace {
 
 using nlohmann::json;
@@ -249,4 +249,4 @@ TEST(ValidateCommand, PredictsTheMeasuredDoublePendulumWithDryFriction) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::validate_command_test

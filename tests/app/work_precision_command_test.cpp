@@ -14,7 +14,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 
-namespace poise::app {
+namespace poise::app::work_precision_command_test {
 namespace {
 
 using app_tests::contents;
@@ -211,4 +211,4 @@ TEST(SolveMethod, TakesEveryName) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::work_precision_command_test

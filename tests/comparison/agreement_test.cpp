@@ -4,7 +4,7 @@
 
 #include "tests/support/known_answers.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::agreement_test {
 namespace {
 
 Answer found_from(const StaticModel& model, Method method, Seek seek) {
@@ -47,4 +47,4 @@ TEST(Agreement, AnAnswerOfAMethodThatDoesNotApplyHasNoReadings) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::agreement_test

@@ -7,7 +7,7 @@
 
 #include "tests/comparison/toy_catalogue.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::catalogue_test {
 namespace {
 
 using test::both_equilibria;
@@ -244,4 +244,4 @@ TEST(Catalogue, RejectsContradictions) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::catalogue_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/known_answers.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::friction_cases_test {
 namespace {
 
 TEST(FrictionCases, TheCatalogueHoldsAndSlipsAsKnown) {
@@ -20,4 +20,4 @@ TEST(FrictionCases, TheCatalogueHoldsAndSlipsAsKnown) {
 TEST(FrictionCases, NoFileHasNoCases) { EXPECT_TRUE(read_friction_cases(test::dataset("friction")).empty()); }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::friction_cases_test

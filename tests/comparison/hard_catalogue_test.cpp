@@ -5,7 +5,7 @@
 #include "comparison/stress.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::hard_catalogue_test {
 namespace {
 
 constexpr int starts = 3;
@@ -30,4 +30,4 @@ TEST(HardCatalogue, VirtualWorkConvergesWithoutFalseClaims) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::hard_catalogue_test

@@ -4,7 +4,7 @@
 
 #include "comparison/tally.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::stress_summary_test {
 namespace {
 
 Verdict converged_with(std::optional<double> error, std::optional<double> allowed) {
@@ -94,4 +94,4 @@ TEST(StressSummary, OfSafeguardsShowsWhereOneMakesADifference) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::stress_summary_test

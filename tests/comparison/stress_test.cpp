@@ -12,7 +12,7 @@
 #include "comparison/case_check.hpp"
 #include "tests/comparison/toy_catalogue.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::stress_test {
 namespace {
 
 using test::both_equilibria;
@@ -364,4 +364,4 @@ TEST(Median, IsTheMiddle) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::stress_test

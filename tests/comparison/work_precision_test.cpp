@@ -15,7 +15,7 @@
 #include "tests/app/scenes.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise::comparison {
+namespace poise::comparison::work_precision_test {
 namespace {
 
 const std::vector<double> decades = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14};
@@ -267,4 +267,4 @@ TEST(Difference, CountsTurnsOnlyWhereSomethingDoes) {
 }
 
 }  // namespace
-}  // namespace poise::comparison
+}  // namespace poise::comparison::work_precision_test

@@ -9,7 +9,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/docs/page.hpp"
 
-namespace poise::docs_tests {
+namespace poise::docs_tests::design_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ TEST(DesignFiles, KeysAreInTheDocs) {
 }
 
 }  // namespace
-}  // namespace poise::docs_tests
+}  // namespace poise::docs_tests::design_files_test

@@ -31,7 +31,7 @@
 #include "tests/docs/output.hpp"
 #include "tests/docs/page.hpp"
 
-namespace poise::docs_tests {
+namespace poise::docs_tests::docs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -262,4 +262,4 @@ INSTANTIATE_TEST_SUITE_P(Pages, Docs, testing::ValuesIn(all_pages()), [](const a
 });
 
 }  // namespace
-}  // namespace poise::docs_tests
+}  // namespace poise::docs_tests::docs_test

@@ -13,7 +13,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/docs/page.hpp"
 
-namespace poise::docs_tests {
+namespace poise::docs_tests::json_test {
 namespace {
 
 using app_tests::contents;
@@ -693,4 +693,4 @@ TEST(JsonDocs, ThePage) {
 }
 
 }  // namespace
-}  // namespace poise::docs_tests
+}  // namespace poise::docs_tests::json_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::docs_tests {
+namespace poise::docs_tests::output_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -54,4 +54,4 @@ TEST(DocsOutput, UpdatesKeepTheCuts) {
 }
 
 }  // namespace
-}  // namespace poise::docs_tests
+}  // namespace poise::docs_tests::output_test

@@ -15,7 +15,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 
-namespace poise {
+namespace poise::aliases_test {
 namespace {
 
 std::vector<double> evenly(double rate, int count) {
@@ -240,4 +240,4 @@ TEST(Aliases, NoWrongValueIsCalledConverged) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::aliases_test

@@ -20,7 +20,7 @@
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/random_scenes.hpp"
 
-namespace poise {
+namespace poise::any_number_test {
 namespace {
 
 using test::Random;
@@ -360,4 +360,4 @@ TEST(AnyNumber, ALengthHasToBePositive) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::any_number_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::autocorrelation_test {
 namespace {
 
 TEST(Autocorrelation, IsThatOfNeighbours) {
@@ -41,4 +41,4 @@ TEST(Autocorrelation, DoesNotCountPairsAcrossMissingReadings) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::autocorrelation_test

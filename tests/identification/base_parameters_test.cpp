@@ -18,7 +18,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::base_parameters_test {
 namespace {
 
 // "bpc.m y + 1.5 platform.m - 2 lump.m" as a row over all parameters "body.part".
@@ -231,4 +231,4 @@ TEST(BaseParameters, AMassMovedThroughAPinChangesNoMotion) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::base_parameters_test

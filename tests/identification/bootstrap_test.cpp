@@ -8,7 +8,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::bootstrap_test {
 namespace {
 
 Bootstrap of(const FitProblem& problem, const std::vector<Record>& records, const Fit& found, int jobs) {
@@ -55,4 +55,4 @@ TEST(Bootstrap, OfCorrelatedResidualsIsTheSerialError) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::bootstrap_test

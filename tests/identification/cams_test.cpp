@@ -7,7 +7,7 @@
 
 #include "tests/identification/experiments.hpp"
 
-namespace poise {
+namespace poise::cams_test {
 namespace {
 
 // A flywheel with a cam that moves a weight on a spring, and runs over the parts of its law both ways.
@@ -77,4 +77,4 @@ TEST(Cams, DerivativesCrossBordersOfContinuousAccelerations) {
 TEST(Cams, DerivativesCrossBordersAtWhichAccelerationsJump) { expect_derivatives_of("harmonic"); }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::cams_test

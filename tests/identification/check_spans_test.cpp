@@ -10,7 +10,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise {
+namespace poise::check_spans_test {
 namespace {
 
 using app_tests::TempFolder;
@@ -82,4 +82,4 @@ TEST(CheckSpans, SlackSpringsAreTakenAsTight) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::check_spans_test

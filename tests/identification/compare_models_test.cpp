@@ -11,7 +11,7 @@
 #include "solvers/random_stream.hpp"
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::compare_models_test {
 namespace {
 
 // A wheel with a damper, read in runs of 1 s; the records are those of the true damping, with noise of correlation phi.
@@ -144,4 +144,4 @@ TEST(CompareModels, RefusesOtherReadings) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::compare_models_test

@@ -8,7 +8,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::curvature_test {
 namespace {
 
 // A wheel whose centre of mass is c from its pin, without gravity: it moves as if its inertia were J + m c^2. With the
@@ -75,4 +75,4 @@ TEST(Curvature, NoneWhereTheCostIsAParabola) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::curvature_test

@@ -12,7 +12,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
-namespace poise {
+namespace poise::identification_curve_points_test {
 namespace {
 
 // A bead on a bent wire with a spring. It swings over a point of the wire, at which the third derivative of the curve
@@ -164,4 +164,4 @@ TEST_F(CurvePointUnknowns, AreFreeWhereTheLiftIsToo) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::identification_curve_points_test

@@ -17,7 +17,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
-namespace poise {
+namespace poise::driven_runs_test {
 namespace {
 
 const std::string scene = test::crane("value = 0", "", "start = 0", "-1.5707963267948966");
@@ -423,4 +423,4 @@ TEST_F(DrivenRuns, AreRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::driven_runs_test

@@ -13,7 +13,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::dry_friction_test {
 namespace {
 
 /// Two arms that swing and come to a stop one after the other, and again.
@@ -92,4 +92,4 @@ TEST(DryFriction, FreeOscillationDeterminesTorqueAndStiffness) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::dry_friction_test

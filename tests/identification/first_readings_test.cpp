@@ -6,7 +6,7 @@
 
 #include "tests/identification/experiments.hpp"
 
-namespace poise {
+namespace poise::first_readings_test {
 namespace {
 
 TEST(FirstReadings, GiveTheStartAndNoOtherNuisance) {
@@ -71,4 +71,4 @@ TEST(FirstReadings, StartWorseThanTheFit) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::first_readings_test

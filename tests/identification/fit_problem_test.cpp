@@ -12,7 +12,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::fit_problem_test {
 namespace {
 
 // Half the sum of squares of one run, straight from the residuals.
@@ -240,4 +240,4 @@ TEST(FitProblem, CostIsSmoothWhereFrictionTurns) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::fit_problem_test

@@ -16,7 +16,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::fit_test {
 namespace {
 
 FitOptions starting_from(std::vector<double> starts) {
@@ -448,4 +448,4 @@ TEST(Fit, MeasuredDoublePendulumDry) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::fit_test

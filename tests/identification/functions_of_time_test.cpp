@@ -14,7 +14,7 @@
 #include "tests/identification/written_experiment.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::functions_of_time_test {
 namespace {
 
 /// With these functions of time.
@@ -376,4 +376,4 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv", multiplies = tr
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::functions_of_time_test

@@ -12,7 +12,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::identification_gripping_joints_test {
 namespace {
 
 // A crank that swings below its bearing and moves a ram on guides, which are longer than they are wide.
@@ -203,4 +203,4 @@ arm = -1.5707963267948966
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::identification_gripping_joints_test

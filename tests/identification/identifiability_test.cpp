@@ -14,7 +14,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::identifiability_test {
 namespace {
 
 nlohmann::json answers() { return test::read_json(test::dataset("identification_answers.json")); }
@@ -774,4 +774,4 @@ TEST(Identifiability, ADimensionThatReadingsDependOnThroughTheMotionAlone) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::identifiability_test

@@ -9,7 +9,7 @@
 #include "identification/fit.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise {
+namespace poise::join_experiments_test {
 namespace {
 
 /// A wheel on a torsion spring; in the second scene on a second one that is known, too.
@@ -204,4 +204,4 @@ TEST_F(JoinExperiments, RefusesContradictions) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::join_experiments_test

@@ -8,7 +8,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::known_numbers_test {
 namespace {
 
 // k = w^2 I: the stiffness is as uncertain as the inertia that is taken as known.
@@ -74,4 +74,4 @@ TEST(KnownNumbers, ErrorsPerRunAreIndependent) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::known_numbers_test

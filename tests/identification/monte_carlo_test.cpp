@@ -8,7 +8,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::monte_carlo_test {
 namespace {
 
 // Six runs of the lift: the estimates reach the Cramer-Rao bound and the intervals have their nominal coverage. For 300
@@ -176,4 +176,4 @@ TEST(MonteCarlo, WithoutABoundNothingIsIdentifiable) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::monte_carlo_test

@@ -8,7 +8,7 @@
 #include "motion/motion_record.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::motion_import_test {
 namespace {
 
 std::filesystem::path written(const std::string& text) {
@@ -49,4 +49,4 @@ TEST(MotionImport, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::motion_import_test

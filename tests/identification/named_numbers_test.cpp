@@ -8,7 +8,7 @@
 #include "identification/fit.hpp"
 #include "tests/identification/experiments.hpp"
 
-namespace poise {
+namespace poise::identification_named_numbers_test {
 namespace {
 
 // One number in everything: inertia, places, lengths, forces with their directions, gravity, an axis, a sum, a drive.
@@ -154,4 +154,4 @@ TEST(NamedNumberUnknowns, AreRefusedWhereAnExpressionHasNoValue) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::identification_named_numbers_test

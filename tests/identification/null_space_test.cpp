@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::null_space_test {
 namespace {
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index columns, double size, unsigned seed) {
@@ -107,4 +107,4 @@ TEST(NullSpace, ComplementIsOrthonormal) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::null_space_test

@@ -9,7 +9,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::oscillation_start_test {
 namespace {
 
 // Largest relative residual of a record that start_from_oscillations accepts.
@@ -140,4 +140,4 @@ TEST(StartFromOscillations, IsNoneForOtherExperiments) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::oscillation_start_test

@@ -9,7 +9,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::identification_profile_test {
 namespace {
 
 // A small noise makes the wheel linear: the profile is a parabola, and its interval that of the fit.
@@ -103,4 +103,4 @@ TEST(Profile, EndsWhereTheCostHasGrownByTheLimit) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::identification_profile_test

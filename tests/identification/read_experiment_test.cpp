@@ -12,7 +12,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::read_experiment_test {
 namespace {
 
 using app_tests::TempFolder;
@@ -316,4 +316,4 @@ TEST(ReadExperiment, ReadsTheMeasuredDoublePendulum) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::read_experiment_test

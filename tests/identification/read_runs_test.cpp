@@ -9,7 +9,7 @@
 #include "identification/experiment.hpp"
 #include "tests/identification/bench.hpp"
 
-namespace poise {
+namespace poise::read_runs_test {
 namespace {
 
 using test::Bench;
@@ -437,4 +437,4 @@ TEST(ReadRuns, RejectsSensorsOfARun) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::read_runs_test

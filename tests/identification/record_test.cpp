@@ -11,7 +11,7 @@
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise {
+namespace poise::record_test {
 namespace {
 
 using app_tests::TempFolder;
@@ -233,4 +233,4 @@ TEST(ReadCsv, ReadsTheMeasuredDoublePendulum) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::record_test

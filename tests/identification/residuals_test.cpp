@@ -8,7 +8,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::residuals_test {
 namespace {
 
 using test::Wheel;
@@ -109,4 +109,4 @@ TEST(FitProblem, CountsNuisancesAndReadings) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::residuals_test

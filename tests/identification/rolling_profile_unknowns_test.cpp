@@ -13,7 +13,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::rolling_profile_unknowns_test {
 namespace {
 
 /// The chair of datasets/, and an elliptic rocker on a drum.
@@ -127,4 +127,4 @@ TEST(RollingProfileUnknowns, AreRecovered) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::rolling_profile_unknowns_test

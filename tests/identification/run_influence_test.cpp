@@ -10,7 +10,7 @@
 #include "identification/fit.hpp"
 #include "tests/identification/experiments.hpp"
 
-namespace poise {
+namespace poise::run_influence_test {
 namespace {
 
 constexpr double damping = 0.01;
@@ -89,4 +89,4 @@ TEST(RunInfluence, NamesNoneOfEqualPendulums) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::run_influence_test

@@ -18,7 +18,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::run_model_test {
 namespace {
 
 constexpr double fine = 1e-13;  // accuracy of the motions that differences are taken of
@@ -326,4 +326,4 @@ TEST(RunModel, AKnownStartNeedsRates) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::run_model_test

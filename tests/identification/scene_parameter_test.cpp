@@ -10,7 +10,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::scene_parameter_test {
 namespace {
 
 // All numbers of the four-bar with one of everything.
@@ -133,4 +133,4 @@ TEST(SceneParameter, ThoseThatScaleWithForceLeaveMotionAlone) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::scene_parameter_test

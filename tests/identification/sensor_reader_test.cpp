@@ -20,7 +20,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::sensor_reader_test {
 namespace {
 
 struct State {
@@ -284,4 +284,4 @@ TEST(SensorReader, BodiesThatNothingMovesStayAtTheirStart) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::sensor_reader_test

@@ -16,7 +16,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 
-namespace poise {
+namespace poise::sensor_unknowns_test {
 namespace {
 
 using app_tests::run_poise;
@@ -661,4 +661,4 @@ TEST_F(SensorUnknowns, AreRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::sensor_unknowns_test

@@ -7,7 +7,7 @@
 #include "model/scene.hpp"
 #include "tests/identification/bench.hpp"
 
-namespace poise {
+namespace poise::set_parameter_test {
 namespace {
 
 TEST(SetParameter, NamesTheError) {
@@ -29,4 +29,4 @@ TEST(SetParameter, NamesTheError) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::set_parameter_test

@@ -16,7 +16,7 @@
 #include "solvers/linear_algebra.hpp"
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::standard_errors_test {
 namespace {
 
 using test::Wheel;
@@ -356,4 +356,4 @@ TEST(StandardErrors, NoOutliersWithoutThem) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::standard_errors_test

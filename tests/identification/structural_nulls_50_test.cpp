@@ -8,7 +8,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 
-namespace poise {
+namespace poise::structural_nulls_50_test {
 namespace {
 
 /// Of a sprung and damped mass on a rail along x, m x'' + c x' + k x = F: m, c and k have a common factor unless F
@@ -46,4 +46,4 @@ TEST(StructuralNulls50, AnEffectEndsANullHoweverSmall) {
 TEST(StructuralNulls50, AnEffectOfRoundingDecidesNothing) { EXPECT_FALSE(nulls_on_rail(5.0 * 6.1e-17)); }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::structural_nulls_50_test

@@ -9,7 +9,7 @@
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 
-namespace poise {
+namespace poise::twins_test {
 namespace {
 
 // A block on a rail along x, on a spring whose anchor is h beside the rail: the spring's length is that of one whose
@@ -328,4 +328,4 @@ TEST(Twins, NoneWhereGravityTellsTheSides) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::twins_test

@@ -8,7 +8,7 @@
 
 #include "tests/identification/wheel.hpp"
 
-namespace poise {
+namespace poise::weighting_test {
 namespace {
 
 constexpr Loss all[] = {Loss::squares, Loss::huber, Loss::cauchy, Loss::student};
@@ -54,4 +54,4 @@ TEST(Weighting, TrianglesCarryCostAndGradient) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::weighting_test

@@ -25,14 +25,14 @@ namespace poise::judge {
 namespace {
 
 using comparison::Random;
-using Kind = Transition::Kind;
+using TransitionKind = Transition::Kind;
 
 constexpr double same = 1e-5;          // rad or mechanism sizes
 constexpr double same_place = 3e-4;    // of a dragged point at the end of its way, mechanism sizes
 constexpr double nudge = 1e-13;        // the same
 constexpr double same_picture = 2e-3;  // a point of a picture, rad or mechanism sizes
 constexpr double longest_pose = 0.5;   // between poses of a course, rad or mechanism sizes
-constexpr double open = 1e-6;          // gap of a joint in a course, mechanism sizes
+constexpr double open_within = 1e-6;   // gap of a joint in a course, mechanism sizes
 
 double processor_time() {
   timespec now{};
@@ -134,7 +134,7 @@ class Run {
     }
     const double seconds = processor_time() - begin;
     ++out_.steps;
-    const bool jumps = out && (out->kind == Kind::snapped || out->kind == Kind::settled);
+    const bool jumps = out && (out->kind == TransitionKind::snapped || out->kind == TransitionKind::settled);
     out_.times.push_back({seconds, action, jumps, fmt::format("step {}, {}", out_.steps, doing_)});
     if (seconds > trial_.slow) contradict(Fault::slow, fmt::format("took {:.2f} s", seconds));
     if (out) {
@@ -344,7 +344,7 @@ class Run {
     const BodyPoses once = poses_now();
     doing_ = "release again";
     const auto twice = act('r', [&] { return live_.release(); });
-    if (twice && (twice->kind != Kind::none || apart(once, poses_now(), size_) != 0.0)) {
+    if (twice && (twice->kind != TransitionKind::none || apart(once, poses_now(), size_) != 0.0)) {
       contradict(Fault::other, fmt::format("{}, {:.3g} away", to_string(twice->kind), apart(once, poses_now(), size_)));
     }
   }
@@ -467,7 +467,8 @@ class Run {
         }
         const double gap = gap_of(course.poses[k]);
         // A snap on the way has the numbers of the way.
-        if (way.courses.size() == 1 && way.kind == Kind::settled && way.passed.empty() && gap > open * size_) {
+        if (way.courses.size() == 1 && way.kind == TransitionKind::settled && way.passed.empty() &&
+            gap > open_within * size_) {
           return contradict(Fault::course,
                             fmt::format("pose {} of {} of a course has a gap of {:.3g}", k, course.poses.size(), gap));
         }
@@ -481,9 +482,9 @@ class Run {
     bool keeps_stops = true;
     for (std::size_t s = 0; s < held.stops.size(); ++s) {
       const double by = std::max(held.stops[s].min - readings.stops[s], readings.stops[s] - held.stops[s].max);
-      keeps_stops = keeps_stops && by < open * (held.stops[s].on.is_angle() ? 1.0 : size_);
+      keeps_stops = keeps_stops && by < open_within * (held.stops[s].on.is_angle() ? 1.0 : size_);
     }
-    if (way.kind == Kind::settled && !drag && keeps_stops && gap_of(was.poses) < open * size_) {
+    if (way.kind == TransitionKind::settled && !drag && keeps_stops && gap_of(was.poses) < open_within * size_) {
       const double begin = apart(way.courses.front().poses.front(), was.poses, size_);
       if (begin > longest_pose) contradict(Fault::course, fmt::format("a course begins {:.3g} away", begin));
       const double end = apart(way.courses.back().poses.back(), poses_now(), size_);
@@ -517,7 +518,8 @@ class Run {
   void judge_way(const Before& was, const Scene& held, const Transition& way, bool drag) {
     if (!was.found || was.stability != Stability::stable) return;
     const BodyPoses& from = was.poses;
-    const bool moved = way.kind == Kind::followed || way.kind == Kind::none || way.kind == Kind::blocked;
+    const bool moved =
+        way.kind == TransitionKind::followed || way.kind == TransitionKind::none || way.kind == TransitionKind::blocked;
     std::optional<VariedScene> varied;
     try {
       varied.emplace(held, live_.held_scene());
@@ -573,7 +575,7 @@ class Run {
       contradict(Fault::jump,
                  fmt::format("{} ({}), but small steps arrive, {:.3g} away", to_string(way.kind), way.why, far));
     }
-    if (way.kind == Kind::none && apart(from, poses_now(), size_) > 1e-8) {
+    if (way.kind == TransitionKind::none && apart(from, poses_now(), size_) > 1e-8) {
       contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", apart(from, poses_now(), size_)));
     }
   }
@@ -582,9 +584,9 @@ class Run {
   void judge_release(const Before& was, const Transition& way) {
     judge_courses(was, way);
     const double moved = apart(was.poses, poses_now(), size_);
-    if (way.kind == Kind::none && moved > 1e-8)
+    if (way.kind == TransitionKind::none && moved > 1e-8)
       contradict(Fault::flip, fmt::format("none, but it moved by {:.3g}", moved));
-    if (way.kind == Kind::snapped || way.kind == Kind::blocked)
+    if (way.kind == TransitionKind::snapped || way.kind == TransitionKind::blocked)
       contradict(Fault::other, "it can only settle, but " + to_string(way.kind));
     if (!live_.equilibrium().found()) return;
     Equilibrium e;
@@ -635,7 +637,7 @@ class Run {
     judge_courses(was, way, true);
     const Vec2 start = was.poses[static_cast<std::size_t>(point.body)].world(was.scene.local(point));
     const Vec2 end = place_of(point);
-    const bool jumped = way.kind == Kind::snapped || way.kind == Kind::settled;
+    const bool jumped = way.kind == TransitionKind::snapped || way.kind == TransitionKind::settled;
     const double before_it = norm(target - start), now = norm(target - end);
     if (was.found && now > before_it + 1e-5 * size_) {
       contradict(Fault::short_way,

@@ -19,7 +19,7 @@
 namespace poise::judge {
 namespace {
 
-constexpr double same_equilibrium = 1e-6;  // rad or mechanism sizes
+constexpr double same_as_sampled = 1e-6;  // rad or mechanism sizes
 constexpr int phc_seconds = 60;
 
 EquilibriumSet proved_set(const StaticModel& model, const SetTrial& trial) {
@@ -45,7 +45,7 @@ bool is_meant(const StaticModel& model, const EquilibriumSet& set, const Turns& 
 
 bool holds(const EquilibriumSet& set, const Turns& turns, const std::vector<double>& x) {
   return std::any_of(set.equilibria.begin(), set.equilibria.end(),
-                     [&](const Equilibrium& e) { return turns.distance(x, e.x) < same_equilibrium; });
+                     [&](const Equilibrium& e) { return turns.distance(x, e.x) < same_as_sampled; });
 }
 
 void hold_against_starts(const StaticModel& model, const SetTrial& trial, const EquilibriumSet& set, JudgedSet& out) {
@@ -95,7 +95,7 @@ void hold_against_path(const Scene& scene, const SetTrial& trial, JudgedSet& out
     if (point.proof != PointProof::proved) return;
     const std::unique_ptr<StaticModel> model = varied.model_at(point.parameter);
     const EquilibriumSet set = proved_set(*model, trial);
-    if (set.claim != Claim::complete) return;
+    if (set.claim != poise::Claim::complete) return;
     ++out.path_ends;
     const Turns turns(*model);
     if (is_meant(*model, set, turns, point.x) && !holds(set, turns, point.x)) {
@@ -129,7 +129,7 @@ JudgedSet judge_set(const Scene& scene, const SetTrial& trial) {
   out.statement = set.statement;
   out.equilibria = static_cast<int>(set.equilibria.size());
   out.seconds = set.microseconds * 1e-6;
-  if (set.claim == Claim::complete) {
+  if (set.claim == poise::Claim::complete) {
     if (trial.starts > 0) hold_against_starts(model, trial, set, out);
     if (trial.phc) hold_against_phc(model, set, out);
     if (trial.starts_at_equilibrium) hold_against_start(model, set, out);

@@ -20,7 +20,7 @@ struct SetTrial {
 
 /// A set of equilibria against other ways to them.
 struct JudgedSet {
-  Claim claim = Claim::sampled;
+  poise::Claim claim = poise::Claim::sampled;
   std::string statement;
   int equilibria = 0;
   double seconds = 0.0;  ///< of all_equilibria()

@@ -62,7 +62,7 @@ Place axis(const Joint& joint, const Real& angle) {
   return (1 / norm(along)) * along * unit(angle);
 }
 
-Real largest(const Vector& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : Real(0); }
+Real largest_entry(const Vector& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : Real(0); }
 
 }  // namespace
 
@@ -349,7 +349,7 @@ Real ExactMechanics::force_scale(const Vector& q) const {
     const Smooth g = measure(element.on, q);
     const Real unit = element.on.is_angle() ? Real(1) : length_;
     if (const auto* constant = std::get_if<ConstantForce>(&element.law)) {
-      scale = std::max<Real>(scale, abs(Real(constant->force)) * unit * largest(g.grad));
+      scale = std::max<Real>(scale, abs(Real(constant->force)) * unit * largest_entry(g.grad));
       continue;
     }
     const Real reach = abs(g.value) + abs(free_length(element)) + 1;

@@ -8,8 +8,8 @@
 namespace poise::judge {
 namespace {
 
-constexpr int most_steps = 6;
-constexpr double converged = 1e-40;
+constexpr int most_newton_steps = 6;
+constexpr double converged_within = 1e-40;
 
 Planar<Real> line_of(const ExactMechanics& mechanics, const Joint& joint, const Vector& q) {
   const Planar<Real> along = planar_cast<Real>(joint.axis);
@@ -65,12 +65,12 @@ std::optional<ExactForces> exact_forces(const StaticModel& model, const Equilibr
     Vector left(n + m);
     left << forces.force + jacobian.transpose() * y, gap;
     const solvers::LeastSquares<Real> newton(all, solvers::known_to::half_of_50_digits);
-    if (newton.rank() < n + m || step == most_steps) return std::nullopt;
+    if (newton.rank() < n + m || step == most_newton_steps) return std::nullopt;
     const Vector change = newton.solve(-left);
     q += change.head(n);
     y += change.tail(m);
     const Real size = 1 + (m > 0 ? y.cwiseAbs().maxCoeff() : Real(0));
-    if (change.cwiseAbs().maxCoeff() < converged * size) break;
+    if (change.cwiseAbs().maxCoeff() < converged_within * size) break;
   }
 
   ExactForces out;

@@ -20,10 +20,10 @@ using Eigen::Index;
 // Relative pivots: below the first a row repeats others to the rounding of doubles, above the second it does not.
 constexpr double dependent_below = 1e-13;
 constexpr double independent_above = 1e-8;
-constexpr double candidate_gap = 1e-5;  // of stops and one-way springs that may change their state
-constexpr double farthest = 0.3;        // of an equilibrium from the answer
-constexpr double flat_over = 1e-3;      // along a neutral freedom
-constexpr double flat_within = 1e-13;   // force there over force scale
+constexpr double candidate_gap = 1e-5;        // of stops and one-way springs that may change their state
+constexpr double farthest_from_answer = 0.3;  // of an equilibrium from the answer
+constexpr double flat_over = 1e-3;            // along a neutral freedom
+constexpr double flat_within = 1e-13;         // force there over force scale
 constexpr double condition_limit = 1e10;
 // Distances below this are rounding of the answer's own numbers.
 constexpr double least_radius = 4e-16;
@@ -146,7 +146,7 @@ Closed close(const ExactMechanics& mechanics, Vector q, const Piece& piece, cons
       for (Index i = 2; i < q.size(); i += 3) p[i] *= Real(1e-6);
     }
     q += p;
-    if (largest(q - start) > farthest) return out;
+    if (largest(q - start) > farthest_from_answer) return out;
     const bool done = !weigh && largest(p) <= 1e-40 && last <= 1e-14;
     last = largest(p);
     if (!done) continue;
@@ -232,7 +232,7 @@ Solution newton(const ExactMechanics& mechanics, const Closed& from, const Piece
     if (step > 0.1) p *= 0.1 / step;
     multipliers = rows.multipliers(s.forces.force + K * p);
     q += p;
-    if (largest(q - from.q) > farthest) return out;
+    if (largest(q - from.q) > farthest_from_answer) return out;
     if (step < 1e-36 || (step < 1e-30 && step > last / 2)) {
       out.converged = true;
       break;
@@ -288,9 +288,9 @@ Least least_on_cone(const Matrix& K, const Matrix& G) {
   return out;
 }
 
-class Search {
+class ClaimSearch {
  public:
-  Search(const ExactMechanics& mechanics, const Claim& claim)
+  ClaimSearch(const ExactMechanics& mechanics, const Claim& claim)
       : mechanics_(mechanics), scene_(mechanics.scene()), claim_(claim) {
     Vector q(mechanics.coordinates());
     for (std::size_t b = 1; b < scene_.bodies.size(); ++b) {
@@ -947,7 +947,7 @@ class Search {
       const Vector p = solve(D, -r, 1e-12 * largest(D));
       q += p.head(n);
       u += p.tail(m);
-      if (largest(q - start_.q) > farthest) break;
+      if (largest(q - start_.q) > farthest_from_answer) break;
       // Equations that agree to rounding of doubles only leave a rest.
       converged = largest(p) < 1e-20 && largest(r) < 1e-13;
     }
@@ -1092,7 +1092,7 @@ bool is_false(Verdict verdict) {
 }
 
 std::vector<Truth> Judge::equilibria(const Claim& claim, std::string& trouble) const {
-  Search search(mechanics_, claim);
+  ClaimSearch search(mechanics_, claim);
   search.try_present();
   search.try_all();
   search.try_displaced();
@@ -1102,7 +1102,7 @@ std::vector<Truth> Judge::equilibria(const Claim& claim, std::string& trouble) c
 }
 
 Judgement Judge::judge(const Claim& claim) const {
-  Search search(mechanics_, claim);
+  ClaimSearch search(mechanics_, claim);
   const auto verdict = [&] {
     return claim.confirmed ? judge_confirmed(claim, search.found(), search.trouble())
                            : judge_unconfirmed(claim, search.found());

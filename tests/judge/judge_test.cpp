@@ -12,7 +12,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 
-namespace poise::judge {
+namespace poise::judge::judge_test {
 namespace {
 
 // Verdict on the claim that x is an equilibrium of that kind within the radius.
@@ -254,4 +254,4 @@ TEST(Judge, PlaceOfTheOriginDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace poise::judge
+}  // namespace poise::judge::judge_test

@@ -14,8 +14,8 @@
 namespace poise::judge {
 namespace {
 
-constexpr double same_end = 1e-8;          // rad or mechanism sizes
-constexpr double same_equilibrium = 1e-6;  // the same, up to whole turns
+constexpr double retraced_within = 1e-8;  // rad or mechanism sizes
+constexpr double same_as_started = 1e-6;  // the same, up to whole turns
 
 struct Range {
   std::string name;
@@ -90,7 +90,7 @@ JudgedPath judge_path(std::uint64_t seed, bool followers, bool stops, int starts
     const auto model = varied.model_at(varied.to());
     const double apart =
         distance(*model, coarse.branches.front().points.back().x, fine.branches.front().points.back().x);
-    out.retraced = a == b && apart < same_end;
+    out.retraced = a == b && apart < retraced_within;
     if (!out.retraced) {
       out.differences =
           fmt::format("{} {:.6g}..{:.6g}: {} and {} ends {:.1g} apart", range.name, range.from, range.to, a, b, apart);
@@ -99,7 +99,7 @@ JudgedPath judge_path(std::uint64_t seed, bool followers, bool stops, int starts
     std::vector<std::vector<double>> known;
     const auto is_new = [&](const std::vector<double>& x) {
       return std::none_of(known.begin(), known.end(),
-                          [&](const auto& other) { return distance(*model, x, other) < same_equilibrium; });
+                          [&](const auto& other) { return distance(*model, x, other) < same_as_started; });
     };
     for (const PathPoint& point : found.wanted.front()) {
       if (is_new(point.x)) known.push_back(point.x);

@@ -16,8 +16,8 @@
 namespace poise::judge {
 namespace {
 
-constexpr double far = 20.0;
-constexpr int most_steps = 60'000;
+constexpr double run_away = 20.0;
+constexpr int most_steps_of_slow_motion = 60'000;
 
 double distance(const std::vector<double>& a, const std::vector<double>& b) {
   double out = 0.0;
@@ -30,7 +30,7 @@ double elapsed(std::chrono::steady_clock::time_point since) {
 }
 
 Settling settle_timed(const StaticModel& model, const std::vector<double>& x, JudgedSettling& out) {
-  const SettleOptions options{.run_away = far};
+  const SettleOptions options{.run_away = run_away};
   double settling = 1e300, solving = 1e300;
   Settling found;
   solvers::Newton newton(model.problem());
@@ -68,7 +68,7 @@ JudgedSettling judge_settling_of_one_freedom(std::uint64_t seed) {
   JudgedSettling out;
   const Settling found = settle_timed(model, released.x, out);
   for (double step : {2e-3, 2e-4, 2e-5}) {
-    const test::SlowMotion slow = test::slow_motion_along_curve(model, released.x, step, far);
+    const test::SlowMotion slow = test::slow_motion_along_curve(model, released.x, step, run_away);
     // Near a fold the force is so small that the slow motion turns back late or early.
     out.agrees = same_end(found, slow, 3.0 * step);
     out.words = in_words(found, slow);
@@ -83,7 +83,8 @@ JudgedSettling judge_settling_of_several_freedoms(std::uint64_t seed) {
   JudgedSettling out;
   const Settling found = settle_timed(model, released.x, out);
   for (double part : {0.3, 0.03}) {
-    const test::SlowMotion slow = test::slow_motion(model, released.x, found.x, part, 3e-3, far, most_steps);
+    const test::SlowMotion slow =
+        test::slow_motion(model, released.x, found.x, part, 3e-3, run_away, most_steps_of_slow_motion);
     // Soft mechanisms creep, and large steps chatter between two stops. What has come this near does not leave any
     // more.
     const bool creeps = slow.end == test::SlowMotion::End::steps && found.end == Settling::End::settled &&

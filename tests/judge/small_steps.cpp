@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double shortest = 1e-11;        // part of the way
 constexpr double shortest_change = 1e-7;  // the same, of a step in which stops come on or off
-constexpr int most_steps = 3000;
+constexpr int most_small_steps = 3000;
 constexpr double kept_to = 1e-9;         // of stops, rad or mechanism sizes; of pushes, the model's unit of force
 constexpr double flat = 1e-8;            // curvature over the largest entry of the tangent; soft springs may have less
 constexpr double faster = 30.0;          // at a fold than in the last of the steps that are not next to it
@@ -260,7 +260,7 @@ SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, boo
     return far;
   };
   for (int k = 0; s < 1.0; ++k) {
-    if (k == most_steps) return undecided(fmt::format("{} steps came to {:.6g}", most_steps, s));
+    if (k == most_small_steps) return undecided(fmt::format("{} steps came to {:.6g}", most_small_steps, s));
     const double to = std::min(1.0, s + h);
     const auto model = varied.model_at(to);
     std::optional<Rest> next = newton(*model, here->x, closures, here->side);

@@ -10,7 +10,7 @@
 #include "solvers/ball.hpp"
 #include "solvers/real50.hpp"
 
-namespace poise {
+namespace poise::bump_stop_test {
 namespace {
 
 using Acts = BumpStop::Acts;
@@ -98,4 +98,4 @@ TEST(PreloadedSpring, IsTheLinearSpringOfThatFreeLength) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::bump_stop_test

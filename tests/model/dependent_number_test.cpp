@@ -15,7 +15,7 @@
 #include "model/scene_builder.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::dependent_number_test {
 namespace {
 
 using test::message_of;
@@ -337,4 +337,4 @@ TEST(NamedNumbers, StandBesideStrutsAndFlexibleLinks) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::dependent_number_test

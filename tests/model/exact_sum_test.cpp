@@ -8,7 +8,7 @@
 
 #include "solvers/real50.hpp"
 
-namespace poise {
+namespace poise::exact_sum_test {
 namespace {
 
 ExactSum sum_of(const std::vector<double>& terms) {
@@ -49,4 +49,4 @@ TEST(ExactSum, ThatOverflowsIsInfinite) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::exact_sum_test

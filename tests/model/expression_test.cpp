@@ -12,7 +12,7 @@
 #include "model/input_error.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::expression_test {
 namespace {
 
 const std::vector<std::string> names{"r", "s_2"};
@@ -127,4 +127,4 @@ TEST(Expression, SaysWhatMayBeAName) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::expression_test

@@ -9,7 +9,7 @@
 #include "solvers/ball.hpp"
 #include "solvers/real50.hpp"
 
-namespace poise {
+namespace poise::gas_strut_test {
 namespace {
 
 using solvers::Ball;
@@ -107,4 +107,4 @@ TEST(GasStrut, EnclosesTheForcesOfABall) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::gas_strut_test

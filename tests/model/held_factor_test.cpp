@@ -13,7 +13,7 @@
 #include "model/scene.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::held_factor_test {
 namespace {
 
 std::string scene_with(const std::string& vector, const std::string& time, const std::string& value = "2",
@@ -239,4 +239,4 @@ TEST(HeldFactor, LongTablesHaveNoNumbers) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::held_factor_test

@@ -6,7 +6,7 @@
 
 #include "model/scene.hpp"
 
-namespace poise {
+namespace poise::inertia_test {
 namespace {
 
 // A crank, a block that slides along it, a bar of its own pinned to the block, and a slide on the ground: every kind
@@ -137,4 +137,4 @@ points = ["ground.O", "rod.O"]
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::inertia_test

@@ -7,7 +7,7 @@
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 
-namespace poise {
+namespace poise::joint_friction_test {
 namespace {
 
 const char* const text = R"(
@@ -104,4 +104,4 @@ TEST(JointFriction, IsBuiltInCode) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::joint_friction_test

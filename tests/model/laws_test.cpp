@@ -12,7 +12,7 @@
 
 #include "solvers/real50.hpp"
 
-namespace poise {
+namespace poise::laws_test {
 namespace {
 
 using Real = Real50;
@@ -151,4 +151,4 @@ TEST(Laws, SayWhyTheyNeverAct) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::laws_test

@@ -11,7 +11,7 @@
 #include "solvers/real50.hpp"
 #include "tests/support/build_scene.hpp"
 
-namespace poise {
+namespace poise::layout_test {
 namespace {
 
 const Link& link_of(const Layout& layout, const Scene& scene, const char* point) {
@@ -156,4 +156,4 @@ TEST(Layout, MeasuresFromTheFirstGroundPointThatSomethingUses) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::layout_test

@@ -18,7 +18,7 @@
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
-namespace poise {
+namespace poise::measures_test {
 namespace {
 
 using test::measures_of;
@@ -341,4 +341,4 @@ TEST(Measures, DistancesOfPointsThatMeetActLikeSpringsWithoutLength) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::measures_test

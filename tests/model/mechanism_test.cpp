@@ -19,7 +19,7 @@
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
-namespace poise {
+namespace poise::mechanism_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -655,4 +655,4 @@ TEST(Mechanism, SlidesCarryTheirLineAlong) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::mechanism_test

@@ -6,7 +6,7 @@
 
 #include "model/input_error.hpp"
 
-namespace poise {
+namespace poise::named_number_test {
 namespace {
 
 TEST(NamedNumber, ANumberIsTheWholeText) {
@@ -41,4 +41,4 @@ TEST(NamedNumber, SaysWhatIsExpected) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::named_number_test

@@ -12,7 +12,7 @@
 #include "model/laws/laws.hpp"
 #include "model/laws/stop.hpp"
 
-namespace poise {
+namespace poise::nearest_name_test {
 namespace {
 
 TEST(NearestName, CountsEachKindOfEditOnce) {
@@ -130,4 +130,4 @@ TEST(NearestName, OfVeryLongNamesNoneIsNear) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::nearest_name_test

@@ -6,7 +6,7 @@
 
 #include "model/input_error.hpp"
 
-namespace poise {
+namespace poise::one_line_test {
 namespace {
 
 TEST(OneLine, ControlCharactersDoNotReachTheTerminal) {
@@ -42,4 +42,4 @@ TEST(InputError, IsOneLineAndKeepsItsEnds) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::one_line_test

@@ -17,7 +17,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::parameters_test {
 namespace {
 
 constexpr double inch = 0.0254;
@@ -475,4 +475,4 @@ TEST(Parameters, AreInTheDocs) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::parameters_test

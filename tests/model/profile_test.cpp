@@ -14,7 +14,7 @@
 #include "statics/balance_system.hpp"
 #include "statics/interval_mechanism.hpp"
 
-namespace poise {
+namespace poise::model_profile_test {
 namespace {
 
 using std::numbers::pi;
@@ -175,4 +175,4 @@ TEST(Profiles, AreComparedInOneFormulaNearABorder) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::model_profile_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::quantity_test {
 namespace {
 
 TEST(Quantity, UnitsFollowFromThoseOfTheScene) {
@@ -27,4 +27,4 @@ TEST(Quantity, OfAMeasureAndOfWhatDoesWorkOnIt) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::quantity_test

@@ -12,7 +12,7 @@
 #include "model/scene.hpp"
 #include "tests/support/elements.hpp"
 
-namespace poise {
+namespace poise::read_scene_test {
 namespace {
 
 std::string repeated(const std::string& part, int count) {
@@ -1057,4 +1057,4 @@ INSTANTIATE_TEST_SUITE_P(
     name_of_case);
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::read_scene_test

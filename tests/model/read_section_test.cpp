@@ -12,7 +12,7 @@
 #include "model/scene_builder.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::read_section_test {
 namespace {
 
 std::string with_section(const std::string& section) {
@@ -178,4 +178,4 @@ TEST(SceneBuilderSection, IsReadAsFromAFile) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::read_section_test

@@ -19,7 +19,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::read_springs_test {
 namespace {
 
 using test::message_of;
@@ -285,4 +285,4 @@ TEST(ReadSprings, RefuseBumpStopsWithAKink) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::read_springs_test

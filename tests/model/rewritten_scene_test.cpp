@@ -15,7 +15,7 @@
 #include "model/text_file.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::rewritten_scene_test {
 namespace {
 
 /// Reading the text gives the numbers of `wanted`, to the rounding of units.
@@ -198,4 +198,4 @@ TEST(RewrittenScene, ReadsBackWithAllGuessesOfAllScenesChanged) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::rewritten_scene_test

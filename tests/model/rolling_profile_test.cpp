@@ -18,7 +18,7 @@
 #include "statics/balance_system.hpp"
 #include "statics/interval_mechanism.hpp"
 
-namespace poise {
+namespace poise::model_rolling_profile_test {
 namespace {
 
 using std::numbers::pi;
@@ -177,4 +177,4 @@ TEST(RollingProfiles, RefuseCusps) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::model_rolling_profile_test

@@ -7,7 +7,7 @@
 
 #include "model/parameters.hpp"
 
-namespace poise {
+namespace poise::scene_builder_test {
 namespace {
 
 // A scene file with every kind of item, and the same scene in code.
@@ -482,4 +482,4 @@ TEST(SceneBuilder, NamesTheUnitsAndElementsThereAre) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::scene_builder_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::scene_test {
 namespace {
 
 TEST(Scene, BeginsWithTheGroundAlone) {
@@ -76,4 +76,4 @@ TEST(Scene, RejectsInvalidIndices) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::scene_test

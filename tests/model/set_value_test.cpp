@@ -9,7 +9,7 @@
 #include "model/scene.hpp"
 #include "tests/support/elements.hpp"
 
-namespace poise {
+namespace poise::set_value_test {
 namespace {
 
 constexpr double inch = 0.0254;
@@ -366,4 +366,4 @@ TEST_F(SetValue, RejectsTwoValuesOfTheSameName) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::set_value_test

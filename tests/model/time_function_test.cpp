@@ -14,7 +14,7 @@
 #include "model/scene.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::time_function_test {
 namespace {
 
 std::string scene_with(const std::string& load_time, const std::string& drive = "") {
@@ -201,4 +201,4 @@ TEST(TimeFunction, RefusesWhatItCannotMean) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::time_function_test

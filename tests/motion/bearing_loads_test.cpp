@@ -20,7 +20,7 @@
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::bearing_loads_test {
 namespace {
 
 MotionModel model_of(const std::string& text) { return MotionModel(resisted_by_joints(parse_scene(text, "test"))); }
@@ -220,4 +220,4 @@ TEST(BearingLoads, TeethThatRepeatEachOtherLeaveThePinsOpen) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::bearing_loads_test

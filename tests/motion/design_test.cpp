@@ -17,7 +17,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::design_test {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
@@ -215,4 +215,4 @@ TEST(ReadDesign, NamesTheLineAndTheLikelyMeaning) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::design_test

@@ -9,7 +9,7 @@
 #include "statics/path.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::dynamic_stability_test {
 namespace {
 
 // Ziegler's column, masses 2 and 1: flutter above P l / k = 7/2 - sqrt 2.
@@ -40,4 +40,4 @@ TEST(DynamicStability, IsUnknownWithoutInertia) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::dynamic_stability_test

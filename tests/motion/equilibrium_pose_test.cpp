@@ -8,7 +8,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::equilibrium_pose_test {
 namespace {
 
 // A crank with an offset load, and a balanced wheel on it that matters in motion only.
@@ -69,4 +69,4 @@ TEST(EquilibriumPose, ClosesLoopsThatStandOpen) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::equilibrium_pose_test

@@ -8,7 +8,7 @@
 #include "motion/force_courses.hpp"
 #include "tests/support/build_scene.hpp"
 
-namespace poise {
+namespace poise::forces_along_test {
 namespace {
 
 constexpr double crank = 0.1, rod = 0.3, torque = 2.0, push = 5.0;
@@ -121,4 +121,4 @@ TEST(ForcesAlong, FindADeadPointThatIsPassed) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::forces_along_test

@@ -8,7 +8,7 @@
 #include "motion/kinematics.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::given_motion_test {
 namespace {
 
 // The lift with obd moving as 0.4 + 0.1 sin(7 t), 401 samples of 1 ms.
@@ -105,4 +105,4 @@ TEST(GivenMotion, RefusesSamplesOfAnotherMechanism) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::given_motion_test

@@ -14,7 +14,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::inverse_dynamics_test {
 namespace {
 
 using nlohmann::json;
@@ -398,4 +398,4 @@ TEST(InverseDynamics, MeasuresRatesThatOpenALoop) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::inverse_dynamics_test

@@ -14,7 +14,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::kinematics_test {
 namespace {
 
 using std::numbers::pi;
@@ -373,4 +373,4 @@ TEST(Kinematics, CanBeInterrupted) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::kinematics_test

@@ -15,7 +15,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::lift_kinematics_test {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
@@ -141,4 +141,4 @@ TEST_F(Lift, KeepsAwayFromSingularPosesAsItsFacts) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::lift_kinematics_test

@@ -13,7 +13,7 @@
 #include "model/scene.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise {
+namespace poise::loads_in_motion_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -246,4 +246,4 @@ points = ["ground.A", "strip.A"]
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::loads_in_motion_test

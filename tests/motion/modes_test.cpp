@@ -12,7 +12,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::modes_test {
 namespace {
 
 using nlohmann::json;
@@ -318,4 +318,4 @@ TEST(Modes, LiftSwingsAsItsReducedEquationSays) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::modes_test

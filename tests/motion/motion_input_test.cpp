@@ -16,7 +16,7 @@
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"
 
-namespace poise {
+namespace poise::motion_input_test {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -248,4 +248,4 @@ TEST(MotionInput, IsMetWhereTheMechanismStandsStill) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::motion_input_test

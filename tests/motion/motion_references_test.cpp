@@ -13,7 +13,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise {
+namespace poise::motion_references_test {
 namespace {
 
 using nlohmann::json;
@@ -169,4 +169,4 @@ TEST(MotionReferences, SmallSwingOfTheLiftHasItsNaturalFrequency) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::motion_references_test

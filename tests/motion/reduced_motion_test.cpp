@@ -22,7 +22,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::reduced_motion_test {
 namespace {
 
 using Real = Real50;
@@ -435,4 +435,4 @@ TEST(ReducedMotion, DoublePendulumAcceleratesAsInTheTextbook) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::reduced_motion_test

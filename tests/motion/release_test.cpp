@@ -6,7 +6,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 
-namespace poise {
+namespace poise::release_test {
 namespace {
 
 constexpr double mass = 2.0, stiffness = 200.0, hanging = 0.05;
@@ -99,4 +99,4 @@ TEST(ConfirmedMotion, EstimatesItsErrorByAStricterRun) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::release_test

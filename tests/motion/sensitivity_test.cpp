@@ -16,7 +16,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::motion_sensitivity_test {
 namespace {
 
 // A number of the scene, SI, and what the equations of motion depend on where it grows by one unit.
@@ -220,4 +220,4 @@ TEST_P(Sensitivities, AreThoseOfDifferences) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::motion_sensitivity_test

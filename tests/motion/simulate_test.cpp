@@ -18,7 +18,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
-namespace poise {
+namespace poise::simulate_test {
 namespace {
 
 std::vector<double> times(double end, int count) {
@@ -362,4 +362,4 @@ TEST(Difference, BoundsTheErrorOfThePendulum) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::simulate_test

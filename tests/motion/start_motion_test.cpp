@@ -10,7 +10,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
-namespace poise {
+namespace poise::start_motion_test {
 namespace {
 
 std::string complaint(const MotionModel& model, const test::Release& release) {
@@ -184,4 +184,4 @@ TEST(StartMotion, RefusesDrivesThatCannotBegin) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::start_motion_test

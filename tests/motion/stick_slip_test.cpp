@@ -14,7 +14,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise {
+namespace poise::stick_slip_test {
 namespace {
 
 constexpr double inertia = 0.01, stiffness = 1.0;
@@ -121,4 +121,4 @@ TEST(StickSlip, IsTheLimitOfNarrowWidths) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::stick_slip_test

@@ -18,7 +18,7 @@
 #include "tests/support/moving_scenes.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::time_loads_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -343,4 +343,4 @@ TEST(TimeLoads, KeepTheEnergyOfRandomMechanisms) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::time_loads_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise {
+namespace poise::trajectory_test {
 namespace {
 
 using Function = std::function<double(double)>;
@@ -90,4 +90,4 @@ TEST(ReadingError, IsWhatTheLastTwoConditionsAdd) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::trajectory_test

@@ -11,7 +11,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/support/browser.hpp"
 
-namespace poise::page_tests {
+namespace poise::page_tests::report_pages_test {
 namespace {
 
 using app_tests::dataset;
@@ -116,4 +116,4 @@ INSTANTIATE_TEST_SUITE_P(AllCommands, ReportPages, testing::ValuesIn(reports()),
                          [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
-}  // namespace poise::page_tests
+}  // namespace poise::page_tests::report_pages_test

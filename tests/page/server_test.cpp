@@ -14,7 +14,7 @@
 
 #include "model/input_error.hpp"
 
-namespace poise::app {
+namespace poise::app::server_test {
 namespace {
 
 /// A server with answers that name themselves, run in a thread of its own.
@@ -144,4 +144,4 @@ TEST(LocalServer, NamesAPortThatIsTaken) {
 }
 
 }  // namespace
-}  // namespace poise::app
+}  // namespace poise::app::server_test

@@ -29,7 +29,7 @@
 
 extern char** environ;  // NOLINT(readability-identifier-naming): of POSIX
 
-namespace poise::page_tests {
+namespace poise::page_tests::view_page_test {
 namespace {
 
 using app_tests::contents;
@@ -395,4 +395,4 @@ TEST_F(ViewPage, SaysThatTheProgramHasEnded) {
 }
 
 }  // namespace
-}  // namespace poise::page_tests
+}  // namespace poise::page_tests::view_page_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/plane_problem.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::active_set_test {
 namespace {
 
 using test::PlaneProblem;
@@ -90,4 +90,4 @@ TEST_F(ActiveSetOnAStrip, IgnoresRowsThatAreNotConsidered) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::active_set_test

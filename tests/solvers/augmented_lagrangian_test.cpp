@@ -8,7 +8,7 @@
 #include "tests/support/circles_problem.hpp"
 #include "tests/support/plane_problem.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::augmented_lagrangian_test {
 namespace {
 
 using test::CirclesProblem;
@@ -218,4 +218,4 @@ TEST_P(AugmentedLagrangian, WhatIsNoNumberIsSteppedRound) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::augmented_lagrangian_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::autoregression_test {
 namespace {
 
 std::vector<double> simulate(const std::vector<double>& phi, std::size_t count, unsigned seed) {
@@ -129,4 +129,4 @@ TEST(Autoregression, SecondOrderOscillation) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::autoregression_test

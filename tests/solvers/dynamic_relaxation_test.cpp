@@ -8,7 +8,7 @@
 #include "tests/support/circles_problem.hpp"
 #include "tests/support/plane_problem.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::dynamic_relaxation_test {
 namespace {
 
 using test::CirclesProblem;
@@ -147,4 +147,4 @@ TEST(DynamicRelaxation, AnInterruptStopsTheSearchAndKeepsThePoint) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::dynamic_relaxation_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::filter_test {
 namespace {
 
 TEST(Filter, TakesWhatIsBetterInGapOrInForce) {
@@ -42,4 +42,4 @@ TEST(Filter, ForgetsTheOldestPointBeyondItsSize) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::filter_test

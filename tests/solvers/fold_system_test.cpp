@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::fold_system_test {
 namespace {
 
 // R = x^3 - q x - p of one of both parameters while the other is held: folds at q = 3 x^2, p = -2 x^3.
@@ -135,4 +135,4 @@ TEST(FoldSystem, NothingIsFoundFarFromFolds) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::fold_system_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/plane_problem.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::least_squares_test {
 namespace {
 
 using test::PlaneProblem;
@@ -183,4 +183,4 @@ TEST(LeastSquares, SmallAndLargeProblemsAreSolvedAlike) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::least_squares_test

@@ -12,7 +12,7 @@
 
 #include "solvers/linear_algebra_50.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::linear_algebra_test {
 namespace {
 
 using Eigen::Index;
@@ -311,4 +311,4 @@ TEST(LinearAlgebra50, SaysThatASparseSystemIsSingular) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::linear_algebra_test

@@ -8,7 +8,7 @@
 
 #include "solvers/kkt.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::newton_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -350,4 +350,4 @@ TEST(Kkt, DistinguishesPositiveDefiniteFromIndefinite) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::newton_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/plane_problem.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::nlopt_program_test {
 namespace {
 
 using test::PlaneProblem;
@@ -148,4 +148,4 @@ TEST_P(NloptProgram, WhatCannotHoldStaysOpen) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::nlopt_program_test

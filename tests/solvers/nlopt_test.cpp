@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::nlopt_test {
 namespace {
 
 double rosenbrock(const double* x) { return 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2); }
@@ -57,4 +57,4 @@ TEST(Nlopt, CanBeInterrupted) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::nlopt_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::parallel_test {
 namespace {
 
 TEST(ParallelFor, DoesEveryItemOnce) {
@@ -56,4 +56,4 @@ TEST(ParallelFor, ThreadsAreThoseAskedForOrTheCores) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::parallel_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::random_stream_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -92,4 +92,4 @@ TEST(RandomStream, KeysGiveOtherNumbers) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::random_stream_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+namespace poise::solvers::runge_kutta_test {
 namespace {
 
 // y1' = y2, y2' = -y1; refuses beyond t = limit.
@@ -80,4 +80,4 @@ TEST(NextStep, AimsAtTheErrorAllowed) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::runge_kutta_test

@@ -8,7 +8,7 @@
 
 #include "solvers/newton.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::safeguards_test {
 namespace {
 
 // f(x, y) = g(x) + y^2 / 2, or its gradient as a mere field, with `repeats` copies of the constraint y = h(x).
@@ -203,4 +203,4 @@ TEST(Safeguards, ALockIsNeverCalledAnEquilibrium) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::safeguards_test

@@ -20,7 +20,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::all_equilibria_test {
 namespace {
 
 using nlohmann::json;
@@ -457,4 +457,4 @@ TEST(Assemblies, NeedAMechanismThatCannotMove) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::all_equilibria_test

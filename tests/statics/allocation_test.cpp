@@ -21,7 +21,7 @@ extern "C" void* malloc(std::size_t size) {
   return __libc_malloc(size);
 }
 
-namespace poise {
+namespace poise::allocation_test {
 namespace {
 
 int allocations_of_a_solve(const StaticModel& model, solvers::Goal goal, int dense_limit) {
@@ -61,4 +61,4 @@ TEST(Allocation, SolvingAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::allocation_test

@@ -16,7 +16,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::cam_contact_test {
 namespace {
 
 using std::numbers::pi;
@@ -252,4 +252,4 @@ TEST(CamContact, IsNotMadeUp) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::cam_contact_test

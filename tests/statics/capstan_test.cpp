@@ -9,7 +9,7 @@
 #include "statics/equilibrium.hpp"
 #include "statics/held.hpp"
 
-namespace poise {
+namespace poise::capstan_test {
 namespace {
 
 using std::numbers::pi;
@@ -167,4 +167,4 @@ TEST(Capstan, NumbersOfPulleysAndWhereTheyAreRefused) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::capstan_test

@@ -16,7 +16,7 @@
 #include "statics/equilibrium.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::certificate_cases_test {
 namespace {
 
 using comparison::HardCase;
@@ -141,4 +141,4 @@ TEST(CertificateCases, NumbersThatLeaveAMechanismOpenAreReported) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::certificate_cases_test

@@ -22,7 +22,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::certificate_test {
 namespace {
 
 using test::coordinates_at;
@@ -963,4 +963,4 @@ TEST(OneWaySprings, ThatHoldOneSideOnlyLeaveTheOtherUnstable) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::certificate_test

@@ -20,7 +20,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::check_test {
 namespace {
 
 using test::coordinates_at;
@@ -679,4 +679,4 @@ TEST(Stops, OfALeastDistanceOfZeroHoldNothing) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::check_test

@@ -26,7 +26,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise {
+namespace poise::couplings_test {
 namespace {
 
 using std::numbers::pi;
@@ -472,4 +472,4 @@ TEST(Couplings, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::couplings_test

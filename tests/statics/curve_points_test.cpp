@@ -22,7 +22,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::statics_curve_points_test {
 namespace {
 
 // A weight on a bent wire, pulled by a spring.
@@ -267,4 +267,4 @@ TEST(CurvePoints, VaryAlongPaths) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::statics_curve_points_test

@@ -28,7 +28,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::curved_tracks_test {
 namespace {
 
 using std::numbers::pi;
@@ -780,4 +780,4 @@ TEST(CurvedSlots, NameWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::curved_tracks_test

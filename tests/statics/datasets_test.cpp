@@ -14,7 +14,7 @@
 #include "statics/equilibrium.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::datasets_test {
 namespace {
 
 using nlohmann::json;
@@ -146,4 +146,4 @@ INSTANTIATE_TEST_SUITE_P(Each, Datasets, testing::ValuesIn(scene_names()),
                          [](const auto& scene) { return scene.param.substr(0, scene.param.find('.')); });
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::datasets_test

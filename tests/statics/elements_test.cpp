@@ -16,7 +16,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
-namespace poise {
+namespace poise::elements_test {
 namespace {
 
 constexpr Method methods[] = {Method::virtual_work, Method::energy};
@@ -322,4 +322,4 @@ TEST(Elements, UponEveryMeasureOfRandomMechanismsAreConfirmedBodyByBody) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::elements_test

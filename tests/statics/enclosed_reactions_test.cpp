@@ -15,7 +15,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_scenes.hpp"
 
-namespace poise {
+namespace poise::enclosed_reactions_test {
 namespace {
 
 using judge::Real;
@@ -275,4 +275,4 @@ TEST(EnclosedReactions, OfALongChain) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::enclosed_reactions_test

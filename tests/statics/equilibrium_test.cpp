@@ -20,7 +20,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::equilibrium_test {
 namespace {
 
 using test::angle_of;
@@ -635,4 +635,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, Invariance, testing::ValuesIn(methods),
                          [](const auto& method) { return method.param == Method::energy ? "Energy" : "VirtualWork"; });
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::equilibrium_test

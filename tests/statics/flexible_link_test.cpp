@@ -16,7 +16,7 @@
 #include "statics/sensitivity.hpp"
 #include "statics/tolerance.hpp"
 
-namespace poise {
+namespace poise::flexible_link_test {
 namespace {
 
 /// A cantilever of length 1 and E I = 1 with a force on its tip.
@@ -388,4 +388,4 @@ TEST(FlexibleLink, RefusesWhatItCannotBe) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::flexible_link_test

@@ -17,7 +17,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::fold_curve_test {
 namespace {
 
 using test::dataset;
@@ -412,4 +412,4 @@ TEST(FoldCurve, RefusesNumbersThatAreNotTwo) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::fold_curve_test

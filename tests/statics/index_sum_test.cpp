@@ -7,7 +7,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/pulled_chain.hpp"
 
-namespace poise {
+namespace poise::index_sum_test {
 namespace {
 
 using test::dataset;
@@ -59,4 +59,4 @@ TEST(IndexSum, IsUnknownWhereAForceMayLoseItsDirection) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::index_sum_test

@@ -15,7 +15,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::invariance_test {
 namespace {
 
 using test::dataset;
@@ -189,4 +189,4 @@ TEST(Invariance, OfTheScalesOfAMechanismFarAway) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::invariance_test

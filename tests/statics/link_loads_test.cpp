@@ -11,7 +11,7 @@
 #include "model/scene.hpp"
 #include "statics/sensitivity.hpp"
 
-namespace poise {
+namespace poise::link_loads_test {
 namespace {
 
 /// A scene with all of its links.
@@ -500,4 +500,4 @@ vector = [2, -7]
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::link_loads_test

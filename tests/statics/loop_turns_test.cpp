@@ -14,7 +14,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::loop_turns_test {
 namespace {
 
 using test::dataset;
@@ -196,4 +196,4 @@ TEST(LoopTurns, AreNotNeededWhereNothingTellsThemApart) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::loop_turns_test

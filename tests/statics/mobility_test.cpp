@@ -15,7 +15,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::mobility_test {
 namespace {
 
 using test::dataset;
@@ -324,4 +324,4 @@ TEST(ClosureRounding, IsTwiceTheRoundingOfEveryNumberOfTheLoop) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::mobility_test

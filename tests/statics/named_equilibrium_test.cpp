@@ -8,7 +8,7 @@
 
 #include "model/scene_builder.hpp"
 
-namespace poise {
+namespace poise::named_equilibrium_test {
 namespace {
 
 constexpr double degree = M_PI / 180.0;
@@ -115,4 +115,4 @@ TEST(NamedEquilibrium, NamesTheNearestOfAnUnknownName) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::named_equilibrium_test

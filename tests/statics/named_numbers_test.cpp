@@ -19,7 +19,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 
-namespace poise {
+namespace poise::statics_named_numbers_test {
 namespace {
 
 using test::message_of;
@@ -268,4 +268,4 @@ TEST(NamedNumbersInStatics, AreFollowedWhileTheyChange) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::statics_named_numbers_test

@@ -9,7 +9,7 @@
 #include "tests/app/fabricated_path.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise {
+namespace poise::path_measures_test {
 namespace {
 
 using app_tests::dataset;
@@ -102,4 +102,4 @@ TEST(EventPlace, LooksBeyondAPointThatIsTheEvent) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::path_measures_test

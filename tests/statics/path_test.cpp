@@ -17,7 +17,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::path_test {
 namespace {
 
 using Kind = PathEvent::Kind;
@@ -671,4 +671,4 @@ TEST(Path, FollowsColumnsOfHundredsOfLinks) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::path_test

@@ -11,7 +11,7 @@
 #include "statics/static_model.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::phc_test {
 namespace {
 
 using test::dataset;
@@ -54,4 +54,4 @@ TEST(PhcPolynomials, AreRefusedWhereAnAngleItselfCounts) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::phc_test

@@ -20,7 +20,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::planted_test {
 namespace {
 
 using test::PlantedMechanism;
@@ -342,4 +342,4 @@ TEST(PlantedStops, NearestNeverClaimsWhatTheCheckRefutes) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::planted_test

@@ -5,7 +5,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::pose_values_test {
 namespace {
 
 TEST(Readings, AreTheSameFromAModelAndFromItsPoses) {
@@ -68,4 +68,4 @@ TEST(PoseValues, WeldedBodiesAreOneGroupInWhateverOrderTheyAreJoined) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::pose_values_test

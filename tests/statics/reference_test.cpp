@@ -15,7 +15,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::reference_test {
 namespace {
 
 using Real = boost::multiprecision::cpp_bin_float_100;
@@ -216,4 +216,4 @@ TEST(Reference, RefusesALargeSystemThatIsSingular) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::reference_test

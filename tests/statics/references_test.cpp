@@ -21,7 +21,7 @@
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::references_test {
 namespace {
 
 using nlohmann::json;
@@ -744,4 +744,4 @@ TEST_F(References, TwoRhombiAndTheirLockedBranches) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::references_test

@@ -23,7 +23,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise {
+namespace poise::statics_rolling_profile_test {
 namespace {
 
 using std::numbers::pi;
@@ -829,4 +829,4 @@ TEST(RollingProfile, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::statics_rolling_profile_test

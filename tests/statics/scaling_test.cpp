@@ -17,7 +17,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::scaling_test {
 namespace {
 
 using test::dataset;
@@ -267,4 +267,4 @@ TEST(StaticModel, CoordinatesGoToSiAndBack) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::scaling_test

@@ -21,7 +21,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::statics_sensitivity_test {
 namespace {
 
 using test::dataset;
@@ -435,4 +435,4 @@ TEST(Sensitivity, NamesOfQuantitiesAreChecked) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::statics_sensitivity_test

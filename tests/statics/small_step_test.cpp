@@ -16,7 +16,7 @@
 #include "statics/varied_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::small_step_test {
 namespace {
 
 /// A step between two values of a number, from the stable equilibrium of the first.
@@ -175,4 +175,4 @@ TEST(SmallStep, GoesOnWhereARopeComesTight) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::small_step_test

@@ -20,7 +20,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::tolerance_test {
 namespace {
 
 using test::dataset;
@@ -309,4 +309,4 @@ TEST(Tolerance, BadFilesAreAnsweredWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::tolerance_test

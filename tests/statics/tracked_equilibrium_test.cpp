@@ -12,7 +12,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
-namespace poise {
+namespace poise::tracked_equilibrium_test {
 namespace {
 
 using Kind = Transition::Kind;
@@ -424,4 +424,4 @@ TEST(TrackedEquilibrium, ScenesOfOneStructureVaryTogether) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::tracked_equilibrium_test

@@ -8,7 +8,7 @@
 #include "tests/support/build_scene.hpp"
 #include "tests/support/pulled_chain.hpp"
 
-namespace poise {
+namespace poise::turns_test {
 namespace {
 
 using test::pulled_chain;
@@ -44,4 +44,4 @@ TEST(Turns, CountWhereASpringOrStopTellsThemApart) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::turns_test

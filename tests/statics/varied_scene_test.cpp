@@ -14,7 +14,7 @@
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 
-namespace poise {
+namespace poise::varied_scene_test {
 namespace {
 
 std::string refusal(const Scene& scene, const std::string& name, double from, double to) {
@@ -155,4 +155,4 @@ TEST(VariedMechanism, HasTheDerivativesOfItsValues) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::varied_scene_test

@@ -18,7 +18,7 @@
 #include "studies/fingerprint.hpp"
 #include "tests/app/run_poise.hpp"
 
-namespace poise::studies {
+namespace poise::studies::study_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -352,4 +352,4 @@ TEST(Fingerprint, FollowsContentsAndWords) {
 }
 
 }  // namespace
-}  // namespace poise::studies
+}  // namespace poise::studies::study_test

@@ -17,6 +17,7 @@
 #include "model/parameters.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/curvature.hpp"
+#include "tests/support/closure_rows.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/vector_mechanics.hpp"
 
@@ -27,11 +28,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Everything is drawn in units in which bodies and loads are of order one.
-constexpr double least_singular_value = 0.1;  // of the closure Jacobian, redundant rows aside
-constexpr double least_curvature = 0.1;       // of the reduced Hessian
-constexpr double largest_sensitivity = 20.0;  // see PlantedMechanism
-constexpr double largest_load = 10.0;         // a planted one
-constexpr double least_arm = 0.3;             // of two points that a joint or spring should tell apart
+constexpr double least_singular_value = 0.1;   // of the closure Jacobian, redundant rows aside
+constexpr double least_curvature = 0.1;        // of the reduced Hessian
+constexpr double largest_sensitivity = 20.0;   // see PlantedMechanism
+constexpr double largest_planted_load = 10.0;  // a planted one
+constexpr double least_arm = 0.3;              // of two points that a joint or spring should tell apart
 constexpr int tries = 200;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -69,12 +70,6 @@ struct Pose {
   std::vector<double> q;
   DensePoint<double> point;
 };
-
-std::vector<int> closure_rows(const Mechanism<double>& mechanism) {
-  std::vector<int> rows(mechanism.equalities());
-  std::iota(rows.begin(), rows.end(), 0);
-  return rows;
-}
 
 // Orthonormal basis of the directions that the joints (the given rows) allow, and the singular values of the rows.
 struct Motion {
@@ -758,7 +753,7 @@ class Planting {
       scene() = unloaded;
       for (int k = 0; k < freedoms; ++k) candidates[order[k]](size[k]);
     }
-    return size.cwiseAbs().maxCoeff() < largest_load;
+    return size.cwiseAbs().maxCoeff() < largest_planted_load;
   }
 
   std::function<void(double)> planted_torque() {

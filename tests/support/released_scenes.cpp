@@ -12,6 +12,7 @@
 #include "statics/curvature.hpp"
 #include "statics/static_model.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/closure_rows.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/random_mechanism.hpp"
 
@@ -21,15 +22,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<int> closure_rows(const StaticModel& model) {
-  std::vector<int> rows(model.mechanism().equalities());
-  std::iota(rows.begin(), rows.end(), 0);
-  return rows;
-}
-
 // Orthonormal directions of motion at a closed pose, and the force along them.
 struct Tangent {
-  Tangent(const StaticModel& model, const std::vector<double>& x) : point(model.mechanism(), x, closure_rows(model)) {
+  Tangent(const StaticModel& model, const std::vector<double>& x)
+      : point(model.mechanism(), x, closure_rows(model.mechanism())) {
     const auto n = static_cast<Eigen::Index>(x.size());
     basis = MatrixXd::Identity(n, n);
     if (point.jacobian.rows() > 0) basis = solvers::null_space<double>(point.jacobian, solvers::known_to::path);

@@ -6,6 +6,7 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "statics/curvature.hpp"
+#include "tests/support/closure_rows.hpp"
 
 namespace poise::test {
 namespace {
@@ -17,12 +18,6 @@ VectorXd as_vector(const std::vector<double>& x) {
   return Eigen::Map<const VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 std::vector<double> as_list(const VectorXd& x) { return {x.data(), x.data() + x.size()}; }
-
-std::vector<int> closure_rows(const Mechanism<double>& m) {
-  std::vector<int> rows(m.equalities());
-  std::iota(rows.begin(), rows.end(), 0);
-  return rows;
-}
 
 // How far a stop is overrun, with the sign of the side; 0 within its limits.
 double overrun(const Mechanism<double>& m, const DensePoint<double>& at, int stop) {

@@ -11,8 +11,8 @@ namespace poise::app {
 namespace {
 
 // Sizes between which numbers are written without an exponent.
-constexpr double smallest_plain = 1e-3;
-constexpr double largest_plain = 1e6;
+constexpr double smallest_plain_tick = 1e-3;
+constexpr double largest_plain_tick = 1e6;
 // Decades that are written out: 0.01 .. 1000.
 constexpr int lowest_plain_decade = -2;
 constexpr int highest_plain_decade = 3;
@@ -75,7 +75,7 @@ Axis linear_axis(const std::vector<double>& values, double margin, int marks) {
   const double step = round_step((axis.high - axis.low) / marks);
   const double largest = std::max(std::abs(axis.low), std::abs(axis.high));
   // Very large and very small numbers share one power of ten.
-  const int exponent = largest >= smallest_plain && largest < largest_plain ? 0 : order_of(largest);
+  const int exponent = largest >= smallest_plain_tick && largest < largest_plain_tick ? 0 : order_of(largest);
   const int decimals = std::max(0, exponent - order_of(step * (1 + 1e-9)));
   const std::string unit = exponent == 0 ? "" : "·" + power_of_ten(exponent);
   const auto last = static_cast<long long>(std::floor(axis.high / step + 1e-9));

@@ -39,18 +39,18 @@ Extent extent_of(const std::vector<double>& values) {
 }
 
 /// What is drawn as one curve: the channels of one coordinate, bodies that keep parallel.
-struct Moving {
+struct MovingParts {
   std::size_t channel = 0;  // the first of them
   std::string names;
   Extent extent;
 };
 
-std::vector<Moving> moving(const MotionRecord& record, Quantity quantity) {
-  std::vector<Moving> out;
+std::vector<MovingParts> moving(const MotionRecord& record, Quantity quantity) {
+  std::vector<MovingParts> out;
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     const Channel& channel = record.channels[c];
     if (channel.quantity != quantity) continue;
-    const auto same = std::find_if(out.begin(), out.end(), [&](const Moving& m) {
+    const auto same = std::find_if(out.begin(), out.end(), [&](const MovingParts& m) {
       return record.channels[m.channel].coordinate == channel.coordinate;
     });
     if (same == out.end())
@@ -64,11 +64,11 @@ std::vector<Moving> moving(const MotionRecord& record, Quantity quantity) {
 /// Curves of one quantity; no curves where nothing of the kind moves.
 Panel panel_of(const MotionRecord& record, Quantity quantity, const Units& units) {
   const std::string noun = quantity == Quantity::angle ? "angle" : "travel";
-  std::vector<Moving> chosen = moving(record, quantity);
+  std::vector<MovingParts> chosen = moving(record, quantity);
   if (chosen.empty()) return {};
   Extent all = chosen.front().extent;
   double widest = 0.0;
-  for (const Moving& m : chosen) {
+  for (const MovingParts& m : chosen) {
     all = {std::min(all.low, m.extent.low), std::max(all.high, m.extent.high)};
     widest = std::max(widest, m.extent.size());
   }
@@ -76,13 +76,13 @@ Panel panel_of(const MotionRecord& record, Quantity quantity, const Units& units
   if (chosen.size() > most_curves) {
     panel.title = fmt::format("the {} of {} {}s that change most", most_curves, chosen.size(), noun);
     std::stable_sort(chosen.begin(), chosen.end(),
-                     [&](const Moving& a, const Moving& b) { return a.extent.size() > b.extent.size(); });
+                     [&](const MovingParts& a, const MovingParts& b) { return a.extent.size() > b.extent.size(); });
     chosen.resize(most_curves);
   }
   constexpr double little = 0.15;
   const bool from_start = widest < little * all.size();
   if (from_start) panel.title += ", from where they start";
-  for (const Moving& m : chosen) {
+  for (const MovingParts& m : chosen) {
     Curve curve{.name = m.names, .x = record.time, .y = in_unit(record.value[m.channel], quantity, units)};
     const double start = from_start && !curve.y.empty() ? curve.y.front() : 0.0;
     for (double& y : curve.y) y -= start;

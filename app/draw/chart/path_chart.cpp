@@ -23,7 +23,7 @@ bool same_place(const PathPoint& a, const PathPoint& b, double range) {
 }
 
 /// "fold", "stop \"open\"".
-std::string in_words(const Scene& scene, const PathEvent& event) {
+std::string event_in_words(const Scene& scene, const PathEvent& event) {
   if (event.kind == PathEvent::Kind::branch) return "branch point";
   if (event.item < 0) return to_string(event.kind);
   const auto item = static_cast<std::size_t>(event.item);
@@ -31,7 +31,7 @@ std::string in_words(const Scene& scene, const PathEvent& event) {
   return fmt::format("\"{}\" {}", scene.elements[item].name, event.on ? "acts" : "slack");
 }
 
-std::string with_unit(const std::string& name, const std::string& unit) {
+std::string label_with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : fmt::format("{} ({})", name, unit);
 }
 
@@ -42,14 +42,14 @@ struct Ordinate {
 };
 
 Ordinate parameter_of(const VariedScene& varied) {
-  return {with_unit(varied.name(), varied.unit_name()),
+  return {label_with_unit(varied.name(), varied.unit_name()),
           [unit = varied.unit()](const PathPoint& point) { return point.parameter / unit; }};
 }
 
 Ordinate effort_of(const VariedScene& varied) {
   const Dimension dimension = varied.effort_dimension();
   const Units& units = varied.scene().units;
-  return {with_unit(effort_name(varied) + " needed", dimension.unit_name(units)),
+  return {label_with_unit(effort_name(varied) + " needed", dimension.unit_name(units)),
           [unit = dimension.unit(units)](const PathPoint& point) { return point.effort / unit; }};
 }
 
@@ -57,7 +57,7 @@ Ordinate measure_of(const VariedScene& varied, PathReader& reader, const PathMea
                     const std::string& remark) {
   const Quantity quantity = quantity_of(measure.on);
   const Units& units = varied.scene().units;
-  return {with_unit(measure.name, unit_name(quantity, units)) + remark,
+  return {label_with_unit(measure.name, unit_name(quantity, units)) + remark,
           [&reader, measure, unit = unit_value(quantity, units)](const PathPoint& point) {
             return reader.value(measure, point) / unit;
           }};
@@ -169,7 +169,7 @@ std::vector<PathMark> path_marks(const VariedScene& varied, const Path& path) {
   for (std::size_t e = 0; e < path.events.size(); ++e) {
     const PathEvent& event = path.events[e];
     const bool turns = event.kind != PathEvent::Kind::stop && event.kind != PathEvent::Kind::slack;
-    add(std::to_string(e + 1), in_words(varied.scene(), event), event.at, turns);
+    add(std::to_string(e + 1), event_in_words(varied.scene(), event), event.at, turns);
     if (event.landing) add(std::to_string(e + 1) + "′", "landing", *event.landing, turns);
   }
   std::vector<std::size_t> ends;

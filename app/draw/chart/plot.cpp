@@ -14,6 +14,7 @@
 #include "app/draw/chart/gnuplot.hpp"
 #include "app/draw/chart/thinned.hpp"
 #include "app/draw/palette.hpp"
+#include "app/draw/sheet.hpp"
 #include "app/present/numbers.hpp"
 #include "model/scene.hpp"
 
@@ -21,10 +22,8 @@ namespace poise::app {
 namespace {
 
 // Sizes of the page, px.
-constexpr double page_width = 900.0;
-constexpr double text_size = 11.0;
 constexpr double title_size = 13.0;
-constexpr double digit_width = 0.56 * text_size;
+constexpr double digit_width = 0.56 * sheet::text_size;
 constexpr double edge = 14.0;
 constexpr double above_graph = 34.0;
 constexpr double above_untitled_graph = 12.0;
@@ -36,7 +35,7 @@ constexpr double legend_sample = 34.0;
 constexpr double legend_row = 17.0;
 constexpr double widest_name_beside = 190.0;
 constexpr double widest_name_below = 330.0;
-constexpr std::size_t most_names = 24;
+constexpr std::size_t most_legend_names = 24;
 
 // What one point takes in the text of gnuplot's SVG, bytes, and how much all points together may.
 constexpr std::size_t bytes_of_vertex = 16;
@@ -68,18 +67,18 @@ struct Chart {
 };
 
 /// Where a graph is on the page, px from its upper left corner.
-struct Frame {
+struct PlotFrame {
   double left, right, top, bottom;
 };
 
 std::string shortened(const std::string& name, double widest) {
-  if (text_width(name, text_size) <= widest) return name;
+  if (text_width(name, sheet::text_size) <= widest) return name;
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
     std::size_t end = i + 1;
     while (end < name.size() && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) ++end;
     const std::string longer = text + name.substr(i, end - i);
-    if (text_width(longer + "…", text_size) > widest) break;
+    if (text_width(longer + "…", sheet::text_size) > widest) break;
     text = longer;
     i = end;
   }
@@ -88,11 +87,11 @@ std::string shortened(const std::string& name, double widest) {
 
 void write_legend(Chart& chart, double widest) {
   const auto room = [&](const std::string& name) {
-    chart.legend = std::max(chart.legend, legend_gap + legend_sample + text_width(name, text_size));
+    chart.legend = std::max(chart.legend, legend_gap + legend_sample + text_width(name, sheet::text_size));
   };
   std::size_t named = 0;
   const auto add = [&](const std::string& name) {
-    const bool shown = !name.empty() && named < most_names;
+    const bool shown = !name.empty() && named < most_legend_names;
     named += name.empty() ? 0 : 1;
     chart.names.push_back(shown ? shortened(name, widest) : "");
     if (shown) room(chart.names.back());
@@ -100,11 +99,11 @@ void write_legend(Chart& chart, double widest) {
   for (const Curve& curve : chart.panel->curves) add(curve.name);
   for (const Level& level : chart.panel->levels) add(level.name);
   for (const Band& band : chart.panel->bands) add(band.name);
-  if (named > most_names) {
-    chart.left_out = fmt::format("… and {} more", named - most_names);
+  if (named > most_legend_names) {
+    chart.left_out = fmt::format("… and {} more", named - most_legend_names);
     room(chart.left_out);
   }
-  chart.legend_height = legend_row * static_cast<double>(std::min(named, most_names + 1));
+  chart.legend_height = legend_row * static_cast<double>(std::min(named, most_legend_names + 1));
   chart.height = chart.panel->tall ? 2 * graph_height : graph_height;
 }
 
@@ -170,7 +169,7 @@ Chart prepare(const Panel& panel, const std::vector<const Panel*>& sharing, int 
   double labels = 0.0;
   for (const Tick& tick : chart.y.ticks)
     labels = std::max(labels, digit_width * static_cast<double>(screen_width(tick.label)));
-  chart.left = labels + 10 + (panel.y_label.empty() ? 0.0 : 1.7 * text_size);
+  chart.left = labels + 10 + (panel.y_label.empty() ? 0.0 : 1.7 * sheet::text_size);
   write_legend(chart, columns > 1 ? widest_name_below : widest_name_beside);
   find_coinciding(chart);
   return chart;
@@ -191,8 +190,8 @@ class Script {
         "set multiplot\nset border 3 lc rgb '{}' lw 1\n"
         "set tics nomirror out scale 0.5 textcolor rgb '{}'\nset xtics offset 0,0.3\nset grid lt 1 lc rgb '{}' lw 1\n"
         "set xzeroaxis lt 1 lc rgb '{}' lw 1\n",
-        width_, height_, font_name, text_size, light_value(ink::zero), light_value(ink::dark), light_value(ink::grid),
-        light_value(ink::zero));
+        width_, height_, font_name, sheet::text_size, light_value(ink::zero), light_value(ink::dark),
+        light_value(ink::grid), light_value(ink::zero));
     for (std::size_t i = 0; i < charts_.size(); ++i) draw(charts_[i], frames_[i]);
     return text_ + "unset multiplot\n";
   }
@@ -206,7 +205,7 @@ class Script {
   // Graphs of one column stand below each other with the same edges, those of one row have the same height. Legends
   // stand beside the graphs of a single column, and below those of several.
   void lay_out() {
-    const double cell = columns_ == 1 ? page_width : (page_width - between_columns) / 2;
+    const double cell = columns_ == 1 ? sheet::width : (sheet::width - between_columns) / 2;
     const auto columns = static_cast<std::size_t>(columns_);
     std::vector<double> left(columns, 0.0), right(columns, edge);
     for (std::size_t i = 0; i < charts_.size(); ++i) {
@@ -257,7 +256,7 @@ class Script {
     add(")\n");
   }
 
-  void draw(const Chart& chart, const Frame& frame) {
+  void draw(const Chart& chart, const PlotFrame& frame) {
     const Panel& panel = *chart.panel;
     add("unset label\nunset arrow\nset lmargin at screen {:.6f}\nset rmargin at screen {:.6f}\n"
         "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n",
@@ -283,7 +282,7 @@ class Script {
       add("set label {} at {},{} {} front font '{}:Bold,{}' textcolor rgb '{}' point pt 7 ps 0.5 lc rgb '{}' offset "
           "character {},0.5\n",
           gnuplot_string(mark.label), mark.x, mark.y, at_right != panel.x_falls ? "right" : "left", font_name,
-          text_size, light_value(ink::dark), light_value(ink::dark), at_right != panel.x_falls ? -0.7 : 0.7);
+          sheet::text_size, light_value(ink::dark), light_value(ink::dark), at_right != panel.x_falls ? -0.7 : 0.7);
     }
     draw_curves(chart, frame);
   }
@@ -301,7 +300,7 @@ class Script {
   }
 
   // Bands first, so that everything else lies over them; the legend has curves first.
-  void draw_curves(const Chart& chart, const Frame& frame) {
+  void draw_curves(const Chart& chart, const PlotFrame& frame) {
     const Panel& panel = *chart.panel;
     std::vector<std::string> shapes, legend;
     auto name = chart.names.begin();
@@ -352,7 +351,7 @@ class Script {
   }
 
   // What is drawn of a curve as a block of lines "x y"; false where nothing of it can be seen.
-  bool add_data(const Curve& curve, const Chart& chart, const Frame& frame) {
+  bool add_data(const Curve& curve, const Chart& chart, const PlotFrame& frame) {
     const bool dots = curve.style == Curve::Style::points;
     const std::size_t most =
         std::clamp(bytes_of_curve_ / (dots ? bytes_of_dot : bytes_of_vertex), least_points, most_points);
@@ -374,7 +373,7 @@ class Script {
   }
 
   std::vector<Chart> charts_;
-  std::vector<Frame> frames_;
+  std::vector<PlotFrame> frames_;
   int columns_;
   double width_ = 0.0, height_ = 0.0;
   std::size_t bytes_of_curve_ = 0;

@@ -10,12 +10,12 @@
 #include "app/results/identification/experiment.hpp"
 #include "app/results/parts.hpp"
 #include "model/one_line.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int digits = 3;
+constexpr int digits_of_scores = 3;
 
 std::string name_of(const FitProblem& problem) {
   const Experiment& experiment = problem.experiment();
@@ -62,16 +62,19 @@ void add_models(Group& content, const std::vector<const FitProblem*>& problems, 
                }));
   const auto column = [&](const std::string& key, const std::string& title, auto&& value) {
     const std::vector<double> values = of(value);
-    table.numbers(key, title, "", values).texts = each(values, [](double x) { return significant(x, digits); });
+    table.numbers(key, title, "", values).texts =
+        each(values, [](double x) { return significant(x, digits_of_scores); });
   };
   column("over_noise", "over noise",
          [&](std::size_t m, const ModelFit& model) { return rms_over_noise(*problems[m], model); });
   column("held_out", "held out", [](std::size_t, const ModelFit& model) { return model.held_out_all; });
   column("aic", "AIC more", [](std::size_t, const ModelFit& model) { return model.aic; });
   column("bic", "BIC more", [](std::size_t, const ModelFit& model) { return model.bic; });
-  column("loss", "", [&](std::size_t m, const ModelFit&) { return answer.loss.empty() ? nan : answer.loss[m]; });
-  column("loss_error", "",
-         [&](std::size_t m, const ModelFit&) { return answer.loss_error.empty() ? nan : answer.loss_error[m]; });
+  column("loss", "",
+         [&](std::size_t m, const ModelFit&) { return answer.loss.empty() ? not_a_number : answer.loss[m]; });
+  column("loss_error", "", [&](std::size_t m, const ModelFit&) {
+    return answer.loss_error.empty() ? not_a_number : answer.loss_error[m];
+  });
   for (Column& one : table.columns) {
     if (one.key == "loss" || one.key == "loss_error") one.shown = false;
   }
@@ -89,7 +92,8 @@ void add_tests(Group& content, const std::vector<const FitProblem*>& problems, c
   table.counts("added", "added", each(tests, [](const NestedTest& t) { return static_cast<double>(t.added); }));
   const auto column = [&](const std::string& key, const std::string& title, double NestedTest::*value) {
     const std::vector<double> values = each(tests, [&](const NestedTest& t) { return t.*value; });
-    table.numbers(key, title, "", values).texts = each(values, [](double x) { return significant(x, digits); });
+    table.numbers(key, title, "", values).texts =
+        each(values, [](double x) { return significant(x, digits_of_scores); });
   };
   column("likelihood_ratio", "likelihood ratio", &NestedTest::ratio);
   column("p", "p", &NestedTest::p);
@@ -105,7 +109,7 @@ void add_runs(Group& content, const std::vector<const FitProblem*>& problems, co
     const std::vector<double>& held = answer.models[m].held_out;
     if (held.empty()) continue;
     table.numbers("", fmt::format("model {}", m + 1), "", {}).texts =
-        each(runs, [&](std::size_t r) { return significant(held[r], digits); });
+        each(runs, [&](std::size_t r) { return significant(held[r], digits_of_scores); });
   }
   table.remarks(each(runs,
                      [&](std::size_t r) {
@@ -115,13 +119,14 @@ void add_runs(Group& content, const std::vector<const FitProblem*>& problems, co
                        for (std::size_t m = 0; m < answer.models.size(); ++m) {
                          if (answer.models[m].held_out.size() <= r || !std::isfinite(answer.models[m].held_out[r]))
                            continue;
-                         texts.push_back(significant(answer.models[m].held_out[r], digits));
+                         texts.push_back(significant(answer.models[m].held_out[r], digits_of_scores));
                          if (!(answer.models[m].held_out[r] < first)) continue;
                          first = answer.models[m].held_out[r];
                          best = m;
                        }
                        // Not where another is as good in the digits shown.
-                       const bool alone = std::count(texts.begin(), texts.end(), significant(first, digits)) == 1;
+                       const bool alone =
+                           std::count(texts.begin(), texts.end(), significant(first, digits_of_scores)) == 1;
                        return alone ? fmt::format("best by model {}", best + 1) : std::string();
                      }),
                 Tone::plain);
@@ -131,8 +136,8 @@ void add_runs(Group& content, const std::vector<const FitProblem*>& problems, co
     one.data("name", problems.front()->run(r).run().name);
     std::vector<double> own, held;
     for (const ModelFit& model : answer.models) {
-      own.push_back(model.own.empty() ? nan : model.own[r]);
-      held.push_back(model.held_out.empty() ? nan : model.held_out[r]);
+      own.push_back(model.own.empty() ? not_a_number : model.own[r]);
+      held.push_back(model.held_out.empty() ? not_a_number : model.held_out[r]);
     }
     one.data("over_noise", own);
     one.data("held_out", held);
@@ -148,9 +153,9 @@ void add_estimates(Group& content, const std::vector<const FitProblem*>& problem
     Table& table = one.table("estimates", "", Rows::list, Verbosity::data);
     const auto& rows = fitted.estimates;
     table.words("name", "", each(rows, [](const Estimate& e) { return e.name; }));
-    table.data("value", each(rows, [](const Estimate& e) { return e.withheld ? nan : e.value / e.unit; }));
+    table.data("value", each(rows, [](const Estimate& e) { return e.withheld ? not_a_number : e.value / e.unit; }));
     table.data("standard_error",
-               each(rows, [](const Estimate& e) { return e.withheld ? nan : e.standard_error / e.unit; }));
+               each(rows, [](const Estimate& e) { return e.withheld ? not_a_number : e.standard_error / e.unit; }));
   }
   std::vector<std::string> names;
   for (const FitProblem* problem : problems) {

@@ -11,14 +11,14 @@
 #include "app/results/parts.hpp"
 #include "identification/residuals.hpp"
 #include "model/one_line.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int residual_digits = 3;
 // An estimate that differs by more standard errors from the truth of a simulation is marked.
-constexpr double remarkable = 4.0;
+constexpr double remarkable_sigmas = 4.0;
 int withheld(const Fit& fitted) {
   return static_cast<int>(
       std::count_if(fitted.estimates.begin(), fitted.estimates.end(), [](const Estimate& e) { return e.withheld; }));
@@ -32,7 +32,7 @@ std::vector<double> in_units(const std::vector<double>& rms, const Experiment& e
   return out;
 }
 
-std::string in_words(StandardErrors::Kind kind) {
+std::string kind_in_words(StandardErrors::Kind kind) {
   switch (kind) {
     case StandardErrors::Kind::white:
       return "readings";
@@ -251,7 +251,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
       .tones = each(rows, [](const Estimate& e) { return e.withheld ? Tone::bad : Tone::plain; });
   table.data("value", number(&Estimate::value, true));
   table.data("scene_value", each(places(rows.size()), [&](std::size_t i) {
-               return rows[i].withheld && !rows[i].at_bound ? nan : fitted.parameters[i] / rows[i].unit;
+               return rows[i].withheld && !rows[i].at_bound ? not_a_number : fitted.parameters[i] / rows[i].unit;
              }));
   Column& errors = table.numbers("standard_error", "standard error", "", number(&Estimate::standard_error, known));
   errors.texts = text([&](const Estimate& e) { return significant(known ? e.standard_error / e.unit : NAN, 2); });
@@ -268,7 +268,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
   table.data("high", number(&Estimate::high, known));
   for (const auto kind : {StandardErrors::Kind::white, StandardErrors::Kind::serial, StandardErrors::Kind::runs}) {
     table.data("standard_error_" + to_string(kind), each(places(rows.size()), [&](std::size_t i) {
-                 return rows[i].withheld || !known ? nan : errors_of(fitted.errors, kind)[i] / rows[i].unit;
+                 return rows[i].withheld || !known ? not_a_number : errors_of(fitted.errors, kind)[i] / rows[i].unit;
                }));
   }
   table.words("unit", "unit", rows.empty() ? std::vector<std::string>{} : parameter_units(problem));
@@ -279,7 +279,7 @@ void add_estimates(Group& group, const FitProblem& problem, const Fit& fitted) {
       table.words("", "error / sigma",
                   text([&](const Estimate& e) { return known ? fmt::format("{:+.1f}", difference_of(e)) : "-"; }));
   difference.tones = each(rows, [&](const Estimate& e) {
-    return !e.withheld && std::abs(difference_of(e)) > remarkable ? Tone::bad : Tone::plain;
+    return !e.withheld && std::abs(difference_of(e)) > remarkable_sigmas ? Tone::bad : Tone::plain;
   });
   difference.shown = any && simulated && fitted.usable();
   table.flags("poorly_determined",
@@ -336,7 +336,7 @@ void add_covariance(Group& content, const Fit& fitted) {
                  const double covariance =
                      fitted.errors.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
                  if (rows[i].at_bound || rows[j].at_bound) return 0.0;
-                 return rows[i].withheld || rows[j].withheld ? nan : covariance * larger(i) * larger(j);
+                 return rows[i].withheld || rows[j].withheld ? not_a_number : covariance * larger(i) * larger(j);
                }));
   }
 }
@@ -390,7 +390,7 @@ void add_standard_errors(Group& content, const Fit& fitted) {
   content.data("standard_errors_why", fitted.errors.why);
   if (fitted.errors.leading == StandardErrors::Kind::white) return;
   Group& section = content.group("", "Standard errors by what is taken for independent");
-  section.note("shown above: " + in_words(fitted.errors.leading) + ", since " + fitted.errors.why);
+  section.note("shown above: " + kind_in_words(fitted.errors.leading) + ", since " + fitted.errors.why);
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {
     if (!fitted.estimates[i].withheld) rows.push_back(i);
@@ -398,7 +398,7 @@ void add_standard_errors(Group& content, const Fit& fitted) {
   Table& table = section.table("", "", Rows::list);
   table.words("", "parameter", each(rows, [&](std::size_t i) { return fitted.estimates[i].name; }));
   for (const auto kind : {StandardErrors::Kind::white, StandardErrors::Kind::serial, StandardErrors::Kind::runs}) {
-    table.numbers("", in_words(kind), "", {}).texts = each(rows, [&](std::size_t i) {
+    table.numbers("", kind_in_words(kind), "", {}).texts = each(rows, [&](std::size_t i) {
       return significant(errors_of(fitted.errors, kind)[i] / fitted.estimates[i].unit, 2);
     });
   }
@@ -466,7 +466,7 @@ void add_bootstrap(Group& content, const FitProblem& problem, const FitAnswer& a
   }
   const Bootstrap& found = *answer.bootstrap;
   const auto of = [&](const std::vector<double>& values, std::size_t p) {
-    return answer.fit.estimates[p].withheld ? nan : values[p] / problem.unknown_of(p).unit;
+    return answer.fit.estimates[p].withheld ? not_a_number : values[p] / problem.unknown_of(p).unit;
   };
   const std::vector<std::size_t> all = places(problem.parameters().size());
   Group& section = content.group("bootstrap", "Bootstrap of the residuals");
@@ -647,8 +647,9 @@ void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& an
   sensors.data("noise_estimated", each(experiment.sensors, [&](const Sensor& s) { return s.noise_known ? 0.0 : 1.0; }))
       .kind = Column::Kind::flag;
   const bool tested = !fitted.errors.sensors.empty();
-  sensors.data("over_noise", each(places(experiment.sensors.size()),
-                                  [&](std::size_t k) { return tested ? fitted.errors.sensors[k].ratio : nan; }));
+  sensors.data("over_noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
+                 return tested ? fitted.errors.sensors[k].ratio : not_a_number;
+               }));
   content.data("loss", to_string(fitted.weighting.loss));
   Table& outliers = content.table("outliers", "", Rows::list, Verbosity::data);
   outliers.words("run", "", each(fitted.outliers, [&](const Outlier& o) { return problem.run(o.run).run().name; }));
@@ -763,9 +764,9 @@ void add_readings(Result& result, const FitProblem& problem, const FitAnswer& an
       std::size_t s = 0;
       for (const double time : when) {
         const bool read = s < sensors[k].time.size() && sensors[k].time[s] == time;
-        columns[3 * k].push_back(read ? sensors[k].value[s] / unit : nan);
-        columns[3 * k + 1].push_back(read ? found.prediction[k][s] / unit : nan);
-        columns[3 * k + 2].push_back(read ? found.residual[k][s] / unit : nan);
+        columns[3 * k].push_back(read ? sensors[k].value[s] / unit : not_a_number);
+        columns[3 * k + 1].push_back(read ? found.prediction[k][s] / unit : not_a_number);
+        columns[3 * k + 2].push_back(read ? found.residual[k][s] / unit : not_a_number);
         if (read) ++s;
       }
     }

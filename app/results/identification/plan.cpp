@@ -17,7 +17,7 @@ constexpr std::size_t most_steps = 8;
 const PlanLimits& limits_of(const FitProblem& problem) { return problem.experiment().plan.value(); }
 
 /// "0.036 per cent".
-std::string part(double relative) { return significant(100 * relative, 2) + " per cent"; }
+std::string in_per_cent(double relative) { return significant(100 * relative, 2) + " per cent"; }
 
 std::vector<std::string> not_identifiable(const FitProblem& problem, const PlanStep& step) {
   std::vector<std::string> out;
@@ -37,11 +37,11 @@ Line verdict(const FitProblem& problem, const Plan& plan) {
   if (!std::isfinite(last.worst)) {
     return bad(runs + "; not identifiable from them: " + listed(not_identifiable(problem, last)) + ".");
   }
-  std::string text = runs + ": the worst standard error is " + part(last.worst);
+  std::string text = runs + ": the worst standard error is " + in_per_cent(last.worst);
   if (plan.own.ok) {
     const std::string own = count(static_cast<int>(problem.runs()), "run", "runs") + " of the file";
     text += std::isfinite(plan.own.worst)
-                ? fmt::format("; with the {}, {}: {} times as large", own, part(plan.own.worst),
+                ? fmt::format("; with the {}, {}: {} times as large", own, in_per_cent(plan.own.worst),
                               significant(plan.own.worst / last.worst, 3))
                 : fmt::format("; the {} do not identify {}", own, listed(not_identifiable(problem, plan.own)));
   }

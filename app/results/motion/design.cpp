@@ -10,14 +10,14 @@
 namespace poise::app {
 namespace {
 
-constexpr int digits = 6;
+constexpr int digits_of_dimensions = 6;
 constexpr double degree = std::numbers::pi / 180;
 
 std::string in_length(double si, const Units& units) {
-  return significant(in_unit(si, Quantity::length, units), digits) + " " + units.length_name;
+  return significant(in_unit(si, Quantity::length, units), digits_of_dimensions) + " " + units.length_name;
 }
 
-std::string in_degrees(double si) { return significant(si / degree, digits) + " deg"; }
+std::string in_degrees(double si) { return significant(si / degree, digits_of_dimensions) + " deg"; }
 
 Line verdict(const DesignResult& found, const DesignCheck& check) {
   if (found.values.empty()) return bad("Nothing was tried.");
@@ -51,7 +51,7 @@ void add_goals(Group& group, const DesignProblem& problem, const DesignFacts& fa
     const DesignFacts::Stroke& stroke = facts.strokes[i];
     const Actuator& jack = problem.actuators[i];
     add(jack.name, in_length(stroke.shortest, units) + " to " + in_length(stroke.longest, units),
-        "ratio <= " + significant(jack.ratio, digits), stroke.longest <= jack.ratio * stroke.shortest);
+        "ratio <= " + significant(jack.ratio, digits_of_dimensions), stroke.longest <= jack.ratio * stroke.shortest);
     add("its least lever arm", in_length(stroke.least_lever, units), ">= " + in_length(jack.lever, units),
         stroke.least_lever >= jack.lever);
   }
@@ -80,8 +80,8 @@ void add_dimensions(Group& group, const Scene& scene) {
   Table& table =
       group.table("points", fmt::format("Points in their bodies' frames ({})", scene.units.length_name), Rows::values);
   table.words("name", "point", std::move(names));
-  table.numbers("[]", "x", "", std::move(x), {.digits = digits});
-  table.numbers("[]", "y", "", std::move(y), {.digits = digits});
+  table.numbers("[]", "x", "", std::move(x), {.digits = digits_of_dimensions});
+  table.numbers("[]", "y", "", std::move(y), {.digits = digits_of_dimensions});
 }
 
 void add_goal_data(Group& group, const DesignProblem& problem) {

@@ -14,11 +14,11 @@
 namespace poise::app {
 namespace {
 
-constexpr int value_digits = 8;
-constexpr int rate_digits = 6;
-constexpr double nothing = 1e-12;  // of the largest value of a table: rounding, shown as 0
+constexpr int digits_of_values = 8;
+constexpr int digits_of_rates = 6;
+constexpr double vanishing = 1e-12;  // of the largest value of a table: rounding, shown as 0
 
-Quantity quantity_of(const Scene& scene, const DriveRange& range) {
+Quantity quantity_of_drive(const Scene& scene, const DriveRange& range) {
   return poise::quantity_of(find_drive(scene, range.name).on);
 }
 
@@ -26,11 +26,11 @@ Quantity quantity_of(const Scene& scene, const DriveRange& range) {
 void add_values(Table& table, const std::string& title, const std::string& unit, const std::vector<double>& si,
                 Quantity quantity, const Units& units, int digits, double largest) {
   table.numbers("", title, unit, in_unit(si, quantity, units),
-                {.digits = digits, .zero_below = in_unit(nothing * largest, quantity, units)});
+                {.digits = digits, .zero_below = in_unit(vanishing * largest, quantity, units)});
 }
 
 void add_drive(Table& table, const Course& drive, const Units& units) {
-  add_values(table, drive.name, unit_name(drive.quantity, units), drive.value, drive.quantity, units, value_digits,
+  add_values(table, drive.name, unit_name(drive.quantity, units), drive.value, drive.quantity, units, digits_of_values,
              largest_size(drive.value));
 }
 
@@ -47,10 +47,10 @@ struct Derivative {
   std::vector<double> Course::*values;
   int digits;
 };
-constexpr Derivative derivatives[] = {
-    {"Angles", "Slides and places", "", &Course::value, value_digits},
-    {"Angular velocities", "Slide velocities", "/s", &Course::rate, rate_digits},
-    {"Angular accelerations", "Slide accelerations", "/s²", &Course::acceleration, rate_digits}};
+constexpr Derivative derivative_columns[] = {
+    {"Angles", "Slides and places", "", &Course::value, digits_of_values},
+    {"Angular velocities", "Slide velocities", "/s", &Course::rate, digits_of_rates},
+    {"Angular accelerations", "Slide accelerations", "/s²", &Course::acceleration, digits_of_rates}};
 
 /// Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
 double scale_of(const std::vector<Course>& courses, std::vector<double> Course::*values, const Course& drive) {
@@ -67,7 +67,7 @@ void add_courses(Group& group, const Scene& scene, const std::vector<Course>& co
   for (const std::vector<Course>& kind : {merge_welded(scene, of(Quantity::angle)), of(Quantity::length)}) {
     if (kind.empty()) continue;
     const Quantity quantity = kind.front().quantity;
-    for (const Derivative& d : derivatives) {
+    for (const Derivative& d : derivative_columns) {
       const std::string unit = unit_name(quantity, scene.units) + d.per;
       Table& table =
           course_table(group, fmt::format("{} ({})", quantity == Quantity::angle ? d.angles : d.lengths, unit), level);
@@ -99,8 +99,8 @@ void add_points(Group& group, const Scene& scene, const std::vector<std::string>
     Table& table = course_table(group, "Point " + point, Verbosity::normal);
     add_drive(table, drive, scene.units);
     const char* const symbols[] = {"", "v", "a"};
-    for (std::size_t k = 0; k < std::size(derivatives); ++k) {
-      const Derivative& d = derivatives[k];
+    for (std::size_t k = 0; k < std::size(derivative_columns); ++k) {
+      const Derivative& d = derivative_columns[k];
       const double largest = scale_of(both, d.values, drive);
       for (std::size_t c = 0; c < 2; ++c) {
         add_values(table, fmt::format("{}{}", symbols[k], c == 0 ? "x" : "y"), scene.units.length_name + d.per,
@@ -116,7 +116,7 @@ void add_drives(Group& group, const Scene& scene, const std::vector<Course>& dri
   for (const Course& drive : drives) add_drive(table, drive, scene.units);
   for (const Course& drive : drives) {
     add_values(table, "rate of " + drive.name, unit_name(drive.quantity, scene.units) + "/s", drive.rate,
-               drive.quantity, scene.units, rate_digits, largest_size(drive.rate));
+               drive.quantity, scene.units, digits_of_rates, largest_size(drive.rate));
   }
 }
 
@@ -185,7 +185,7 @@ std::string place_in_words(const Scene& scene, const std::vector<DriveRange>& ra
                            const std::vector<double>& values) {
   std::string out;
   for (std::size_t k = 0; k < ranges.size(); ++k) {
-    const Quantity quantity = quantity_of(scene, ranges[k]);
+    const Quantity quantity = quantity_of_drive(scene, ranges[k]);
     double shown = in_unit(values[k], quantity, scene.units);
     if (std::abs(shown) < 1e-9) shown = 0.0;  // singular poses are found to 1e-10
     out += fmt::format("{}{} = {} {}", out.empty() ? "" : ", ", ranges[k].name, significant(shown, 10),
@@ -204,7 +204,7 @@ void add_singular(Group& group, const Scene& scene, const KinematicsResult& foun
     one.data("before_range", pose.before_range);
     Group& drive = one.group("drive", "", Verbosity::data);
     for (std::size_t k = 0; k < ranges.size(); ++k) {
-      drive.data(ranges[k].name, in_unit(pose.drive[k], quantity_of(scene, ranges[k]), scene.units));
+      drive.data(ranges[k].name, in_unit(pose.drive[k], quantity_of_drive(scene, ranges[k]), scene.units));
     }
     one.data("text", pose.text);
     words.push_back(fmt::format("{}{}: {}", place_in_words(scene, ranges, pose.drive),
@@ -220,7 +220,7 @@ void add_range_data(Group& group, const Scene& scene, const KinematicsResult& fo
   add_met_stop(group, found.stop, scene);
   group.data("degrees_of_freedom", ranges.size());
   const auto end = [&](double DriveRange::*si) {
-    return each(ranges, [&](const DriveRange& r) { return in_unit(r.*si, quantity_of(scene, r), scene.units); });
+    return each(ranges, [&](const DriveRange& r) { return in_unit(r.*si, quantity_of_drive(scene, r), scene.units); });
   };
   Table& table = group.table("drives", "", Rows::list, Verbosity::data);
   table.words("name", "", each(ranges, &DriveRange::name));

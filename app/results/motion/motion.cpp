@@ -14,7 +14,7 @@ namespace {
 
 constexpr int rate_digits = 6;
 // Errors up to so many times the accuracy asked for need no remark.
-constexpr double remarkable = 100.0;
+constexpr double remarkable_error = 100.0;
 
 double reached(const Motion& motion) { return motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back(); }
 
@@ -33,7 +33,7 @@ Line verdict(const MotionAnswer& answer) {
   if (!answer.found.confirmed()) {
     return bad(moved + ", not confirmed: small errors grow to the size of the motion.");
   }
-  if (*error > remarkable * answer.accuracy || motion.energy_error > remarkable * answer.accuracy) {
+  if (*error > remarkable_error * answer.accuracy || motion.energy_error > remarkable_error * answer.accuracy) {
     return doubtful(moved + "; small errors grow along this motion.");
   }
   return good(moved + "; the energy balance closes.");
@@ -64,7 +64,7 @@ std::string singular_poses(const Motion& motion) {
 
 enum class Moving { angle, travel, place };
 
-Moving kind_of(const MotionModel& model, const Channel& channel) {
+Moving kind_of_channel(const MotionModel& model, const Channel& channel) {
   if (channel.quantity == Quantity::angle) return Moving::angle;
   const std::vector<int>& travel = model.layout().travel;
   return std::find(travel.begin(), travel.end(), channel.coordinate) != travel.end() ? Moving::travel : Moving::place;
@@ -101,7 +101,7 @@ void add_moving(Group& group, const MotionModel& model, const MotionAnswer& answ
   const Units& units = model.scene().units;
   const Quantity quantity = kind == Moving::angle ? Quantity::angle : Quantity::length;
   std::vector<Extremes> found =
-      extremes_of(answer, [&](const Channel& channel) { return kind_of(model, channel) == kind; });
+      extremes_of(answer, [&](const Channel& channel) { return kind_of_channel(model, channel) == kind; });
   if (kind == Moving::angle) found = merge_welded(model.scene(), found);
   Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
   table.words("", kind == Moving::travel ? "joint" : "body", each(found, &Extremes::name));

@@ -54,7 +54,7 @@ void add_joints(Group& group, const Scene& scene) {
 }
 
 /// What a measure is taken of: "A.P to B.Q", "crank against ground".
-std::string in_words(const Scene& scene, const Measure& on) {
+std::string measure_in_words(const Scene& scene, const Measure& on) {
   switch (on.kind) {
     case Measure::Kind::angle:
       return scene.bodies[on.body_b].name + " against " + scene.bodies[on.body_a].name;
@@ -79,7 +79,8 @@ std::string in_words(const Scene& scene, const Measure& on) {
   }
   std::string sum;
   for (const Measure::Term& term : on.terms) {
-    sum += (sum.empty() ? "" : " + ") + std::string(term.profile ? "profile of " : "") + in_words(scene, term.measure);
+    sum += (sum.empty() ? "" : " + ") + std::string(term.profile ? "profile of " : "") +
+           measure_in_words(scene, term.measure);
   }
   return "sum of " + sum;
 }
@@ -105,7 +106,7 @@ void add_elements(Group& group, const Scene& scene) {
   Table& table = group.table("elements", "Springs, dampers and other force elements", Rows::list);
   table.words("name", "name", each(scene.elements, &Element::name));
   table.words("kind", "kind", each(scene.elements, &Element::family));
-  table.words("on", "on", each(scene.elements, [&](const Element& e) { return in_words(scene, e.on); }));
+  table.words("on", "on", each(scene.elements, [&](const Element& e) { return measure_in_words(scene, e.on); }));
   table.words("numbers", "numbers", numbers_of_items(scene, Owner::element, scene.elements.size()));
 }
 
@@ -192,7 +193,7 @@ void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving)
   std::copy_if(scene.stops.begin(), scene.stops.end(), std::back_inserter(plain), is_plain);
   Table& stops = group.table("stops", "Stops", Rows::list);
   stops.words("name", "name", each(plain, &Stop::name));
-  stops.words("on", "on", each(plain, [&](const Stop& stop) { return in_words(scene, stop.on); }));
+  stops.words("on", "on", each(plain, [&](const Stop& stop) { return measure_in_words(scene, stop.on); }));
   stops.words("range", "range", each(plain, range));
   const std::vector<std::string> numbers = numbers_of_items(scene, Owner::coupling, scene.stops.size());
   std::vector<std::size_t> couplings;
@@ -202,11 +203,11 @@ void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving)
   Table& coupled = group.table("couplings", "Couplings, cams and ropes", Rows::list);
   coupled.words("name", "name", each(couplings, [&](std::size_t i) { return scene.stops[i].name; }));
   coupled.words("kind", "kind", each(couplings, [&](std::size_t i) { return scene.stops[i].family(); }));
-  coupled.words("on", "on", each(couplings, [&](std::size_t i) { return in_words(scene, scene.stops[i].on); }));
+  coupled.words("on", "on", each(couplings, [&](std::size_t i) { return measure_in_words(scene, scene.stops[i].on); }));
   coupled.words("numbers", "numbers", each(couplings, [&](std::size_t i) { return numbers[i]; }));
   Table& drives = group.table("drives", "Drives", Rows::list);
   drives.words("name", "name", each(scene.drives, &Drive::name));
-  drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return in_words(scene, drive.on); }));
+  drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return measure_in_words(scene, drive.on); }));
   drives.words("numbers", "numbers", motions_of_drives(moving));
 }
 

@@ -1,7 +1,6 @@
 #include "app/results/statics/equilibria.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cstddef>
 #include <optional>
 
@@ -18,14 +17,8 @@ constexpr std::size_t most_coordinates_shown = 8;  // as text
 
 Tone tone_of_claim(Claim claim) { return claim == Claim::complete ? Tone::good : Tone::doubtful; }
 
-/// With a capital and a full stop.
-std::string sentence_of(std::string text) {
-  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text + ".";
-}
-
 /// "no. 3", as the table counts them.
-std::string number_of(int index) { return std::to_string(index + 1); }
+std::string number_in_list(int index) { return std::to_string(index + 1); }
 
 double energy_of(const StaticModel& model, const Answer& answer) {
   return in_unit(or_gap(answer.equilibrium.energy), Quantity::energy, model.scene().units);
@@ -57,7 +50,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   table.shown = Table::Shown::first;
   const std::vector<std::size_t> rows = places(answers.size());
   table.numbers("index", "no.", "", each(rows, [](std::size_t k) { return static_cast<double>(k); })).texts =
-      each(rows, [](std::size_t k) { return number_of(static_cast<int>(k)); });
+      each(rows, [](std::size_t k) { return number_in_list(static_cast<int>(k)); });
   if (!assemblies) {
     Column& energy = table.numbers("energy", "energy", unit_name(Quantity::energy, model.scene().units),
                                    each(answers, [&](const Answer& a) { return energy_of(model, a); }),
@@ -92,7 +85,7 @@ void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet
   Table& table = content.table("barriers", "Lowest barriers between stable equilibria", Rows::list);
   const auto add = [&](const char* key, const char* title, int Barrier::*which) {
     table.counts(key, title, each(set.barriers, [&](const Barrier& b) { return b.*which; })).texts =
-        each(set.barriers, [&](const Barrier& b) { return number_of(b.*which); });
+        each(set.barriers, [&](const Barrier& b) { return number_in_list(b.*which); });
   };
   add("from", "from no.", &Barrier::from);
   add("to", "to no.", &Barrier::to);

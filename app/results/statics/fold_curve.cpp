@@ -14,16 +14,16 @@
 namespace poise::app {
 namespace {
 
-constexpr int value_digits = 8;
+constexpr int digits_of_folds = 8;
 
 /// A point with the curve on which it lies.
-struct Row {
+struct FoldRow {
   const FoldPoint* point = nullptr;
   int curve = 0;
 };
 
 /// What every part of the report needs.
-struct Report {
+struct FoldReport {
   const VariedPair& pair;
   const FoldCurve& found;
 
@@ -34,8 +34,8 @@ struct Report {
   double coefficient(const FoldPoint& point) const { return in_unit(point.coefficient, Quantity::energy, units()); }
 };
 
-std::vector<Row> rows_of(const FoldCurve& found) {
-  std::vector<Row> rows;
+std::vector<FoldRow> rows_of(const FoldCurve& found) {
+  std::vector<FoldRow> rows;
   for (std::size_t c = 0; c < found.curves.size(); ++c) {
     for (const FoldPoint& point : found.curves[c].points) rows.push_back({&point, static_cast<int>(c)});
   }
@@ -90,7 +90,7 @@ void add_number_data(Group& content, const std::string& key, const VariedScene& 
   group.data("unit", varied.unit_name());
 }
 
-void add_point_data(Group& group, const Report& report, const FoldPoint& point) {
+void add_point_data(Group& group, const FoldReport& report, const FoldPoint& point) {
   group.data("first", report.first(point));
   group.data("second", report.second(point));
   group.data("coefficient", report.coefficient(point));
@@ -106,7 +106,7 @@ void add_point_data(Group& group, const Report& report, const FoldPoint& point) 
   add_named(group, "slides", travels_of(*model, readings), Quantity::length, report.units());
 }
 
-void add_data(Group& content, const Report& report) {
+void add_data(Group& content, const FoldReport& report) {
   const FoldCurve& found = report.found;
   content.data("status", to_string(found.status));
   content.data("why", found.why);
@@ -148,15 +148,15 @@ void add_data(Group& content, const Report& report) {
 }
 
 /// One line for each point.
-void add_csv(Group& content, const Report& report, const std::vector<Row>& rows) {
+void add_csv(Group& content, const FoldReport& report, const std::vector<FoldRow>& rows) {
   Table& table = content.table("", "", Rows::list, Verbosity::data);
   table.csv = true;
-  table.data("curve", each(rows, [](const Row& row) { return static_cast<double>(row.curve + 1); }));
-  table.data(report.pair.first().name(), each(rows, [&](const Row& row) { return report.first(*row.point); }));
-  table.data(report.pair.second().name(), each(rows, [&](const Row& row) { return report.second(*row.point); }));
-  table.data("coefficient", each(rows, [&](const Row& row) { return report.coefficient(*row.point); }));
+  table.data("curve", each(rows, [](const FoldRow& row) { return static_cast<double>(row.curve + 1); }));
+  table.data(report.pair.first().name(), each(rows, [&](const FoldRow& row) { return report.first(*row.point); }));
+  table.data(report.pair.second().name(), each(rows, [&](const FoldRow& row) { return report.second(*row.point); }));
+  table.data("coefficient", each(rows, [&](const FoldRow& row) { return report.coefficient(*row.point); }));
   table.data("unstable_directions",
-             each(rows, [](const Row& row) { return static_cast<double>(row.point->unstable_directions); }));
+             each(rows, [](const FoldRow& row) { return static_cast<double>(row.point->unstable_directions); }));
 }
 
 // ---- Text ----
@@ -165,7 +165,7 @@ std::string title_of(const VariedScene& varied) {
   return varied.name() + (varied.unit_name().empty() ? "" : " (" + varied.unit_name() + ")");
 }
 
-void add_cusps(Group& content, const Report& report) {
+void add_cusps(Group& content, const FoldReport& report) {
   const std::vector<FoldCusp>& cusps = report.found.cusps;
   if (cusps.empty()) return;
   Table& table = content.table("", "Cusps", Rows::list);
@@ -190,18 +190,18 @@ void add_cusps(Group& content, const Report& report) {
               }));
 }
 
-void add_points(Group& content, const Report& report, const std::vector<Row>& rows) {
+void add_points(Group& content, const FoldReport& report, const std::vector<FoldRow>& rows) {
   Table& table = content.table("", "Points of the curve of folds", Rows::list);
   table.shown = Table::Shown::spread;
   table.numbers("", report.pair.first().name(), report.pair.first().unit_name(),
-                each(rows, [&](const Row& row) { return report.first(*row.point); }), {.digits = value_digits});
+                each(rows, [&](const FoldRow& row) { return report.first(*row.point); }), {.digits = digits_of_folds});
   table.numbers("", report.pair.second().name(), report.pair.second().unit_name(),
-                each(rows, [&](const Row& row) { return report.second(*row.point); }), {.digits = value_digits});
+                each(rows, [&](const FoldRow& row) { return report.second(*row.point); }), {.digits = digits_of_folds});
   if (report.found.curves.size() > 1)
-    table.counts("", "curve", each(rows, [](const Row& row) { return row.curve + 1; }));
+    table.counts("", "curve", each(rows, [](const FoldRow& row) { return row.curve + 1; }));
 }
 
-std::string end_in_words(const FoldBranch& curve, std::size_t side) {
+std::string end_of_curve(const FoldBranch& curve, std::size_t side) {
   switch (curve.end[side]) {
     case FoldBranch::End::range:
       return "at an end of a range";
@@ -218,17 +218,17 @@ std::string end_in_words(const FoldBranch& curve, std::size_t side) {
   return curve.why[side];
 }
 
-void add_curves(Group& content, const Report& report) {
+void add_curves(Group& content, const FoldReport& report) {
   const std::vector<FoldBranch>& curves = report.found.curves;
   Table& table = content.table("", "Curves", Rows::list);
   table.counts("", "no.", each(curves, [n = 0](const FoldBranch&) mutable { return ++n; }));
   table.counts("", "points", each(curves, [](const FoldBranch& curve) { return curve.points.size(); }));
   table.counts("", "cusps", each(curves, [](const FoldBranch& curve) { return curve.cusps.size(); }));
-  table.words("", "begins", each(curves, [](const FoldBranch& curve) { return end_in_words(curve, 0); }));
-  table.words("", "ends", each(curves, [](const FoldBranch& curve) { return end_in_words(curve, 1); }));
+  table.words("", "begins", each(curves, [](const FoldBranch& curve) { return end_of_curve(curve, 0); }));
+  table.words("", "ends", each(curves, [](const FoldBranch& curve) { return end_of_curve(curve, 1); }));
 }
 
-Line verdict(const Report& report) {
+Line verdict(const FoldReport& report) {
   const FoldCurve& found = report.found;
   const std::string names = report.pair.first().name() + " and " + report.pair.second().name();
   if (found.curves.empty()) return bad(fmt::format("No curve of folds in {}: {}.", names, found.why));
@@ -243,7 +243,7 @@ Line verdict(const Report& report) {
   return {"", fmt::format("Folds followed in {}: {}", names, what), Tone::good};
 }
 
-void warn(Result& out, const Report& report) {
+void warn(Result& out, const FoldReport& report) {
   const FoldCurve& found = report.found;
   const auto warn_of = [&](int number, const std::string& one, const std::string& many, const std::string& rest) {
     if (number > 0) out.warnings.push_back(doubtful(count(number, one, many) + rest));
@@ -261,8 +261,8 @@ void warn(Result& out, const Report& report) {
 }  // namespace
 
 Result fold_curve_result(const VariedPair& pair, const FoldCurve& found, const std::vector<std::string>& settings) {
-  const Report report{pair, found};
-  const std::vector<Row> rows = rows_of(found);
+  const FoldReport report{pair, found};
+  const std::vector<FoldRow> rows = rows_of(found);
   Result out = scene_result(report.scene(), settings);
   out.verdict = verdict(report);
   warn(out, report);
@@ -278,7 +278,7 @@ Result fold_curve_result(const VariedPair& pair, const FoldCurve& found, const s
 }
 
 Panel fold_curve_panel(const VariedPair& pair, const FoldCurve& found) {
-  const Report report{pair, found};
+  const FoldReport report{pair, found};
   Panel out{.title = report.scene().title + ": curve of folds",
             .x_label = title_of(pair.first()),
             .y_label = title_of(pair.second()),

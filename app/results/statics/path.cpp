@@ -1,7 +1,6 @@
 #include "app/results/statics/path.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -18,16 +17,16 @@
 namespace poise::app {
 namespace {
 
-constexpr int value_digits = 8;
+constexpr int digits_of_points = 8;
 
 /// A point with the branch on which it lies.
-struct Row {
+struct PathRow {
   const PathPoint* point = nullptr;
   int branch = 0;
 };
 
 /// What every part of the report needs.
-struct Report {
+struct PathReport {
   const VariedScene& varied;
   const Path& found;
   const PathView& view;
@@ -41,9 +40,9 @@ struct Report {
     return in_unit(reader.value(measure, point), quantity_of(measure.on), units());
   }
   /// "load.P = 4.2 kN".
-  std::string at(double si, int digits = value_digits) const { return varied.name() + " = " + amount(si, digits); }
+  std::string at(double si, int digits = digits_of_points) const { return varied.name() + " = " + amount(si, digits); }
   /// "4.2 kN".
-  std::string amount(double si, int digits = value_digits) const {
+  std::string amount(double si, int digits = digits_of_points) const {
     const std::string unit = varied.unit_name();
     return significant(parameter(si), digits) + (unit.empty() ? "" : " " + unit);
   }
@@ -53,8 +52,8 @@ struct Report {
   }
 };
 
-std::vector<Row> rows_of(const Path& found) {
-  std::vector<Row> rows;
+std::vector<PathRow> rows_of(const Path& found) {
+  std::vector<PathRow> rows;
   for (std::size_t b = 0; b < found.branches.size(); ++b) {
     for (const PathPoint& point : found.branches[b].points) rows.push_back({&point, static_cast<int>(b)});
   }
@@ -70,7 +69,7 @@ std::vector<std::string> names_of(const std::vector<int>& items, auto&& name) {
 }
 
 /// Where the mechanism is at a point.
-void add_pose_data(Group& group, Report& report, const PathPoint& point) {
+void add_pose_data(Group& group, PathReport& report, const PathPoint& point) {
   const Readings readings = report.reader.read(point);
   const StaticModel& model = report.reader.model(point);
   add_named(group, "angles", angles_of(model, readings), Quantity::angle, report.units());
@@ -86,12 +85,12 @@ void add_pose_data(Group& group, Report& report, const PathPoint& point) {
   measures.data("value", each(report.view.measures, [&](const PathMeasure& m) { return report.measure(m, point); }));
 }
 
-std::optional<double> energy_of(const Report& report, const PathPoint& point) {
+std::optional<double> energy_of(const PathReport& report, const PathPoint& point) {
   if (!point.energy) return std::nullopt;
   return in_unit(*point.energy, Quantity::energy, report.units());
 }
 
-std::optional<double> effort_of(const Report& report, const PathPoint& point) {
+std::optional<double> effort_of(const PathReport& report, const PathPoint& point) {
   if (!report.varied.is_driven()) return std::nullopt;
   return report.effort(point.effort);
 }
@@ -101,7 +100,7 @@ std::optional<double> radius_of(const PathPoint& point) {
   return point.radius;
 }
 
-void add_point_data(Group& group, Report& report, const PathPoint& point) {
+void add_point_data(Group& group, PathReport& report, const PathPoint& point) {
   group.data("parameter", report.parameter(point.parameter));
   group.data("stability", to_string(point.stability));
   group.data("unstable_directions", point.unstable_directions);
@@ -117,7 +116,7 @@ void add_point_data(Group& group, Report& report, const PathPoint& point) {
 }
 
 /// Name of the stop or spring of an event; empty where it has none.
-std::string item_of(const Report& report, const PathEvent& event) {
+std::string item_of(const PathReport& report, const PathEvent& event) {
   if (event.item < 0) return "";
   const auto item = static_cast<std::size_t>(event.item);
   return event.kind == PathEvent::Kind::slack ? report.scene().elements[item].name : report.scene().stops[item].name;
@@ -131,7 +130,7 @@ std::optional<double> energy_released(const PathEvent& event) {
 /// A word, or null.
 Value word_of(const std::optional<Stability>& stability) { return stability ? Value(to_string(*stability)) : Value(); }
 
-void add_event_data(Group& content, Report& report) {
+void add_event_data(Group& content, PathReport& report) {
   Branch& events = content.array("events");
   for (std::size_t e = 0; e < report.found.events.size(); ++e) {
     const PathEvent& event = report.found.events[e];
@@ -160,7 +159,7 @@ void add_event_data(Group& content, Report& report) {
   }
 }
 
-void add_path_data(Group& content, Report& report) {
+void add_path_data(Group& content, PathReport& report) {
   const Path& found = report.found;
   content.data("status", to_string(found.status));
   content.data("why", found.why);
@@ -206,26 +205,26 @@ void add_path_data(Group& content, Report& report) {
 }
 
 /// One line for each point.
-void add_csv(Group& content, Report& report, const std::vector<Row>& rows) {
+void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& rows) {
   Table& table = content.table("", "", Rows::list, Verbosity::data);
   table.csv = true;
   std::set<std::string> taken;
   const auto add = [&](const std::string& name, std::vector<double> values) {
     if (taken.insert(name).second) table.data(name, std::move(values));
   };
-  add("branch", each(rows, [](const Row& row) { return row.branch + 1; }));
-  add("parameter", each(rows, [&](const Row& row) { return report.parameter(row.point->parameter); }));
+  add("branch", each(rows, [](const PathRow& row) { return row.branch + 1; }));
+  add("parameter", each(rows, [&](const PathRow& row) { return report.parameter(row.point->parameter); }));
   if (report.varied.is_driven())
-    add("effort", each(rows, [&](const Row& row) { return report.effort(row.point->effort); }));
-  table.words("stability", "", each(rows, [](const Row& row) { return to_string(row.point->stability); }));
-  table.words("proof", "", each(rows, [](const Row& row) { return to_string(row.point->proof); }));
+    add("effort", each(rows, [&](const PathRow& row) { return report.effort(row.point->effort); }));
+  table.words("stability", "", each(rows, [](const PathRow& row) { return to_string(row.point->stability); }));
+  table.words("proof", "", each(rows, [](const PathRow& row) { return to_string(row.point->proof); }));
   taken.insert({"stability", "proof"});
-  add("unstable_directions", each(rows, [](const Row& row) { return row.point->unstable_directions; }));
-  add("energy", each(rows, [&](const Row& row) { return energy_of(report, *row.point); }));
-  add("radius", each(rows, [](const Row& row) { return radius_of(*row.point); }));
+  add("unstable_directions", each(rows, [](const PathRow& row) { return row.point->unstable_directions; }));
+  add("energy", each(rows, [&](const PathRow& row) { return energy_of(report, *row.point); }));
+  add("radius", each(rows, [](const PathRow& row) { return radius_of(*row.point); }));
   std::vector<std::vector<double>> columns;
   std::vector<std::string> names;
-  for (const Row& row : rows) {
+  for (const PathRow& row : rows) {
     const Readings readings = report.reader.read(*row.point);
     const StaticModel& model = report.reader.model(*row.point);
     std::size_t column = 0;
@@ -244,7 +243,7 @@ void add_csv(Group& content, Report& report, const std::vector<Row>& rows) {
   }
   for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
   for (const PathMeasure& measure : report.view.measures) {
-    add(measure.name, each(rows, [&](const Row& row) { return report.measure(measure, *row.point); }));
+    add(measure.name, each(rows, [&](const PathRow& row) { return report.measure(measure, *row.point); }));
   }
 }
 
@@ -265,7 +264,7 @@ std::string proof_in_words(const PathPoint& point) {
 }
 
 /// Columns of the measures, and of a driven measure the effort, at the points of the rows.
-void add_measures(Table& table, Report& report, const std::vector<const PathPoint*>& points) {
+void add_measures(Table& table, PathReport& report, const std::vector<const PathPoint*>& points) {
   for (const PathMeasure& measure : report.view.measures) {
     const Quantity quantity = quantity_of(measure.on);
     // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
@@ -273,7 +272,7 @@ void add_measures(Table& table, Report& report, const std::vector<const PathPoin
     const double size = quantity == Quantity::angle ? 1.0 : report.varied.scales().length;
     table.numbers("", measure.name, unit_name(quantity, report.units()),
                   each(points, [&](const PathPoint* point) { return report.measure(measure, *point); }),
-                  {.digits = value_digits, .zero_below = in_unit(rounding * size, quantity, report.units())});
+                  {.digits = digits_of_points, .zero_below = in_unit(rounding * size, quantity, report.units())});
   }
   if (!report.varied.is_driven()) return;
   const std::vector<double> efforts =
@@ -297,20 +296,20 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
 }
 
 /// "guide = -0.548 m": the first measure shown; empty where there is none.
-std::string place_in_words(Report& report, const PathPoint& point) {
+std::string place_in_words(PathReport& report, const PathPoint& point) {
   if (report.view.measures.empty()) return "";
   const PathMeasure& measure = report.view.measures.front();
-  return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), value_digits),
+  return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), digits_of_points),
                      unit_name(quantity_of(measure.on), report.units()));
 }
 
 /// "load.P = 42.9 N, guide = -0.548 m".
-std::string point_in_words(Report& report, const PathPoint& point) {
+std::string point_in_words(PathReport& report, const PathPoint& point) {
   const std::string place = place_in_words(report, point);
   return report.at(point.parameter) + (place.empty() ? "" : ", " + place);
 }
 
-std::string landing_in_words(Report& report, const PathEvent& event) {
+std::string landing_in_words(PathReport& report, const PathEvent& event) {
   if (!event.landing) return event.why.empty() ? "comes to rest nowhere" : event.why;
   const std::string place = place_in_words(report, *event.landing);
   std::string text =
@@ -320,7 +319,7 @@ std::string landing_in_words(Report& report, const PathEvent& event) {
   return text;
 }
 
-std::string remark_on(Report& report, const PathEvent& event) {
+std::string remark_on(PathReport& report, const PathEvent& event) {
   std::string text;
   switch (event.kind) {
     case PathEvent::Kind::stop:
@@ -367,7 +366,7 @@ std::string title_of(PathEvent::Kind kind) {
   return to_string(kind);
 }
 
-void add_events(Group& content, Report& report) {
+void add_events(Group& content, PathReport& report) {
   const std::vector<PathEvent>& events = report.found.events;
   if (events.empty()) return;
   const std::string unit = report.varied.unit_name();
@@ -394,24 +393,24 @@ void add_events(Group& content, Report& report) {
   table.remarks(each(events, [&](const PathEvent& event) { return remark_on(report, event); }));
 }
 
-void add_points(Group& content, Report& report, const std::vector<Row>& rows) {
+void add_points(Group& content, PathReport& report, const std::vector<PathRow>& rows) {
   Table& table = content.table("", "Points of the curve", Rows::list);
   table.shown = Table::Shown::spread;
   const std::vector<const PathPoint*> points = [&] {
     std::vector<const PathPoint*> out;
-    for (const Row& row : rows) out.push_back(row.point);
+    for (const PathRow& row : rows) out.push_back(row.point);
     return out;
   }();
   table.numbers("", report.varied.name(), report.varied.unit_name(),
                 each(points, [&](const PathPoint* point) { return report.parameter(point->parameter); }),
-                {.digits = value_digits});
+                {.digits = digits_of_points});
   if (report.found.branches.size() > 1)
-    table.counts("", "branch", each(rows, [](const Row& row) { return row.branch + 1; }));
+    table.counts("", "branch", each(rows, [](const PathRow& row) { return row.branch + 1; }));
   add_measures(table, report, points);
   add_stability(table, points);
 }
 
-void add_wanted(Group& content, Report& report) {
+void add_wanted(Group& content, PathReport& report) {
   std::vector<const PathPoint*> points;
   for (const std::vector<PathPoint>& at : report.found.wanted) {
     for (const PathPoint& point : at) points.push_back(&point);
@@ -420,7 +419,7 @@ void add_wanted(Group& content, Report& report) {
     Table& table = content.table("", "Equilibria at the values asked for", Rows::list);
     table.numbers("", report.varied.name(), report.varied.unit_name(),
                   each(points, [&](const PathPoint* point) { return report.parameter(point->parameter); }),
-                  {.digits = value_digits});
+                  {.digits = digits_of_points});
     add_measures(table, report, points);
     add_stability(table, points);
   }
@@ -430,7 +429,7 @@ void add_wanted(Group& content, Report& report) {
   }
 }
 
-std::string end_in_words(const PathBranch& branch) {
+std::string end_of_branch(const PathBranch& branch) {
   switch (branch.end) {
     case PathBranch::End::range:
       return "at an end of the range";
@@ -452,7 +451,7 @@ std::string end_in_words(const PathBranch& branch) {
   return "";
 }
 
-void add_branches(Group& content, Report& report) {
+void add_branches(Group& content, PathReport& report) {
   const std::vector<PathBranch>& branches = report.found.branches;
   if (branches.size() < 2) return;
   Table& table = content.table("", "Branches", Rows::list);
@@ -469,8 +468,8 @@ void add_branches(Group& content, Report& report) {
     return report.parameter(branch.points.back().parameter);
   };
   table.numbers("", "ends at " + report.varied.name(), report.varied.unit_name(), each(branches, end),
-                {.digits = value_digits});
-  table.words("", "", each(branches, end_in_words));
+                {.digits = digits_of_points});
+  table.words("", "", each(branches, end_of_branch));
 }
 
 bool is_cut_short(const PathBranch& branch) {
@@ -478,9 +477,9 @@ bool is_cut_short(const PathBranch& branch) {
          branch.end == PathBranch::End::singular;
 }
 
-void warn(Result& out, Report& report, const std::vector<Row>& rows) {
+void warn(Result& out, PathReport& report, const std::vector<PathRow>& rows) {
   const auto unproved =
-      std::find_if(rows.begin(), rows.end(), [](const Row& row) { return row.point->proof == PointProof::failed; });
+      std::find_if(rows.begin(), rows.end(), [](const PathRow& row) { return row.point->proof == PointProof::failed; });
   if (unproved != rows.end()) {
     const int number = report.found.unproved();
     const PathPoint& first = *unproved->point;
@@ -493,7 +492,7 @@ void warn(Result& out, Report& report, const std::vector<Row>& rows) {
     if (!is_cut_short(branch) || branch.points.empty()) continue;
     const PathPoint& last = branch.points.back();
     out.warnings.push_back(doubtful(fmt::format("Branch {} ends at {}, {}{}.", b + 1, point_in_words(report, last),
-                                                end_in_words(branch), branch.why.empty() ? "" : ": " + branch.why)));
+                                                end_of_branch(branch), branch.why.empty() ? "" : ": " + branch.why)));
   }
   for (const std::string& note : report.found.notes) out.warnings.push_back(doubtful(note));
   warn_of_friction(out, report.scene());
@@ -515,9 +514,9 @@ std::string events_in_words(const Path& found) {
 }
 
 /// "from load.P = 0 N to 60 N, and back to 0 N".
-std::string cycle_in_words(const Report& report, const std::vector<Row>& rows) {
+std::string cycle_in_words(const PathReport& report, const std::vector<PathRow>& rows) {
   const double rises = report.varied.to() > report.varied.from() ? 1.0 : -1.0;
-  const auto farthest = std::max_element(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
+  const auto farthest = std::max_element(rows.begin(), rows.end(), [&](const PathRow& a, const PathRow& b) {
     return rises * a.point->parameter < rises * b.point->parameter;
   });
   std::string text = fmt::format("from {} to {}", report.at(rows.front().point->parameter, force_digits),
@@ -528,7 +527,7 @@ std::string cycle_in_words(const Report& report, const std::vector<Row>& rows) {
 }
 
 /// How far the first curve goes: "from load.P = 0 N to 60 N", with its extremes where they lie beyond its ends.
-std::string extent_in_words(const Report& report, const std::vector<PathPoint>& points) {
+std::string extent_in_words(const PathReport& report, const std::vector<PathPoint>& points) {
   const double first = points.front().parameter, last = points.back().parameter;
   const auto [least, most] = std::minmax_element(
       points.begin(), points.end(), [](const PathPoint& a, const PathPoint& b) { return a.parameter < b.parameter; });
@@ -541,10 +540,10 @@ std::string extent_in_words(const Report& report, const std::vector<PathPoint>& 
   return text;
 }
 
-std::string proof_of_all(const Path& found, const std::vector<Row>& rows) {
+std::string proof_of_all(const Path& found, const std::vector<PathRow>& rows) {
   const auto number_of = [&](PointProof proof) {
     return static_cast<int>(
-        std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return row.point->proof == proof; }));
+        std::count_if(rows.begin(), rows.end(), [&](const PathRow& row) { return row.point->proof == proof; }));
   };
   const int all = static_cast<int>(rows.size());
   const int failed = found.unproved(), critical = number_of(PointProof::critical);
@@ -558,13 +557,7 @@ std::string proof_of_all(const Path& found, const std::vector<Row>& rows) {
   return all == 1 ? "its point is proved" : fmt::format("all {} points are proved", all);
 }
 
-/// With a capital and a full stop.
-std::string sentence_of(std::string text) {
-  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text.ends_with('.') ? text : text + ".";
-}
-
-Line verdict(const Report& report, const std::vector<Row>& rows) {
+Line verdict(const PathReport& report, const std::vector<PathRow>& rows) {
   const Path& found = report.found;
   if (found.status == Path::Status::no_start || rows.empty()) {
     if (found.status == Path::Status::interrupted) return bad("Interrupted before the first point.");
@@ -593,8 +586,8 @@ Line verdict(const Report& report, const std::vector<Row>& rows) {
 
 Result path_result(const VariedScene& varied, const Path& found, const PathView& view,
                    const std::vector<std::string>& settings) {
-  Report report{varied, found, view};
-  const std::vector<Row> rows = rows_of(found);
+  PathReport report{varied, found, view};
+  const std::vector<PathRow> rows = rows_of(found);
   Result out = scene_result(varied.scene(), settings);
   out.verdict = verdict(report, rows);
   warn(out, report, rows);

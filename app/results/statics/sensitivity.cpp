@@ -13,11 +13,11 @@
 namespace poise::app {
 namespace {
 
-constexpr double part = 1e-3;  // of the size, of a radian, of a number: the change by which numbers are ranked
-constexpr int digits = 6;
+constexpr double ranked_part = 1e-3;  // of the size, of a radian, of a number: the change by which numbers are ranked
+constexpr int digits_of_effects = 6;
 
 /// A number's row: values in the scene's units.
-struct Row {
+struct EffectRow {
   const Sensitivity* of = nullptr;
   std::string unit, derivative_unit;
   double value = 0.0, derivative = 0.0;
@@ -28,8 +28,9 @@ bool is(const Dimension& a, const Dimension& b) {
   return a.mass == b.mass && a.force == b.force && a.length == b.length && a.angle == b.angle && a.time == b.time;
 }
 
-Row row_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sensitivities& found, const Units& units) {
-  Row row;
+EffectRow row_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sensitivities& found,
+                 const Units& units) {
+  EffectRow row;
   row.of = &s;
   const Dimension slope = quantity.of.dimension * s.dimension.power(-1);
   row.unit = s.dimension.unit_name(units);
@@ -40,25 +41,25 @@ Row row_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sens
   const double own = is(s.dimension, dimension::length)  ? found.size
                      : is(s.dimension, dimension::angle) ? 1.0
                                                          : std::abs(s.value);
-  row.effect = s.derivative * part * own / quantity.of.dimension.unit(units);
+  row.effect = s.derivative * ranked_part * own / quantity.of.dimension.unit(units);
   return row;
 }
 
-std::vector<Row> ranked(const QuantitySensitivity& quantity, const Sensitivities& found, const Units& units) {
-  std::vector<Row> rows;
+std::vector<EffectRow> ranked(const QuantitySensitivity& quantity, const Sensitivities& found, const Units& units) {
+  std::vector<EffectRow> rows;
   for (const Sensitivity& s : quantity.by) rows.push_back(row_of(s, quantity, found, units));
   std::stable_sort(rows.begin(), rows.end(),
-                   [](const Row& a, const Row& b) { return std::abs(a.effect) > std::abs(b.effect); });
+                   [](const EffectRow& a, const EffectRow& b) { return std::abs(a.effect) > std::abs(b.effect); });
   return rows;
 }
 
-std::string sentence(const Row& row, const QuantitySensitivity& quantity, const Units& units) {
+std::string sentence(const EffectRow& row, const QuantitySensitivity& quantity, const Units& units) {
   const std::string of = quantity.of.dimension.unit_name(units);
   return fmt::format("1{} of {} moves {} by {}{}", row.unit.empty() ? "" : " " + row.unit, row.of->number,
-                     quantity.of.name, significant(row.derivative, digits), of.empty() ? "" : " " + of);
+                     quantity.of.name, significant(row.derivative, digits_of_effects), of.empty() ? "" : " " + of);
 }
 
-void add_data(Branch& quantities, const QuantitySensitivity& quantity, const std::vector<Row>& rows,
+void add_data(Branch& quantities, const QuantitySensitivity& quantity, const std::vector<EffectRow>& rows,
               const Units& units) {
   Group& group = quantities.parts.emplace_back();
   group.data("name", quantity.of.name);
@@ -67,7 +68,7 @@ void add_data(Branch& quantities, const QuantitySensitivity& quantity, const std
   group.data("value", known ? Value(quantity.value / quantity.of.dimension.unit(units)) : Value());
   group.data("why", known ? Value() : Value(quantity.why));
   Branch& numbers = group.array("numbers");
-  for (const Row& row : rows) {
+  for (const EffectRow& row : rows) {
     Group& one = numbers.parts.emplace_back();
     const bool has_derivative = row.of->why.empty();
     one.data("number", row.of->number);
@@ -80,16 +81,16 @@ void add_data(Branch& quantities, const QuantitySensitivity& quantity, const std
   }
 }
 
-void add_text(Group& content, const QuantitySensitivity& quantity, const std::vector<Row>& rows, int top,
+void add_text(Group& content, const QuantitySensitivity& quantity, const std::vector<EffectRow>& rows, int top,
               const Units& units) {
   const std::string unit = quantity.of.dimension.unit_name(units);
   const double value = quantity.value / quantity.of.dimension.unit(units);
-  Group& group = content.group(
-      "", fmt::format("{} = {}{}", quantity.of.name, significant(value, digits), unit.empty() ? "" : " " + unit));
-  std::vector<Row> shown;
+  Group& group = content.group("", fmt::format("{} = {}{}", quantity.of.name, significant(value, digits_of_effects),
+                                               unit.empty() ? "" : " " + unit));
+  std::vector<EffectRow> shown;
   int idle = 0;
   std::map<std::string, std::vector<std::string>> without;
-  for (const Row& row : rows) {
+  for (const EffectRow& row : rows) {
     if (!row.of->why.empty()) {
       without[row.of->why].push_back(row.of->number);
     } else if (row.derivative == 0.0) {
@@ -119,8 +120,8 @@ void add_text(Group& content, const QuantitySensitivity& quantity, const std::ve
     return;
   }
   Table& table = group.table("", "", Rows::list);
-  table.numbers("", "effect", unit, each(shown, &Row::effect), {.digits = 4});
-  table.words("", "derivative", each(shown, [&](const Row& row) { return sentence(row, quantity, units); }));
+  table.numbers("", "effect", unit, each(shown, &EffectRow::effect), {.digits = 4});
+  table.words("", "derivative", each(shown, [&](const EffectRow& row) { return sentence(row, quantity, units); }));
   table.footnotes = std::move(remarks);
 }
 
@@ -147,7 +148,7 @@ Result sensitivity_result(const Scene& scene, const Sensitivities& found, int to
   }
   for (const std::string& line : failed) out.warnings.push_back(bad("No derivative of " + line + "."));
   warn_of_friction(out, scene);
-  const double step = part * found.size / dimension::length.unit(units);
+  const double step = ranked_part * found.size / dimension::length.unit(units);
   out.content.data("status", to_string(found.equilibrium.status));
   out.content.data("why", found.why.empty() ? Value() : Value(found.why));
   out.content.data("length_change", found.why.empty() ? Value(step) : Value());
@@ -161,9 +162,9 @@ Result sensitivity_result(const Scene& scene, const Sensitivities& found, int to
   std::vector<std::string> names, numbers, number_units, derivative_units;
   std::vector<double> values, derivatives, effects;
   for (const QuantitySensitivity& quantity : found.of) {
-    const std::vector<Row> rows = ranked(quantity, found, units);
+    const std::vector<EffectRow> rows = ranked(quantity, found, units);
     add_data(quantities, quantity, rows, units);
-    for (const Row& row : rows) {
+    for (const EffectRow& row : rows) {
       const double gap = or_gap(std::nullopt);
       names.push_back(quantity.of.name);
       numbers.push_back(row.of->number);

@@ -34,7 +34,7 @@ std::string expected(const HardCase& hard) {
 
 /// Per cent of the starts that converge, cut to tenths, so that only all are "100" and only none are "0"; "-" where
 /// the method does not apply; with "!" behind where it made a false claim.
-std::string converged(const Cell& cell) {
+std::string cell_converged(const Cell& cell) {
   if (!cell.applies) return "-";
   const std::optional<int> tenths = comparison::converged_tenths(cell);
   if (!tenths) return "";
@@ -121,7 +121,7 @@ void add_sheet(Group& group, const StressOutcome& outcome) {
   CaseRows rows(titles.size());
   for (const CaseResult* result : comparison::shown_cases(outcome)) {
     std::vector<std::pair<std::string, Tone>> cells = {{asked_for(result->hard), Tone::faint}};
-    for (const Cell& cell : result->cells) cells.emplace_back(converged(cell), tone_of(result->hard, cell));
+    for (const Cell& cell : result->cells) cells.emplace_back(cell_converged(cell), tone_of(result->hard, cell));
     rows.add(result->hard, cells);
   }
   Table& table =
@@ -169,16 +169,16 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
                   significant(outcome.seconds, 3))};
 }
 
-std::string word_of(Holding verdict) {
+std::string verdict_of(Holding verdict) {
   return verdict == Holding::held ? "held" : verdict == Holding::slips ? "slips" : "not decided";
 }
 
 std::string expected(const FrictionCase& known) {
-  return known.without_end.empty() ? word_of(known.expect) : "held without end";
+  return known.without_end.empty() ? verdict_of(known.expect) : "held without end";
 }
 
 std::string found_in_words(const FrictionResult& result) {
-  if (!result.agrees) return word_of(result.pose.verdict) + ": " + result.why;
+  if (!result.agrees) return verdict_of(result.pose.verdict) + ": " + result.why;
   return expected(result.known) + (result.proved ? ", proved" : ", in double precision");
 }
 
@@ -258,7 +258,7 @@ void add_details(Group& content, const StressOutcome& outcome, const CaseResult&
   table.words("", outcome.safeguards ? "virtual work" : "method", outcome.methods);
   table.counts("", "starts", starts(&Cell::starts));
   Column& share = table.counts("", "converged, %", {});
-  share.texts = each(cells, converged);
+  share.texts = each(cells, cell_converged);
   share.tones = each(cells, [&](const Cell& cell) { return tone_of(hard, cell); });
   table.counts("", "false claims", starts(&Cell::false_claims)).tones = each(cells, tone_of_claims<Cell>);
   table.counts("", "denied", starts(&Cell::denied_by_check));

@@ -11,14 +11,14 @@
 
 #include "app/present/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "solvers/not_a_number.hpp"
 
 namespace poise::app {
 namespace {
 
-constexpr int digits = 6;
-constexpr double gap = std::numeric_limits<double>::quiet_NaN();
+constexpr int digits_of_tolerances = 6;
 
-double per_cent(std::size_t part, std::size_t whole) {
+double part_in_per_cent(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
@@ -33,21 +33,22 @@ struct View {
 
   double in_unit(double si) const { return si / unit; }
   std::string with_unit(double si) const {
-    return significant(in_unit(si), digits) + (unit_name.empty() ? "" : " " + unit_name);
+    return significant(in_unit(si), digits_of_tolerances) + (unit_name.empty() ? "" : " " + unit_name);
   }
 };
 
 /// A row of the table of bands, in the unit.
-struct Row {
+struct ToleranceRow {
   std::string name;
-  double mean = gap, sigma = gap, least = gap, low = gap, high = gap, most = gap;
+  double mean = not_a_number, sigma = not_a_number, least = not_a_number, low = not_a_number, high = not_a_number,
+         most = not_a_number;
 };
 
-Row row_of(const std::string& name, const SampleStatistics& of, const View& view) {
+ToleranceRow row_of(const std::string& name, const SampleStatistics& of, const View& view) {
   if (of.count == 0) return {name};
   return {name,
           view.in_unit(of.mean),
-          of.count > 1 ? view.in_unit(of.sigma) : gap,
+          of.count > 1 ? view.in_unit(of.sigma) : not_a_number,
           view.in_unit(of.least),
           view.in_unit(of.low),
           view.in_unit(of.high),
@@ -56,30 +57,32 @@ Row row_of(const std::string& name, const SampleStatistics& of, const View& view
 
 void add_bands(Group& group, const View& view, const ToleranceStudy& study) {
   const ToleranceBand& band = view.band;
-  std::vector<Row> rows;
+  std::vector<ToleranceRow> rows;
   rows.push_back({"first order, worst case", view.in_unit(band.nominal), view.in_unit(band.sigma),
-                  view.in_unit(band.nominal - band.worst), gap, gap, view.in_unit(band.nominal + band.worst)});
+                  view.in_unit(band.nominal - band.worst), not_a_number, not_a_number,
+                  view.in_unit(band.nominal + band.worst)});
   if (band.has_second) {
-    rows.push_back(
-        {"second order", view.in_unit(band.nominal + band.shift), view.in_unit(band.second_sigma), gap, gap, gap, gap});
+    rows.push_back({"second order", view.in_unit(band.nominal + band.shift), view.in_unit(band.second_sigma),
+                    not_a_number, not_a_number, not_a_number, not_a_number});
   }
   if (band.at_least || band.at_most) {
-    const auto value = [&](const std::optional<double>& si) { return si ? view.in_unit(*si) : gap; };
-    rows.push_back({"solved at the worst ends", gap, gap, value(band.at_least), gap, gap, value(band.at_most)});
+    const auto value = [&](const std::optional<double>& si) { return si ? view.in_unit(*si) : not_a_number; };
+    rows.push_back({"solved at the worst ends", not_a_number, not_a_number, value(band.at_least), not_a_number,
+                    not_a_number, value(band.at_most)});
   }
   if (band.continued.count > 0) rows.push_back(row_of("samples that continue", band.continued, view));
   if (study.snapped > 0) rows.push_back(row_of("with those that snap", band.all, view));
   Table& table = group.table("", "", Rows::list);
-  table.words("", "", each(rows, &Row::name));
-  const auto column = [&](const std::string& title, double Row::*value) {
-    table.numbers("", title, view.unit_name, each(rows, value), {.digits = digits});
+  table.words("", "", each(rows, &ToleranceRow::name));
+  const auto column = [&](const std::string& title, double ToleranceRow::*value) {
+    table.numbers("", title, view.unit_name, each(rows, value), {.digits = digits_of_tolerances});
   };
-  column("mean", &Row::mean);
-  column("sigma", &Row::sigma);
-  column("least", &Row::least);
-  column("2.5 %", &Row::low);
-  column("97.5 %", &Row::high);
-  column("most", &Row::most);
+  column("mean", &ToleranceRow::mean);
+  column("sigma", &ToleranceRow::sigma);
+  column("least", &ToleranceRow::least);
+  column("2.5 %", &ToleranceRow::low);
+  column("97.5 %", &ToleranceRow::high);
+  column("most", &ToleranceRow::most);
 }
 
 /// Shares of the variance of first order, largest first.
@@ -242,14 +245,14 @@ Line verdict(const ToleranceStudy& study) {
     return good(fmt::format("{}, {}: the equilibrium continues to all of them.", numbers, samples));
   }
   std::string text = fmt::format("{}, {}: the equilibrium continues to {} %; {} % lose it and settle elsewhere",
-                                 numbers, samples, significant(per_cent(study.continued, study.samples), 4),
-                                 significant(per_cent(study.snapped, study.samples), 4));
+                                 numbers, samples, significant(part_in_per_cent(study.continued, study.samples), 4),
+                                 significant(part_in_per_cent(study.snapped, study.samples), 4));
   if (study.nowhere > 0) {
-    text += fmt::format("; for {} % none was found", significant(per_cent(study.nowhere, study.samples), 4));
+    text += fmt::format("; for {} % none was found", significant(part_in_per_cent(study.nowhere, study.samples), 4));
   }
   if (study.undecided > 0) {
     text += fmt::format("; for {} % rounding leaves open whether it continues",
-                        significant(per_cent(study.undecided, study.samples), 4));
+                        significant(part_in_per_cent(study.undecided, study.samples), 4));
   }
   return study.continued == 0 ? bad(text + ".") : doubtful(text + ".");
 }

@@ -127,7 +127,7 @@ void add_summary(Group& content, const std::vector<Spans>& methods) {
 }
 
 /// The number of the equilibrium that a run is nearest to, from 1.
-double number_of(const WorkPrecisionRow& run) { return run.equilibrium < 0 ? NAN : run.equilibrium + 1; }
+double number_of_run(const WorkPrecisionRow& run) { return run.equilibrium < 0 ? NAN : run.equilibrium + 1; }
 
 void add_method(Group& content, const Spans& spans, bool several_equilibria) {
   const auto tolerance = [](const ToleranceSpan& s) {
@@ -145,7 +145,7 @@ void add_method(Group& content, const Spans& spans, bool several_equilibria) {
                 {Format::Style::error});
   table.counts("", "iterations", each(spans, [](const ToleranceSpan& s) { return s.loosest->iterations; }));
   table.counts("", "evaluations", each(spans, [](const ToleranceSpan& s) { return s.loosest->evaluations; }));
-  table.counts("", "equilibrium", each(spans, [](const ToleranceSpan& s) { return number_of(*s.loosest); })).shown =
+  table.counts("", "equilibrium", each(spans, [](const ToleranceSpan& s) { return number_of_run(*s.loosest); })).shown =
       several_equilibria;
   table.words("", "status", each(spans, status)).tones = each(spans, [](const ToleranceSpan& s) {
     return !converged(s) ? Tone::bad : s.loosest->confirmed ? Tone::good : Tone::plain;
@@ -168,7 +168,7 @@ void add_runs(Table& table, std::span<const WorkPrecisionRow> runs, bool with_me
   table.flags("claimed", each(runs, &WorkPrecisionRow::claimed));
   table.flags("confirmed", each(runs, &WorkPrecisionRow::confirmed));
   table.counts("repeats", "", each(runs, &WorkPrecisionRow::repeats));
-  table.counts("equilibrium", "", each(runs, number_of));
+  table.counts("equilibrium", "", each(runs, number_of_run));
   if (!with_method) table.words("why", "", each(runs, &WorkPrecisionRow::why));
 }
 
