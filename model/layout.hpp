@@ -86,6 +86,13 @@ struct Closure {
 /// Coordinates 0 .. angles-1 are angles, angles .. kept-1 lengths; those from `kept` on carry no load, close no loop
 /// and keep their start value.
 struct Layout {
+  Layout();
+  Layout(const Layout&);
+  Layout(Layout&&) noexcept;
+  Layout& operator=(const Layout&);
+  Layout& operator=(Layout&&) noexcept;
+  ~Layout();
+
   std::vector<Coordinate> coordinates;
   int angles = 0;
   int kept = 0;

@@ -58,6 +58,11 @@ class Mechanism {
   explicit Mechanism(const Scene& scene, Purpose purpose = Purpose::statics);
   /// The same from a layout of the scene.
   Mechanism(const Scene& scene, Layout layout, Purpose purpose);
+  Mechanism(const Mechanism&);
+  Mechanism(Mechanism&&) noexcept;
+  Mechanism& operator=(const Mechanism&);
+  Mechanism& operator=(Mechanism&&) noexcept;
+  ~Mechanism();
 
   const Layout& layout() const { return layout_; }
   const Phasors<T>& phasors() const { return phasors_; }

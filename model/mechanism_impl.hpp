@@ -26,6 +26,21 @@ Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose)
   make_tangent_pattern();
 }
 
+template <class T>
+Mechanism<T>::Mechanism(const Mechanism&) = default;
+
+template <class T>
+Mechanism<T>::Mechanism(Mechanism&&) noexcept = default;
+
+template <class T>
+Mechanism<T>& Mechanism<T>::operator=(const Mechanism&) = default;
+
+template <class T>
+Mechanism<T>& Mechanism<T>::operator=(Mechanism&&) noexcept = default;
+
+template <class T>
+Mechanism<T>::~Mechanism() = default;
+
 // --- compilation ----------------------------------------------------------------------------------------------------
 
 template <class T>

@@ -20,6 +20,12 @@ std::string Element::family() const { return words_of_key(table); }
 
 Scene::Scene() { add_body("ground"); }
 
+Scene::Scene(const Scene&) = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(const Scene&) = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
 int Scene::add_body(std::string name) {
   bodies.emplace_back().name = std::move(name);
   start.angle.emplace_back();

@@ -206,6 +206,12 @@ struct Scene {
 
   /// A scene with the ground only.
   Scene();
+  // Copies and moves of all items are long: compiled once, in scene.cpp.
+  Scene(const Scene&);
+  Scene(Scene&&) noexcept;
+  Scene& operator=(const Scene&);
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
 
   /// For building a scene in code. Each returns the index of the new item and extends the start guesses.
   int add_body(std::string name);

@@ -83,7 +83,7 @@ SingularValues singular_value_decomposition(const MatrixXd& a) {
 }
 
 VectorXd singular_values(const MatrixXd& a) {
-  return a.size() == 0 ? VectorXd(0) : VectorXd(Eigen::BDCSVD<MatrixXd>(a).singularValues());
+  return a.size() == 0 ? VectorXd(0) : VectorXd(Eigen::JacobiSVD<MatrixXd>(a).singularValues());
 }
 
 }  // namespace poise::solvers
