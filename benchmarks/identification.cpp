@@ -132,8 +132,8 @@ void race_fits(RatioTable& table, const FitProblem& problem) {
   const double coarse = problem.accuracy(0);
   for (const auto& [setting, how] :
        {std::pair{"", NumericFitOptions{}}, std::pair{", tuned", NumericFitOptions{1e-3, coarse, 1e-7}}}) {
-    const auto against = [&](const std::string& name, const Fit& ours, double our_seconds,
-                             const std::function<NumericFit()>& theirs) {
+    const auto against = [&, &setting = setting](const std::string& name, const Fit& ours, double our_seconds,
+                                                 const std::function<NumericFit()>& theirs) {
       NumericFit numeric;
       const double their_seconds = seconds_of([&] { numeric = theirs(); }, 1);
       const double difference = apart(reference, numeric.parameters);
@@ -141,11 +141,11 @@ void race_fits(RatioTable& table, const FitProblem& problem) {
       table.speedup(name + setting, our_seconds, their_seconds, numeric_limit, right(ours),
                     fmt::format("{} iterations, differs by {:.1e} standard errors", numeric.iterations, difference));
     };
-    against("numeric fit / fit, no start", automatic, seconds[0], [&] {
+    against("numeric fit / fit, no start", automatic, seconds[0], [&, &how = how] {
       const auto start = start_from_oscillations(problem, records);
       return fit_numerically(problem, records, start->parameters, start->nuisances, how);
     });
-    against("numeric fit / fit, starts off by 30 %", from_starts, seconds[1], [&] {
+    against("numeric fit / fit, starts off by 30 %", from_starts, seconds[1], [&, &how = how] {
       std::vector<std::vector<double>> nuisances;
       for (std::size_t r = 0; r < problem.runs(); ++r) nuisances.push_back(problem.run(r).released());
       return fit_numerically(problem, records, by_starts.starts, nuisances, how);

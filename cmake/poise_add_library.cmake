@@ -19,3 +19,16 @@ function(poise_add_library folder)
   install(TARGETS ${library} EXPORT poiseTargets
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/poise")
 endfunction()
+
+# poise_compile_apart(LIBRARY PART OPTIONS option... SOURCES source...)
+# adds sources to a library that are compiled with other options than the rest of it.
+function(poise_compile_apart library part)
+  cmake_parse_arguments(arg "" "" "OPTIONS;SOURCES" ${ARGN})
+  add_library(${library}_${part} OBJECT ${arg_SOURCES})
+  target_compile_features(${library}_${part} PRIVATE cxx_std_20)
+  target_compile_options(${library}_${part} PRIVATE ${arg_OPTIONS})
+  target_include_directories(${library}_${part} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_include_directories(${library}_${part} SYSTEM PRIVATE $<TARGET_PROPERTY:${library},INCLUDE_DIRECTORIES>)
+  target_compile_definitions(${library}_${part} PRIVATE $<TARGET_PROPERTY:${library},COMPILE_DEFINITIONS>)
+  target_sources(${library} PRIVATE $<TARGET_OBJECTS:${library}_${part}>)
+endfunction()

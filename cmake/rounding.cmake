@@ -1,6 +1,9 @@
-# Sources that use solvers/interval.hpp: the compiler must not assume that results are rounded to nearest, nor fuse a
-# product and a sum into one rounding. Precompiled headers belong to other options.
+# Options of sources that use solvers/interval.hpp: the compiler must not assume that results are rounded to nearest, nor
+# fuse a product and a sum into one rounding.
+set(POISE_DIRECTED_ROUNDING -frounding-math -ffp-contract=off)
+
+# Single sources with these options. Precompiled headers belong to other options.
 function(poise_directed_rounding)
   set_source_files_properties(${ARGV} PROPERTIES
-    COMPILE_OPTIONS "-frounding-math;-ffp-contract=off" SKIP_PRECOMPILE_HEADERS ON)
+    COMPILE_OPTIONS "${POISE_DIRECTED_ROUNDING}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
