@@ -1,23 +1,32 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | mutants | bench | benchmarks | figures | docs | lint | format | compile-time | install PREFIX=/usr/local
-#        setup | clean
+#   make run | test | campaign | mutants | bench | benchmarks | figures | docs | lint | lint-all | format | compile-time
+#        install PREFIX=/usr/local | setup | clean
+# PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
+# TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
 
 PRESET ?= $(if $(CI),ci,release)
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
-BUILD := $(if $(filter debug,$(PRESET)),build-debug,build)
+BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 
 SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
 
-.PHONY: run test mutants bench benchmarks figures docs lint format compile-time install setup configure app all clean
+.PHONY: run test campaign mutants bench benchmarks figures docs lint lint-all lint-setup format compile-time install setup \
+  configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
 
 test: all
-	ctest --preset $(PRESET) -j $(JOBS)
+	ctest --preset $(PRESET) -j $(JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
+
+# Random tests with other seeds than those of `make test`, SEEDS of them one after the other; goes on where it was
+# interrupted. TESTS: which, all that have seeds by default.
+SEEDS ?= 100
+campaign: all
+	tests/campaign.sh $(BUILD) $(JOBS) $(SEEDS) '$(TESTS)'
 
 # Puts one error after the other into bounds and proofs, and requires that the tests notice each (an hour);
 # ONLY='box_prover.cpp: a sliver' tries those whose file and name match.
@@ -52,13 +61,16 @@ figures: all
 docs: all
 	POISE_UPDATE_DOCS=1 $(BUILD)/tests/poise_docs_tests --gtest_brief=1
 
-# Without precompiled headers: clang-tidy cannot read those of GCC, and every source must include what it uses.
-lint: setup
-	cmake/setup.sh lint
-	cmake --preset $(PRESET) -B build-lint -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+# Every source alone, without precompiled headers: clang-tidy cannot read those of GCC, and every source must include what it
+# uses. `make lint` checks the sources that are affected by what has changed since `make lint-all` last checked all.
+lint lint-all: lint-setup
 	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
 	@echo clang-format: clean
-	cmake/tidy.sh build-lint $(JOBS) $(SOURCE_FOLDERS)
+	cmake/tidy.sh build-lint $(JOBS) $(if $(filter lint-all,$@),all,changed)
+
+lint-setup: setup
+	cmake/setup.sh lint
+	cmake --preset $(PRESET) -B build-lint -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_UNITY_BUILD=OFF
 
 format:
 	cmake/setup.sh lint
@@ -82,9 +94,10 @@ all: configure
 benchmarks: configure
 	cmake --build --preset $(PRESET) -j $(JOBS) --target poise benchmarks
 
-# Seconds that each source took to compile when it was last compiled.
+# Seconds that each unit took to compile when it was last compiled, and their sum over those of a unit that only includes
+# Eigen, which does not depend on the machine.
 compile-time:
 	cmake/compile_time.sh $(BUILD)
 
 clean:
-	rm -rf build build-debug build-lint
+	rm -rf build build-daily build-debug build-lint

@@ -26,7 +26,7 @@
 #include "tests/app/scenes.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
-namespace poise::app_tests {
+namespace poise::app_tests::mutations_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -351,10 +351,11 @@ std::string objection(const Case& damaged, const Outcome& run, const TempFolder&
   return "";
 }
 
-// POISE_MUTATIONS=6000 tries that many, POISE_FIRST_MUTATION=N begins with another case, POISE_SHOW_MUTATIONS=1 prints
-// what is answered; docs/architecture.md.
+// POISE_FIRST_MUTATION=N begins with another case, POISE_SHOW_MUTATIONS=1 prints what is answered;
+// docs/architecture.md.
 TEST(Mutations, AreReadOrAnsweredInOneLine) {
-  const int count = from_environment("POISE_MUTATIONS", 200), first = from_environment("POISE_FIRST_MUTATION", 0);
+  constexpr int count = 200;
+  const int first = from_environment("POISE_FIRST_MUTATION", count * from_environment("POISE_CAMPAIGN", 0));
   const bool shown = from_environment("POISE_SHOW_MUTATIONS", 0) != 0;
   const auto seconds = static_cast<unsigned>(from_environment("POISE_MUTATION_SECONDS", 60));
   const std::vector<Command> commands = all_commands();
@@ -388,4 +389,4 @@ TEST(Mutations, AreReadOrAnsweredInOneLine) {
 }
 
 }  // namespace
-}  // namespace poise::app_tests
+}  // namespace poise::app_tests::mutations_test

@@ -7,8 +7,9 @@
 
 #include "tests/judge/campaign.hpp"
 #include "tests/support/random_scenes.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::judge {
+namespace poise::judge::random_claims_test {
 namespace {
 
 constexpr std::uint64_t scenes = 5;  // of each family
@@ -16,7 +17,8 @@ constexpr std::uint64_t scenes = 5;  // of each family
 class RandomClaims : public testing::TestWithParam<std::string> {};
 
 TEST_P(RandomClaims, AreTrue) {
-  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+  for (std::uint64_t k = 1; k <= scenes; ++k) {
+    const std::uint64_t seed = test::seed(k);
     for (const JudgedAnswer& answer : judge_answers(GetParam(), seed)) {
       EXPECT_FALSE(is_false(answer.verdict) || answer.verdict == Verdict::lost)
           << GetParam() << " " << seed << ", " << answer.method << ": " << to_string(answer.verdict) << ": "
@@ -29,4 +31,4 @@ INSTANTIATE_TEST_SUITE_P(, RandomClaims, testing::ValuesIn(test::scene_families(
                          [](const auto& family) { return family.param; });
 
 }  // namespace
-}  // namespace poise::judge
+}  // namespace poise::judge::random_claims_test

@@ -8,8 +8,9 @@
 #include "tests/judge/drag_campaign.hpp"
 #include "tests/judge/small_steps.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::judge {
+namespace poise::judge::random_drags_test {
 namespace {
 
 void expect_true(const std::string& name, const JudgedDrags& run) {
@@ -41,7 +42,8 @@ TEST(SmallSteps, ArriveBeforeAFoldAndAreLostAtIt) {
 }
 
 TEST(RandomDrags, OfRandomMechanismsAreFollowed) {
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t k = 1; k <= 40; ++k) {
+    const std::uint64_t seed = test::seed(k);
     std::string kind;
     const Scene scene = scene_to_drag(seed, kind);
     expect_true(kind + " " + std::to_string(seed), judge_drags(scene, seed, trial));
@@ -51,7 +53,8 @@ TEST(RandomDrags, OfRandomMechanismsAreFollowed) {
 TEST(RandomDrags, OfScenesAreFollowed) {
   for (const char* name : {"toggle_clamp.toml", "von_mises_toggle.toml", "zeeman.toml", "hanging_chain_10.toml",
                            "double_pendulum.toml", "six_bar.toml", "car_hood.toml"}) {
-    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    for (std::uint64_t k = 1; k <= 2; ++k) {
+      const std::uint64_t seed = test::seed(k);
       expect_true(std::string(name) + " " + std::to_string(seed),
                   judge_drags(read_scene(test::dataset(name)), seed, trial));
     }
@@ -59,4 +62,4 @@ TEST(RandomDrags, OfScenesAreFollowed) {
 }
 
 }  // namespace
-}  // namespace poise::judge
+}  // namespace poise::judge::random_drags_test

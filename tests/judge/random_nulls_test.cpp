@@ -5,15 +5,17 @@
 #include <gtest/gtest.h>
 
 #include "tests/judge/exact_nulls.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::judge {
+namespace poise::judge::random_nulls_test {
 namespace {
 
 TEST(RandomNulls, WithholdExactlyWhatANullMovesIn50Digits) {
   int with_nulls = 0;
   int moved = 0;
   int unknowns = 0;
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+  for (std::uint64_t k = 1; k <= 100; ++k) {
+    const std::uint64_t seed = test::seed(k);
     const JudgedNulls judged = judge_nulls(seed);
     EXPECT_TRUE(judged.clear) << seed;
     EXPECT_TRUE(judged.agrees()) << seed << ": " << judged.words;
@@ -50,4 +52,4 @@ TEST(RandomNulls, NothingIsWithheldForRoundingOfDoubles) {
 }
 
 }  // namespace
-}  // namespace poise::judge
+}  // namespace poise::judge::random_nulls_test

@@ -11,8 +11,9 @@
 #include "tests/support/phc.hpp"
 #include "tests/support/random_linkages.hpp"
 #include "tests/support/random_scenes.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::random_sets_test {
 namespace {
 
 void expect_no_contradiction(const std::string& kind, std::uint64_t seed, const test::LinkageLoads& loads,
@@ -29,7 +30,7 @@ TEST(RandomSets, HoldAgainstStartsAndPaths) {
   trial.starts = 200;
   trial.paths = true;
   for (const std::string& kind : test::linkage_kinds()) {
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) expect_no_contradiction(kind, seed, {}, trial);
+    for (std::uint64_t k = 1; k <= 4; ++k) expect_no_contradiction(kind, test::seed(k), {}, trial);
   }
 }
 
@@ -132,7 +133,8 @@ TEST(RandomSets, OfMixedPartsHoldAgainstStarts) {
   int complete = 0;
   int equilibria = 0;
   for (const std::string& kind : test::mixed_kinds()) {
-    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (std::uint64_t k = 1; k <= 20; ++k) {
+      const std::uint64_t seed = test::seed(k);
       const judge::JudgedSet judged = judge::judge_set(test::mixed_mechanism(kind, seed), trial);
       complete += judged.claim == Claim::complete ? 1 : 0;
       equilibria += judged.sampled;
@@ -144,4 +146,4 @@ TEST(RandomSets, OfMixedPartsHoldAgainstStarts) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::random_sets_test

@@ -13,8 +13,9 @@
 #include "model/laws/laws.hpp"
 #include "solvers/ball.hpp"
 #include "solvers/real50.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::curve_spring_test {
 namespace {
 
 using solvers::Ball;
@@ -52,7 +53,7 @@ TEST(ForceCurve, HasTheSlopesOfItsDocumentation) {
 }
 
 TEST(ForceCurve, IsMonotoneWhereItsPointsAre) {
-  std::mt19937_64 random(5);
+  std::mt19937_64 random(test::seed(5));
   std::uniform_real_distribution<double> width(0.01, 2.0);
   for (int k = 0; k < 300; ++k) {
     std::vector<double> x{0.0}, force{0.0};
@@ -172,7 +173,7 @@ TEST(CurveSpring, HasANumberForEachPoint) {
 TEST(CurveSpring, EnclosesTheForcesOfABall) {
   CurveSpring spring({-1.0, 0.5, 1.0, 2.5, 3.0, 5.0, 5.25}, {-2.0, 1.0, 4.0, 3.0, 3.0, 3.5, 9.0}, true);
   spring.scale = 1.5;
-  std::mt19937_64 random(11);
+  std::mt19937_64 random(test::seed(11));
   std::uniform_real_distribution<double> place(-2.0, 7.0), share(-1.0, 1.0);
   for (int k = 0; k < 500; ++k) {
     const double middle = k % 3 == 0 ? spring.curve().x()[static_cast<std::size_t>(k) % 7] : place(random);
@@ -188,4 +189,4 @@ TEST(CurveSpring, EnclosesTheForcesOfABall) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::curve_spring_test

@@ -11,8 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/motions.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::profile_borders_test {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
@@ -114,7 +115,7 @@ TEST(ProfileBorders, AValveFollowsItsLawAndTheShaftCarriesIt) {
 // Laws of all kinds, parts down to a degree, phases and rates of both signs; turned by its own inertia alone the cam
 // may be stopped by the spring and turn back, anywhere in the law.
 TEST(ProfileBorders, RandomCamsBalanceTheirEnergy) {
-  std::mt19937 random(3);
+  std::mt19937 random(static_cast<unsigned>(test::seed(3)));
   const auto any = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
   for (int k = 0; k < 150; ++k) {
     double angles[3] = {any(0.3, 6.0), any(0.3, 6.0), any(0.3, 6.0)};
@@ -136,4 +137,4 @@ TEST(ProfileBorders, RandomCamsBalanceTheirEnergy) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::profile_borders_test

@@ -26,7 +26,7 @@ mutant("lower bound of a sum rounded upwards" solvers/interval.hpp
   [=[from(-(-a.minus_lower_ - b.minus_lower_), a.upper_ + b.upper_)]=])
 mutant("upper bound of a sum rounded downwards" solvers/interval.hpp
   [=[from(a.minus_lower_ + b.minus_lower_, a.upper_ + b.upper_)]=]
-  [=[from(a.minus_lower_ + b.minus_lower_, -(-a.upper_ - b.upper_))]=] SAMPLE)
+  [=[from(a.minus_lower_ + b.minus_lower_, -(-a.upper_ - b.upper_))]=])
 mutant("lower bound of a difference rounded upwards" solvers/interval.hpp
   [=[from(a.minus_lower_ + b.upper_, a.upper_ + b.minus_lower_)]=]
   [=[from(-(-a.minus_lower_ - b.upper_), a.upper_ + b.minus_lower_)]=])
@@ -38,7 +38,7 @@ mutant("bounds of the opposite not exchanged" solvers/interval.hpp
   [=[return from(-a.minus_lower_, -a.upper_);]=])
 mutant("upper bound of a product without a corner" solvers/interval.hpp
   [=[most(a.minus_lower_ * b.minus_lower_, al * b.upper_, a.upper_ * bl, a.upper_ * b.upper_)]=]
-  [=[most(a.minus_lower_ * b.minus_lower_, al * b.upper_, al * b.upper_, a.upper_ * b.upper_)]=] SAMPLE)
+  [=[most(a.minus_lower_ * b.minus_lower_, al * b.upper_, al * b.upper_, a.upper_ * b.upper_)]=])
 mutant("lower bound of a product without a corner" solvers/interval.hpp
   [=[most(al * b.minus_lower_, a.minus_lower_ * b.upper_, a.upper_ * b.minus_lower_, -a.upper_ * b.upper_)]=]
   [=[most(al * b.minus_lower_, al * b.minus_lower_, a.upper_ * b.minus_lower_, -a.upper_ * b.upper_)]=])
@@ -74,7 +74,7 @@ mutant("a corner of a quotient rounded downwards" solvers/interval.hpp
   [=[greatest(a.minus_lower_ / b.minus_lower_, -(a.minus_lower_ / b.upper_), a.upper_ / bl, a.upper_ / b.upper_)]=])
 mutant("lower bound of a root not lowered" solvers/interval.hpp
   [=[-root + root * std::numeric_limits<double>::epsilon() : -root;]=]
-  [=[-root : -root;]=] SAMPLE)
+  [=[-root : -root;]=])
 mutant("upper bound of a root rounded downwards" solvers/interval.hpp
   [=[std::sqrt(a.upper_ > 0 ? a.upper_ : (a.upper_ <= 0 ? 0.0 : a.upper_))]=]
   [=[std::nextafter(std::sqrt(a.upper_ > 0 ? a.upper_ : 0.0), 0.0)]=])
@@ -130,7 +130,7 @@ mutant("sine and cosine of the last quadrant of the first" solvers/interval.cpp
   [=[return {s, c};]=])
 mutant("no extreme values of sine and cosine" solvers/interval.cpp
   [=[if (!at.meet(angle)) continue;]=]
-  [=[if (at.meet(angle) || true) continue;]=] SAMPLE)
+  [=[if (at.meet(angle) || true) continue;]=])
 mutant("maxima are taken for minima" solvers/interval.cpp
   [=[Interval((j & 3) < 2 ? 1 : -1)]=]
   [=[Interval((j & 3) < 2 ? -1 : 1)]=])
@@ -139,7 +139,7 @@ mutant("sine of the lower end only" solvers/interval.cpp
   [=[ends = {hull(a.x, b.x), a.y};]=])
 mutant("angle of a vector without its correction" solvers/interval.cpp
   [=[return Interval(guess) + Interval(-slope, slope);]=]
-  [=[return Interval(guess);]=] SAMPLE)
+  [=[return Interval(guess);]=])
 mutant("angle of a vector corrected to one side" solvers/interval.cpp
   [=[return Interval(guess) + Interval(-slope, slope);]=]
   [=[return Interval(guess) + Interval(0, slope);]=])
@@ -178,7 +178,7 @@ mutant("the last turn is left out" statics/box_prover.cpp
   [=[/ solvers::full_turn.upper()) - 1;]=])
 mutant("of several turns the last" statics/box_prover.cpp
   [=[all = any ? hull(all, part) : part;]=]
-  [=[all = part;]=] SAMPLE)
+  [=[all = part;]=])
 mutant("a sliver below an arm's angle" statics/box_prover.cpp
   [=[if (angle.bounded() && !narrow(box, group.angle, angle)) return false;]=]
   [=[if (angle.bounded() && !narrow(box, group.angle, {angle.lower() + 1e-9, angle.upper()})) return false;]=])
@@ -316,7 +316,7 @@ mutant("rows that others imply need not close" statics/box_prover.cpp
   [=[]=])
 mutant("stops press outwards" statics/box_prover.cpp
   [=[StopState::at_upper ? push < Interval(0) : push > Interval(0)]=]
-  [=[StopState::at_upper ? push > Interval(0) : push < Interval(0)]=] SAMPLE)
+  [=[StopState::at_upper ? push > Interval(0) : push < Interval(0)]=])
 
 # --- enclosed_set.cpp: boxes and cases ------------------------------------------------------------------------------
 
@@ -414,8 +414,8 @@ mutant("modes that are found are not followed" statics/assembly_modes.cpp
   [=[if (is_inside) loops.add(pose);]=]
   [=[]=])
 mutant("a known curve passes through every box" statics/assembly_modes.cpp
-  [=[if (loops.passes(lower, upper)) return true;]=]
-  [=[if (loops.passes(lower, upper) || true) return true;]=])
+  [=[if (loops.passes(lower_corner(box), upper_corner(box))) return true;]=]
+  [=[if (loops.passes(lower_corner(box), upper_corner(box)) || true) return true;]=])
 mutant("poses of half of the boxes" statics/assembly_modes.cpp
   [=[    waiting.push_back(std::move(other));
 ]=]

@@ -14,8 +14,9 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "tests/solvers/exact_balls.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::ball_factors_test {
 namespace {
 
 using Matrix50 = DenseMatrix<Real50>;
@@ -35,7 +36,7 @@ struct Random {
     return half + half.transpose();
   }
 
-  std::mt19937 engine{5};
+  std::mt19937 engine{static_cast<unsigned>(test::seed(5))};
   std::uniform_int_distribution<int> whole{-64, 64};
 };
 
@@ -224,4 +225,4 @@ TEST(BallFactors, OfAThousandSparseRows) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::ball_factors_test

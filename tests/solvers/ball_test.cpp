@@ -9,15 +9,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/solvers/exact_balls.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::ball_test {
 namespace {
 
 struct Random {
   // Of either sign, over many magnitudes.
   double operator()() { return std::ldexp(uniform(engine), magnitude(engine)); }
 
-  std::mt19937 engine{11};
+  std::mt19937 engine{static_cast<unsigned>(test::seed(11))};
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
   std::uniform_int_distribution<int> magnitude{-20, 10};
 };
@@ -162,4 +163,4 @@ TEST(Ball, ContainsAndJoins) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::ball_test

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+#include "tests/support/seed.hpp"
+
+namespace poise::solvers::linear_program_test {
 namespace {
 
 using Status = LinearProgramResult::Status;
@@ -39,7 +41,7 @@ TEST(LinearProgram, NoRowsForAVariable) {
 
 // Weak duality makes each answer prove itself.
 TEST(LinearProgram, RandomProgramsProveTheirAnswers) {
-  std::mt19937 random(1);
+  std::mt19937 random(static_cast<unsigned>(test::seed(1)));
   std::normal_distribution<double> normal;
   int count[3] = {0, 0, 0};
   for (int trial = 0; trial < 2000; ++trial) {
@@ -74,4 +76,4 @@ TEST(LinearProgram, RandomProgramsProveTheirAnswers) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::linear_program_test

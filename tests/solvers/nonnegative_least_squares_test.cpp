@@ -10,8 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "solvers/linear_algebra.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::nonnegative_least_squares_test {
 namespace {
 
 struct Random {
@@ -19,7 +20,7 @@ struct Random {
     return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(engine); });
   }
 
-  std::mt19937 engine{3};
+  std::mt19937 engine{static_cast<unsigned>(test::seed(3))};
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
 };
 
@@ -88,4 +89,4 @@ TEST(NonnegativeLeastSquares, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::nonnegative_least_squares_test

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
-namespace poise::solvers {
+#include "tests/support/seed.hpp"
+
+namespace poise::solvers::quintic_spline_test {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -89,7 +91,7 @@ TEST(InterpolatingSpline, ConvergesWithItsOrder) {
 }
 
 TEST(SmoothingSpline, LeavesNoiseAndFollowsTheMotion) {
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(test::seed(1));
   std::normal_distribution<double> normal;
   constexpr double noise = 1e-3;
   const Numbers t = uneven(4000, 1e-3);
@@ -112,7 +114,7 @@ TEST(SmoothingSpline, LeavesNoiseAndFollowsTheMotion) {
 }
 
 TEST(SmoothingSpline, NeedsReadingsAsGoodAsTheirNoise) {
-  std::mt19937_64 random(1);
+  std::mt19937_64 random(test::seed(1));
   std::normal_distribution<double> normal;
   const Numbers t = uneven(500, 1e-2);
   Numbers y;
@@ -123,4 +125,4 @@ TEST(SmoothingSpline, NeedsReadingsAsGoodAsTheirNoise) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::quintic_spline_test

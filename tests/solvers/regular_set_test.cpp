@@ -11,8 +11,9 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "tests/solvers/exact_balls.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise::solvers {
+namespace poise::solvers::regular_set_test {
 namespace {
 
 using Entries = std::vector<RegularSet::Entry>;
@@ -25,7 +26,7 @@ struct Random {
     return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return (*this)(); });
   }
 
-  std::mt19937 engine{9};
+  std::mt19937 engine{static_cast<unsigned>(test::seed(9))};
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};
 };
 
@@ -161,4 +162,4 @@ TEST(RegularSet, OfNumbersThatAreNotFiniteIsNotRegular) {
 }
 
 }  // namespace
-}  // namespace poise::solvers
+}  // namespace poise::solvers::regular_set_test

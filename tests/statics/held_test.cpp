@@ -10,8 +10,9 @@
 #include "model/scene.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/free_bodies.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::held_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -539,7 +540,8 @@ guide = {8}
 
 TEST(Held, RandomSliderCranksAgreeWithSampledEfforts) {
   int proved = 0, holds = 0, cases = 0;
-  for (unsigned seed = 1; seed <= 100; ++seed) {
+  for (unsigned k = 1; k <= 100; ++k) {
+    const auto seed = static_cast<unsigned>(test::seed(k));
     RandomSliderCrank random(seed);
     const StaticModel model(random.scene());
     const std::vector<double> x = assemble(model);
@@ -565,7 +567,8 @@ TEST(Held, RandomSliderCranksAgreeWithSampledEfforts) {
 // Inside the range of a load the pose is held, just beyond its ends it is not.
 TEST(Held, RandomRangesAgreeWithVerdicts) {
   int ends = 0, endless = 0;
-  for (unsigned seed = 1; seed <= 60; ++seed) {
+  for (unsigned k = 1; k <= 60; ++k) {
+    const auto seed = static_cast<unsigned>(test::seed(k));
     Scene scene = RandomSliderCrank(seed).scene();
     for (Joint& joint : scene.joints) {
       if (joint.friction && seed % 3 == 0) joint.friction->coefficient = 3.0;  // jams
@@ -602,4 +605,4 @@ TEST(Held, RandomRangesAgreeWithVerdicts) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::held_test

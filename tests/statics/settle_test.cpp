@@ -15,8 +15,9 @@
 #include "tests/judge/settling_judge.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::settle_test {
 namespace {
 
 using End = Settling::End;
@@ -405,7 +406,7 @@ TEST(SettleNarrow, AnArmRestsOnAPost) {
 }
 
 TEST(SettleNarrow, RandomPostsAndBumpsAreMet) {
-  std::mt19937_64 random(7);
+  std::mt19937_64 random(test::seed(7));
   const auto between = [&](double low, double high) {
     return low + (high - low) * std::generate_canonical<double, 53>(random);
   };
@@ -440,25 +441,21 @@ TEST(SettleNarrow, RandomPostsAndBumpsAreMet) {
 
 // --- against slow motion ---------------------------------------------------------------------------------------------
 
-// POISE_SETTLINGS scenes of each kind instead of a few; poise_settling judges any number.
-std::uint64_t settlings(std::uint64_t usual) {
-  const char* const wanted = std::getenv("POISE_SETTLINGS");
-  return wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : usual;
-}
-
 TEST(SettleRandom, OneFreedomRestsWhereSlowMotionDoes) {
-  for (std::uint64_t seed = 1; seed <= settlings(200); ++seed) {
+  for (std::uint64_t k = 1; k <= 200; ++k) {
+    const std::uint64_t seed = test::seed(k);
     const judge::JudgedSettling judged = judge::judge_settling_of_one_freedom(seed);
     EXPECT_TRUE(judged.agrees) << seed << ": " << judged.words;
   }
 }
 
 TEST(SettleRandom, SeveralFreedomsRestWhereSlowMotionDoesOrAreInDoubt) {
-  for (std::uint64_t seed = 1; seed <= settlings(60); ++seed) {
+  for (std::uint64_t k = 1; k <= 60; ++k) {
+    const std::uint64_t seed = test::seed(k);
     const judge::JudgedSettling judged = judge::judge_settling_of_several_freedoms(seed);
     EXPECT_TRUE(judged.agrees || judged.in_doubt) << seed << ": " << judged.words;
   }
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::settle_test

@@ -11,8 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "solvers/linear_algebra.hpp"
+#include "tests/support/seed.hpp"
 
-namespace poise {
+namespace poise::sparse_least_squares_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -38,7 +39,7 @@ class Draw {
   }
 
  private:
-  std::mt19937 random_{3};
+  std::mt19937 random_{static_cast<unsigned>(test::seed(3))};
   std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
 };
 
@@ -85,7 +86,7 @@ TEST(SparseLeastSquares, FindsWhatIsUndetermined) {
     a.col(7) = 0.5 * a.col(3) + a.col(11);
     a.col(20) = -a.col(21);
     SparseLeastSquares factored = sparse(a);
-    const NullSpace null = factored.null_space();
+    const TouchedNullSpace null = factored.null_space();
     EXPECT_EQ(null.dimension, 2);
     for (Eigen::Index i = 0; i < a.cols(); ++i) {
       const bool expected = i == 3 || i == 7 || i == 11 || i == 20 || i == 21;
@@ -104,7 +105,7 @@ TEST(SparseLeastSquares, FindsRowsThatRepeatOthers) {
     MatrixXd a = draw.matrix(40, 80, full);
     a.row(7) = 1e5 * a.row(3) + a.row(11);
     a.row(20) = -1e-6 * a.row(21);
-    const NullSpace null = sparse(a).left_null_space();
+    const TouchedNullSpace null = sparse(a).left_null_space();
     EXPECT_EQ(null.dimension, 2);
     for (Eigen::Index i : {3, 7, 20, 21}) EXPECT_TRUE(null.touches[static_cast<std::size_t>(i)]) << i;
     EXPECT_EQ(std::count(null.touches.begin(), null.touches.end(), true), 5);
@@ -112,4 +113,4 @@ TEST(SparseLeastSquares, FindsRowsThatRepeatOthers) {
 }
 
 }  // namespace
-}  // namespace poise
+}  // namespace poise::sparse_least_squares_test
