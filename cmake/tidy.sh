@@ -2,7 +2,7 @@
 # Runs clang-tidy on sources in parallel, each alone, and prints its output only if there are warnings. In tests and
 # benchmarks it looks only for what does not compile alone: a missing include, say, which a unity build hides.
 #   cmake/tidy.sh BUILD_FOLDER JOBS changed    sources that are, or include, what differs from the commit in linted_commit
-#   cmake/tidy.sh BUILD_FOLDER JOBS all        all sources; then writes HEAD into linted_commit, if nothing differs from it
+#   cmake/tidy.sh BUILD_FOLDER JOBS all        all sources; then writes the commit into linted_commit, if nothing differs from it
 # A commit that is unknown here, or other checks (.clang-tidy), mean all sources.
 set -eu
 
@@ -10,6 +10,7 @@ build=$1
 jobs=$2
 which=$3
 linted=cmake/linted_commit
+head=$(git rev-parse HEAD 2>/dev/null || echo unknown)
 
 differing_from() {
   git diff --name-only "$1"
@@ -54,10 +55,10 @@ if [ "$failed" ]; then
 fi
 echo "clang-tidy: $(echo "$sources" | grep -c .) sources clean${commit:+ that are affected since $commit}"
 if [ "$which" = all ]; then
-  if [ "$(differing_from HEAD)" ]; then
-    echo "clang-tidy: $linted stays as it is, because files differ from the last commit"
+  if [ "$(differing_from "$head")" ]; then
+    echo "clang-tidy: $linted stays as it is, because files differ from the commit that was checked"
   else
-    git rev-parse HEAD >"$linted"
+    echo "$head" >"$linted"
     echo "clang-tidy: wrote $linted; commit it"
   fi
 fi

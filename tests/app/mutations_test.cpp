@@ -25,6 +25,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 #include "tests/app/wheel_experiment.hpp"
+#include "tests/support/seed.hpp"
 
 namespace poise::app_tests::mutations_test {
 namespace {
@@ -355,7 +356,7 @@ std::string objection(const Case& damaged, const Outcome& run, const TempFolder&
 // docs/architecture.md.
 TEST(Mutations, AreReadOrAnsweredInOneLine) {
   constexpr int count = 200;
-  const int first = from_environment("POISE_FIRST_MUTATION", count * from_environment("POISE_CAMPAIGN", 0));
+  const int first = from_environment("POISE_FIRST_MUTATION", count * static_cast<int>(test::campaign_round()));
   const bool shown = from_environment("POISE_SHOW_MUTATIONS", 0) != 0;
   const auto seconds = static_cast<unsigned>(from_environment("POISE_MUTATION_SECONDS", 60));
   const std::vector<Command> commands = all_commands();

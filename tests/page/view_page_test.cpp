@@ -26,6 +26,7 @@
 #include "model/scene.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/support/browser.hpp"
+#include "tests/support/seed.hpp"
 
 extern char** environ;  // NOLINT(readability-identifier-naming): of POSIX
 
@@ -238,7 +239,8 @@ const char* const recorded =
     "  done({sent: window.sent, seen: window.seen}); window.sent = 0; window.seen = []; }; look(); })";
 
 TEST_P(RandomDrags, AreAnsweredAndShown) {
-  constexpr int drags = 20, moves = 10, drags_between_solutions = 5;
+  constexpr int moves = 10, drags_between_solutions = 5;
+  const int drags = test::cases(5, 20);
   // Without motions, for which the next move would have to wait.
   browser().emulate({.width = 700, .height = 600, .less_motion = true});
   show(GetParam());
@@ -246,7 +248,7 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
   const std::vector<double> area = browser().run(
       "const box = document.querySelector('.stage').getBoundingClientRect();"
       "return [box.x, box.y, box.x + box.width, Math.min(innerHeight, box.y + box.height)]");
-  std::mt19937_64 random(std::hash<std::string>{}(GetParam()));
+  std::mt19937_64 random(test::seed(std::hash<std::string>{}(GetParam())));
   const auto within = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random() >> 11U) / 9007199254740992.0);
   };

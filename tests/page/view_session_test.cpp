@@ -224,7 +224,7 @@ std::vector<std::string> scenes() {
   return out;
 }
 
-/// 200 random steps with the pointer on every scene of datasets/: what is shown as an equilibrium is one.
+/// Random steps with the pointer on every scene of datasets/: what is shown as an equilibrium is one.
 TEST(ViewSession, RandomDragsShowEquilibria) {
   for (const std::string& file : scenes()) {
     SCOPED_TRACE(file);
@@ -233,7 +233,7 @@ TEST(ViewSession, RandomDragsShowEquilibria) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     json state = look(session);
     ASSERT_EQ(error_of(state), "");
-    for (int k = 0; k < 200; ++k) {
+    for (int k = 0; k < test::cases(60, 200); ++k) {
       const json& handles = state["handles"];
       const json handle = handles[random() % handles.size()];
       if (handle["kind"] != "point") continue;
