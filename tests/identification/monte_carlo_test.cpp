@@ -11,29 +11,31 @@
 namespace poise::monte_carlo_test {
 namespace {
 
-// Six runs of the lift: the estimates reach the Cramer-Rao bound and the intervals have their nominal coverage. For 300
-// trials the ratio scatters by 0.04, and the coverage by 0.013; the seed is fixed.
+// Six runs of the lift: the estimates reach the Cramer-Rao bound and the intervals have their nominal coverage. For 120
+// trials the ratio scatters by 0.065, and the coverage by 0.02; the seed is fixed.
 TEST(MonteCarlo, LiftReachesItsBounds) {
   const Experiment e = test::experiment("lift_experiment");
   const FitProblem problem(e);
   MonteCarloOptions options;
+  constexpr int trials = 120;
+  options.trials = trials;
   options.seed = 2;
   options.use_starts = false;
   const MonteCarlo found = monte_carlo(problem, options);
-  EXPECT_EQ(found.trials, 300);
-  EXPECT_EQ(found.converged, 300);
-  EXPECT_EQ(found.near_truth, 300);
+  EXPECT_EQ(found.trials, trials);
+  EXPECT_EQ(found.converged, trials);
+  EXPECT_EQ(found.near_truth, trials);
   EXPECT_FALSE(found.interrupted);
   EXPECT_NEAR(found.residual_over_noise, 1.0, 0.002);
   EXPECT_LE(found.evaluations, 6.0);
   ASSERT_EQ(found.parameters.size(), 4U);
   for (const TrialStatistics& s : found.parameters) {
     SCOPED_TRACE(s.name);
-    EXPECT_GT(s.rmse / s.bound, 0.93);
-    EXPECT_LT(s.rmse / s.bound, 1.07);
-    EXPECT_GE(s.coverage, 0.93);
-    EXPECT_LE(s.coverage, 0.97);
-    EXPECT_LT(std::abs(s.bias), 4 * s.bound / std::sqrt(300.0));
+    EXPECT_GT(s.rmse / s.bound, 0.89);
+    EXPECT_LT(s.rmse / s.bound, 1.11);
+    EXPECT_GE(s.coverage, 0.92);
+    EXPECT_LE(s.coverage, 0.98);
+    EXPECT_LT(std::abs(s.bias), 4 * s.bound / std::sqrt(trials));
   }
 }
 
