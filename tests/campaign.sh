@@ -29,7 +29,7 @@ if [ -t 2 ]; then printf '\r%30s\r' '' >&2; fi
 
 cd "$folder"
 for round in $(seq 1 "$rounds"); do
-  sed -n "s/^ *[0-9]* - \(.*\) (\(Failed\|Timeout\|SEGFAULT\|Subprocess aborted\).*/round $round: \1: \2/p" "$round.txt"
+  sed -n "s/^[[:space:]]*[0-9]* - \(.*\) (\(Failed\|Timeout\|SEGFAULT\|Subprocess aborted\).*/round $round: \1: \2/p" "$round.txt"
 done
 for round in $(seq 1 "$rounds"); do grep '% tests passed' "$round.txt"; done |
   awk -v command="make campaign SEEDS=$rounds TESTS='$tests'" -v commit="$commit" '
