@@ -73,7 +73,7 @@ struct Summary {
     for (const auto& [fault, count] : faults) std::cout << fmt::format("{}: {}\n", to_string(fault), count);
     for (auto& [key, all] : times) {
       std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
-      const auto part = [&](double p) {
+      const auto part = [&all = all](double p) {
         return 1e3 * all[static_cast<std::size_t>(p * static_cast<double>(all.size() - 1))].seconds;
       };
       std::cout << fmt::format(

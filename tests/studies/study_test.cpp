@@ -1,6 +1,7 @@
 #include "studies/study.hpp"
 
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
