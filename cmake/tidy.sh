@@ -48,7 +48,7 @@ fi
 : >"$build/clang-tidy.log"
 failed=
 echo "$sources" | grep -vE '^(tests|benchmarks)/' | tidy || failed=yes
-echo "$sources" | grep -E '^(tests|benchmarks)/' | tidy '-checks=-*,modernize-use-override' || failed=yes
+echo "$sources" | grep -E '^(tests|benchmarks)/' | tidy '-checks=-*,modernize-use-override' -extra-arg=-Wno-error || failed=yes
 if [ "$failed" ]; then
   sed -e 's/\x1b\[[0-9;]*m//g' -e '/^clang-tidy/d' -e '/warnings* generated\.$/d' "$build/clang-tidy.log" >&2
   exit 1
