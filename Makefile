@@ -22,8 +22,8 @@ run: app
 test: all
 	ctest --preset $(PRESET) -j $(JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
 
-# Random tests with other seeds than those of `make test`, SEEDS of them one after the other; goes on where it was
-# interrupted. TESTS: which, all that have seeds by default.
+# Random tests with other seeds than those of `make test`, SEEDS rounds of them; goes on where it was interrupted. Without
+# TESTS those with Random or Mutations in their names; others draw from test::seed() too (tests/support/seed.hpp).
 SEEDS ?= 100
 campaign: all
 	tests/campaign.sh $(BUILD) $(JOBS) $(SEEDS) '$(TESTS)'

@@ -8,7 +8,6 @@
 #include "solvers/not_a_number.hpp"
 
 namespace poise {
-namespace {}  // namespace
 
 RunResiduals residuals_of(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                           std::size_t run) {
