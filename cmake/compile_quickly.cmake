@@ -25,5 +25,5 @@ set(POISE_HOT $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O3>)
 
 # GCC's memory before it looks for what it can free, kB: less than a unit takes.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  add_compile_options("SHELL:--param ggc-min-heapsize=1000000")
+  add_compile_options("SHELL:--param ggc-min-heapsize=700000")
 endif()

@@ -28,7 +28,9 @@ function(poise_compile_apart library part)
   target_compile_features(${library}_${part} PRIVATE cxx_std_20)
   target_compile_options(${library}_${part} PRIVATE ${arg_OPTIONS})
   target_include_directories(${library}_${part} PRIVATE "${PROJECT_SOURCE_DIR}")
-  target_include_directories(${library}_${part} SYSTEM PRIVATE $<TARGET_PROPERTY:${library},INCLUDE_DIRECTORIES>)
+  # Those of other libraries, whose warnings are none of ours.
+  target_include_directories(${library}_${part} SYSTEM PRIVATE
+    $<FILTER:$<TARGET_PROPERTY:${library},INCLUDE_DIRECTORIES>,EXCLUDE,^${PROJECT_SOURCE_DIR}$>)
   target_compile_definitions(${library}_${part} PRIVATE $<TARGET_PROPERTY:${library},COMPILE_DEFINITIONS>)
   target_sources(${library} PRIVATE $<TARGET_OBJECTS:${library}_${part}>)
 endfunction()
