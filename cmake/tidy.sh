@@ -32,10 +32,23 @@ affected_sources() {
     }'
 }
 
+# Shows on a terminal how many sources were begun: run-clang-tidy prints a line for each.
+progress() {
+  if [ -t 2 ]; then
+    awk -v of="$1" '/^[^ ]*clang-tidy/ { printf "\r%d of %d sources", ++begun, of; fflush() } END { printf "\n" }' >&2
+  else
+    cat >/dev/null
+  fi
+}
+
 # Runs clang-tidy on the sources named in standard input, of which some may not be compiled here.
 tidy() {
-  files=$(tr '\n' '|' | sed 's/|$//')
-  [ -z "$files" ] || run-clang-tidy -quiet -j "$jobs" -p "$build" "$@" "^$PWD/($files)\$" >>"$build/clang-tidy.log" 2>&1
+  files=$(cat)
+  [ "$files" ] || return 0
+  rm -f "$build/clang-tidy.failed"
+  { run-clang-tidy -quiet -j "$jobs" -p "$build" "$@" "^$PWD/($(echo "$files" | paste -sd '|'))\$" 2>&1 ||
+    touch "$build/clang-tidy.failed"; } | tee -a "$build/clang-tidy.log" | progress "$(echo "$files" | wc -l)"
+  [ ! -e "$build/clang-tidy.failed" ]
 }
 
 commit=$(cat "$linted" 2>/dev/null || echo unknown)
