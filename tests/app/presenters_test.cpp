@@ -80,6 +80,16 @@ TEST(Presenters, TextHasTheVerdictFirstThenTheContentInOrder) {
             "  residuals    small\n");
 }
 
+// Commands keep a column to show it or not once others stand beside it.
+TEST(Presenters, AColumnKeepsItsPlaceWhileOthersAreAdded) {
+  Result out;
+  Table& table = out.content.table("rows", "Rows", Rows::list);
+  const Column& first = table.words("first", "first", {"a"});
+  for (int k = 0; k < 1000; ++k) table.data("column", {1.0});
+  EXPECT_EQ(&first, &table.columns.front());
+  EXPECT_EQ(first.key, "first");
+}
+
 TEST(Presenters, QuietTextIsVerdictAndWarningsVerboseTextIsAll) {
   EXPECT_EQ(plain_text(lever(), {}, Verbosity::quiet), "In equilibrium.\nTake care.\n");
   EXPECT_NE(plain_text(lever(), {}, Verbosity::verbose).find("  time         1.5 ms\n"), std::string::npos);
