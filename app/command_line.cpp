@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@
 #include "app/commands/options.hpp"
 #include "app/present/numbers.hpp"
 #include "app/terminal/poise_folder.hpp"
+#include "app/terminal/standard_streams.hpp"
 #include "model/nearest_name.hpp"
 #include "model/one_line.hpp"
 #include "statics/mobility.hpp"
@@ -140,7 +142,7 @@ std::string line_of(int argc, const char* const* argv) {
 std::string first_line(std::string_view text) { return one_line(text.substr(0, text.find('\n'))); }
 
 int complain(const std::string& line) {
-  fmt::print(stderr, "{}\n", one_line(line));
+  say(one_line(line) + "\n");
   return bad_input;
 }
 
@@ -193,7 +195,9 @@ int parse_and_run(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
-    return app.exit(asked);
+    const int code = app.exit(asked);
+    if (!std::cout.flush()) throw InputError("cannot write to standard output; expected a place that takes the text");
+    return code;
   } catch (const CLI::ExtrasError&) {
     throw InputError(unexpected(*app.get_subcommands().front(), argc, argv));
   } catch (const CLI::ArgumentMismatch& error) {
@@ -213,6 +217,7 @@ int parse_and_run(int argc, const char* const* argv) {
 }  // namespace
 
 int run(int argc, const char* const* argv) {
+  hold_standard_streams();
   try {
     return parse_and_run(argc, argv);
   } catch (const AssemblyError& error) {

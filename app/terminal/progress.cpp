@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "app/terminal/standard_streams.hpp"
+
 namespace poise::app {
 namespace {
 
@@ -52,10 +54,10 @@ void Progress::watch(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!woken_.wait_for(lock, stop, shown ? 200ms : 1000ms, [] { return false; }) && !stop.stop_requested()) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
-    fmt::print(stderr, "{}poise: {} ... {} s", clear_line, doing_, seconds.count());
+    say(fmt::format("{}poise: {} ... {} s", clear_line, doing_, seconds.count()));
     shown = true;
   }
-  if (shown) fmt::print(stderr, "{}", clear_line);
+  if (shown) say(clear_line);
 }
 
 }  // namespace poise::app

@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
@@ -440,6 +444,29 @@ TEST(CommandLine, VersionAndHelpExitZero) {
     const std::string file = help.out.substr(begin, help.out.find_first_of(" \n", begin) - begin);
     EXPECT_TRUE(std::filesystem::exists(test::dataset(file))) << file;
   }
+}
+
+// Nobody reads what is said, and no file may take the number of a stream that is closed.
+TEST(CommandLine, StreamsThatAreClosedOrFullChangeNoExitCode) {
+  const TempFolder folder;
+  const std::string scene = folder.write("scene.toml", pendulum), file = folder.path("result.json").string();
+  const auto run = [&](const std::string& words) {
+    const int status = std::system((std::string("\"") + POISE_EXECUTABLE + "\" " + words).c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  for (const char* err : {"2>&-", "2>/dev/full"}) {
+    SCOPED_TRACE(err);
+    EXPECT_EQ(run(fmt::format("solve nothing >/dev/null {}", err)), 2);
+    EXPECT_EQ(run(fmt::format("nothing >/dev/null {}", err)), 2);
+    EXPECT_EQ(run(fmt::format("solve {} >/dev/null {}", scene, err)), 0);
+    for (const char* out : {">&-", ">/dev/full"}) {
+      EXPECT_EQ(run(fmt::format("solve {} --json {} {} {}", scene, file, out, err)), 2);
+      EXPECT_NO_THROW(static_cast<void>(nlohmann::json::parse(contents(file))));
+      EXPECT_EQ(run(fmt::format("--help {} {}", out, err)), 2);
+      EXPECT_EQ(run(fmt::format("check {} <&- {} {}", scene, out, err)), 2);
+    }
+  }
+  EXPECT_EQ(run("solve " + scene + " <&- >/dev/null"), 0);
 }
 
 TEST(CommandLine, ColoursOnlyOnATerminalWithoutNoColor) {
