@@ -74,12 +74,27 @@ std::string file_name(const StudyOptions& options) {
   return options.shards == 1 ? "study.csv" : fmt::format("shard-{}-of-{}.csv", options.shard, options.shards);
 }
 
+/// Throws InputError for what has the name of a study's file and is none: a link that leads nowhere, a device, a pipe,
+/// which would wait for a writer.
+void expect_file(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_regular_file(status)) return;
+  throw InputError(fmt::format("--output: {}: expected the file of a study, found {}; move it away", path.string(),
+                               !fs::exists(status)      ? "a link that leads nowhere"
+                               : fs::is_directory(status) ? "a folder"
+                                                          : "a device or a pipe"));
+}
+
 /// The files of studies in a folder, sorted.
 std::vector<fs::path> study_files(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name == "study.csv" || (name.starts_with("shard-") && name.ends_with(".csv"))) files.push_back(entry.path());
+    if (name == "study.csv" || (name.starts_with("shard-") && name.ends_with(".csv"))) {
+      expect_file(entry.path());
+      files.push_back(entry.path());
+    }
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -145,8 +160,9 @@ StudyFolder::StudyFolder(const Study& study, const StudyOptions& options)
     throw InputError(fmt::format("--output: {} exists already; expected a new folder, or --resume to go on with it",
                                  options.shards > 1 ? own_.string() : folder.string()));
   }
+  const std::vector<fs::path> found = study_files(folder);
   if (fs::exists(own_)) file_ = std::make_unique<AppendedFile>(own_);
-  for (const fs::path& file : study_files(folder)) {
+  for (const fs::path& file : found) {
     const std::uint64_t intact = find_chunks(file);
     if (file == own_) file_->cut_to(intact);
   }

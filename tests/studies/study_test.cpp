@@ -13,6 +13,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "model/input_error.hpp"
 #include "solvers/random_stream.hpp"
@@ -296,6 +297,24 @@ TEST(StudyFolder, RefusesAnotherStudy) {
   write(fs::path(place) / "study.csv", "time,angle\n1,2\n");
   EXPECT_TRUE(has(objection(example(), {.folder = place, .resume = true}), "its header is damaged"));
   EXPECT_TRUE(has(objection(example(), {.folder = folder.write("file", "")}), "expected a folder"));
+}
+
+// A link that leads nowhere, one to a device, and a pipe, which would wait for a writer.
+TEST(StudyFolder, RefusesWhatIsNoFile) {
+  for (const char* name : {"study.csv", "shard-2-of-3.csv"}) {
+    const TempFolder folder;
+    const fs::path place = folder.path(name);
+    const StudyOptions options{.folder = folder.path(".").string(), .resume = true};
+    fs::create_symlink("nowhere", place);
+    EXPECT_TRUE(has(objection(example(), options), "a link that leads nowhere")) << objection(example(), options);
+    EXPECT_FALSE(fs::exists(folder.path("nowhere")));
+    fs::remove(place);
+    fs::create_symlink("/dev/full", place);
+    EXPECT_TRUE(has(objection(example(), options), "a device or a pipe"));
+    fs::remove(place);
+    ASSERT_EQ(::mkfifo(place.c_str(), 0600), 0);
+    EXPECT_TRUE(has(objection(example(), options), "a device or a pipe"));
+  }
 }
 
 TEST(StudyFolder, OneProcessAtATimeWrites) {
