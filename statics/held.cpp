@@ -638,6 +638,7 @@ class Varied {
     switch (row.place.owner) {
       case Owner::force:
         if (norm(scene.forces[item].vector) == 0.0) fail("expected a force with a direction, its vector is [0, 0]");
+        is_force_ = true;
         [[fallthrough]];
       case Owner::torque:
       case Owner::scene:
@@ -675,6 +676,7 @@ class Varied {
   double present() const { return present_; }
   const Span& span() const { return span_; }
   bool is_load() const { return is_load_; }
+  bool is_force() const { return is_force_; }  ///< its size, along the direction that the scene gives it
   int grows() const { return grows_; }  ///< 1 or -1: bounds of friction grow with the number, or fall
   Scene at(double si) const {
     Scene out = scene_;
@@ -690,6 +692,7 @@ class Varied {
   double present_ = 0.0;
   Span span_;
   bool is_load_ = false;
+  bool is_force_ = false;
   int grows_ = 0;
 };
 
@@ -969,7 +972,12 @@ HeldRange held_range(const StaticModel& model, const std::vector<double>& x, con
   const Varied varied(model.scene(), number);
   const std::string why_not = why_not_asked(model, x);
   if (!why_not.empty()) throw InputError(number + ": " + why_not);
-  const Span span{std::max(from, varied.span().from), std::min(to, varied.span().to)};
+  Span span{std::max(from, varied.span().from), std::min(to, varied.span().to)};
+  // A negative size of a force, where somebody asks for it, is that of the opposite force.
+  if (std::isfinite(from) && varied.is_force()) span.from = from;
+  if (std::isfinite(from) && from < span.from) {
+    throw InputError(number + ": expected a range from 0 on, since it is never negative; found one that begins below");
+  }
   if (!(span.from <= span.to)) throw InputError(number + ": expected a range that it may be in, found none");
   return RangeFinder(model, x, varied, span).run();
 }

@@ -106,7 +106,8 @@ struct HeldRange {
 };
 
 /// Varies a number of the scene (a path of set_value(), or "loads": a factor of all forces and torques) between two
-/// values, SI, -inf and inf for all that it may take, with the bodies as they are at x. Throws InputError for a number
+/// values, SI, -inf and inf for all that it may take (of the size of a force 0 and more; a negative one, where it is
+/// asked for, acts in the opposite direction), with the bodies as they are at x. Throws InputError for a number
 /// on which the pose depends, and for one that neither loads nor friction are affine in.
 HeldRange held_range(const StaticModel& model, const std::vector<double>& x, const std::string& number,
                      double from = -std::numeric_limits<double>::infinity(),

@@ -604,5 +604,32 @@ TEST(Held, RandomRangesAgreeWithVerdicts) {
   EXPECT_GT(endless, 0);
 }
 
+// Pushed by H to the right, or where that is negative to the left.
+constexpr const char* pushed_block = R"(
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+friction = { force = 3 }
+[[force]]
+name = "H"
+at = "block.C"
+vector = [2, 0]
+)";
+
+TEST(Held, ANegativeSizeThatIsAskedForPushesBack) {
+  const HeldRange both = range(pushed_block, "load.H", -2000, 3000);
+  EXPECT_NEAR(both.lower.value, -3, 1e-12);
+  EXPECT_NEAR(both.upper.value, 3, 1e-12);
+  EXPECT_TRUE(both.lower.proved && both.upper.proved && !both.lower.at_limit);
+  EXPECT_EQ(range(pushed_block, "load.H", -2, 3000).lower.value, -2);
+  EXPECT_EQ(range(pushed_block, "load.H").lower.value, 0);
+  EXPECT_THROW(range(pushed_block, "slide.rail.friction.force", -1, 5), InputError);
+}
+
 }  // namespace
 }  // namespace poise::held_test
