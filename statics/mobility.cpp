@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <random>
 
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
@@ -20,6 +22,10 @@ namespace {
 
 constexpr double reach_tolerance = 1e-9;
 constexpr int dense_mobility_limit = 400;
+// So far a mechanism is moved to see whether its freedoms are finite, rad or sizes. Where its loops open as the k-th
+// power of the distance they look closed within closed_in_place^(1/k): for k = 2 to 5 much nearer.
+constexpr double finite_step = 0.05;
+constexpr double closed_in_place = 1e-13;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -160,19 +166,16 @@ void name_redundant(const ScaledModel& model, const std::vector<int>& rows, Repe
   }
 }
 
-// Entries of the Jacobian that the rounding of the scene's numbers may have caused count as zero: two pins of one unit
-// in the last place apart hold no more than one.
-//
-// Redundant are closures with a row that is a combination of others: those with a component in the left null space of
-// J.
-void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mobility& out) {
+// The Jacobian of the rows at x. Entries that the rounding of the scene's numbers may have caused count as zero: two
+// pins of one unit in the last place apart hold no more than one.
+Eigen::SparseMatrix<double> jacobian_of(const ScaledModel& model, const std::vector<int>& rows,
+                                        const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
-  if (rows.empty()) return;
   std::vector<int> place(static_cast<std::size_t>(m.constraints()), -1);
   for (std::size_t k = 0; k < rows.size(); ++k) place[rows[k]] = static_cast<int>(k);
   std::vector<Planar<double>> pose(m.pose_size());
   std::vector<double> values(m.jacobian_row().size());
-  m.place(out.x.data(), pose.data());
+  m.place(x.data(), pose.data());
   m.jacobian(pose.data(), values.data());
   const std::vector<double> rounding = row_rounding(model);
   std::vector<Eigen::Triplet<double>> entries;
@@ -182,9 +185,17 @@ void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mob
     if (place[row] < 0 || std::abs(values[e]) <= rounding[row]) continue;
     entries.emplace_back(place[row], m.jacobian_column()[e], values[e]);
   }
-  const int count = static_cast<int>(rows.size());
-  Eigen::SparseMatrix<double> jacobian(count, m.coordinates());
+  Eigen::SparseMatrix<double> jacobian(static_cast<int>(rows.size()), m.coordinates());
   jacobian.setFromTriplets(entries.begin(), entries.end());
+  return jacobian;
+}
+
+// Redundant are closures with a row that is a combination of others: those with a component in the left null space of
+// J.
+void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mobility& out) {
+  if (rows.empty()) return;
+  const int count = static_cast<int>(rows.size());
+  const Eigen::SparseMatrix<double> jacobian = jacobian_of(model, rows, out.x);
   if (count > dense_mobility_limit) {
     const TouchedNullSpace repeats = SparseLeastSquares(jacobian).left_null_space();
     out.rank = count - repeats.dimension;
@@ -235,6 +246,33 @@ Mobility analyse_mobility(const ScaledModel& model) {
   }
   out.dropped.insert(out.dropped.end(), layout.dropped.begin(), layout.dropped.end());
   return out;
+}
+
+std::optional<int> finite_freedoms(const ScaledModel& model, const Mobility& mobility) {
+  const std::vector<int> rows = rows_of_mechanism(model);
+  if (!mobility.assembled || rows.size() > dense_mobility_limit) return std::nullopt;
+  if (mobility.rank == mobility.closures || mobility.freedoms == 0) return mobility.freedoms;
+  const Eigen::MatrixXd tangents =
+      solvers::null_space(Eigen::MatrixXd(jacobian_of(model, rows, mobility.x)), solvers::known_to::closed_point);
+  const EquilibriumProblem problem(model.mechanism());
+  solvers::Newton newton(problem);
+  std::minstd_rand random(1);
+  std::normal_distribution<double> normal;
+  int out = 0;
+  for (int trial = 0; trial < 4 + 4 * mobility.freedoms && out < mobility.freedoms; ++trial) {
+    const Eigen::VectorXd along = Eigen::VectorXd::NullaryExpr(tangents.cols(), [&] { return normal(random); });
+    const Eigen::VectorXd step = finite_step * (tangents * along.normalized());
+    std::vector<double> x = mobility.x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += step[static_cast<Eigen::Index>(i)];
+    const solvers::NewtonResult& closed = newton.close(x);
+    if (closed.outcome != solvers::Outcome::converged || !(closed.constraint_error <= closed_in_place)) continue;
+    double moved = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) moved = std::hypot(moved, closed.x[i] - mobility.x[i]);
+    if (moved < finite_step / 10) continue;
+    const Eigen::MatrixXd there(jacobian_of(model, rows, closed.x));
+    out = std::max(out, static_cast<int>(solvers::null_space(there, solvers::known_to::closed_point).cols()));
+  }
+  return std::min(out, mobility.freedoms);
 }
 
 std::vector<double> close_loops(const ScaledModel& model) {

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
@@ -162,6 +164,64 @@ TEST(Mobility, NamesTheRedundantBeamAmongManyLoops) {
       EXPECT_TRUE(name == "second" || name == "first" || contains(name, "beam3")) << name;
     }
   }
+}
+
+// Three parallel links of which the middle one is shorter: its end moves on a circle of another curvature.
+Scene three_links(double shorter) {
+  return parse_scene(fmt::format(R"(
+[ground]
+points = {{ P1 = [0, 0], P2 = [1, 0], P3 = [2, 0] }}
+[body.bed]
+points = {{ T1 = [0, 0], T2 = [1, {0}], T3 = [2, 0] }}
+[body.l1]
+points = {{ A = [0, 0], T = [1, 0] }}
+[body.l2]
+points = {{ A = [0, 0], T = [{1}, 0] }}
+[body.l3]
+points = {{ A = [0, 0], T = [1, 0] }}
+[[pin]]
+points = ["ground.P1", "l1.A"]
+[[pin]]
+points = ["ground.P2", "l2.A"]
+[[pin]]
+points = ["ground.P3", "l3.A"]
+[[pin]]
+points = ["l1.T", "bed.T1"]
+[[pin]]
+points = ["l2.T", "bed.T2"]
+[[pin]]
+points = ["l3.T", "bed.T3"]
+[[force]]
+name = "P"
+at = "bed.T1"
+vector = [1, 1]
+[start]
+bed = 0
+l1 = -1.5707963267948966
+l2 = -1.5707963267948966
+l3 = -1.5707963267948966
+)",
+                                 shorter, 1 - shorter),
+                     "links.toml");
+}
+
+std::optional<int> finite_freedoms_of(const Scene& scene, int infinitesimal) {
+  const StaticModel model(scene);
+  const Mobility mobility = analyse_mobility(model);
+  EXPECT_EQ(mobility.freedoms, infinitesimal);
+  return finite_freedoms(model, mobility);
+}
+
+TEST(Mobility, OfAShakyStructureIsInfinitesimal) {
+  EXPECT_EQ(finite_freedoms_of(three_links(0.0), 1), 1);
+  for (const double shorter : {0.5, 0.1, 0.01, 1e-3, -0.1}) EXPECT_EQ(finite_freedoms_of(three_links(shorter), 1), 0);
+  EXPECT_EQ(finite_freedoms_of(test::parallelogram(5, 1.0, 1.0), 1), 1);
+  EXPECT_EQ(finite_freedoms_of(test::scissor(4, 1.0, 1.0, 0.5), 1), 1);
+}
+
+// A flat parallelogram can go on in two ways, each of one degree of freedom.
+TEST(Mobility, OfAChangePointIsThatBeyond) {
+  EXPECT_EQ(finite_freedoms_of(test::parallelogram(2, 0.0, 1.0), 2), 1);
 }
 
 TEST(Mobility, NamesTheJointsOfTheParallelogram) {
