@@ -255,6 +255,20 @@ Equilibrium solve_settled(const StaticModel& model, const std::vector<double>& x
   return out;
 }
 
+// Among neutral equilibria a search drifts by rounding; a start that is one of them is the answer.
+Equilibrium staying(const StaticModel& model, const std::vector<double>& start, const SolveOptions& options,
+                    Equilibrium found) {
+  if (!found.found() || found.certificate.outcome != Outcome::neutral || found.x == start) return found;
+  Equilibrium here = found;
+  here.x = start;
+  here.certificate = {};
+  here.check = {};
+  certify_answer(model, options, here);
+  if (!here.found() || here.certificate.outcome != Outcome::neutral) return found;
+  if (here.settling) here.settling->x = start;
+  return here;
+}
+
 }  // namespace
 
 std::string to_string(Seek seek) {
@@ -300,8 +314,8 @@ std::string to_string(Status status) {
 }
 
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
-  if (options.seek == Seek::settle) return solve_settled(model, x, options);
-  Equilibrium out = search_and_check(model, x, options);
+  if (options.seek == Seek::settle) return staying(model, x, options, solve_settled(model, x, options));
+  Equilibrium out = staying(model, x, options, search_and_check(model, x, options));
   const bool again = options.method == Method::virtual_work && options.safeguards.restarts;
   std::minstd_rand random(20220531);
   for (int k = 1; again && is_denied(out) && k <= most_displaced; ++k) {

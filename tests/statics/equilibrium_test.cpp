@@ -634,5 +634,38 @@ TEST_P(Invariance, OfARunRepeated) {
 INSTANTIATE_TEST_SUITE_P(Methods, Invariance, testing::ValuesIn(methods),
                          [](const auto& method) { return method.param == Method::energy ? "Energy" : "VirtualWork"; });
 
+// Balanced in every position by a spring of free length zero, in numbers that are not exact in binary.
+TEST(Equilibrium, ABalancedArmStaysWhereItStarts) {
+  for (const double degrees : {60.0, 20.0, 89.9, -75.0, 151.3}) {
+    const double start = degrees * M_PI / 180;
+    const StaticModel model(parse_scene(fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ O = [0, 0], S = [0, 0.3] }}
+[body.arm]
+points = {{ O = [0, 0], A = [0.2, 0] }}
+mass = 0.7
+center = [0.35, 0]
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[spring]]
+name = "k"
+points = ["ground.S", "arm.A"]
+stiffness = 40.0575
+free_length = 0
+[start]
+arm = {:.17g}
+)",
+                                                    start),
+                                        "arm.toml"));
+    for (const Seek seek : {Seek::settle, Seek::any, Seek::stable}) {
+      const Equilibrium found = solve(model, {.seek = seek});
+      EXPECT_EQ(found.status, Status::confirmed);
+      EXPECT_EQ(found.certificate.outcome, Outcome::neutral);
+      EXPECT_NEAR(model.to_si(found.x)[0], start, 1e-12) << to_string(seek);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace poise::equilibrium_test
