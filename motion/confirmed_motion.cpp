@@ -1,5 +1,6 @@
 #include "motion/confirmed_motion.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace poise {
@@ -11,7 +12,8 @@ ConfirmedMotion simulate_and_confirm(const MotionModel& model, const MotionState
   options.accuracy /= 10;
   options.progress = std::move(checking);
   const Motion stricter = simulate(model, start, options);
-  if (stricter.completed()) out.error = difference(out.motion, stricter);
+  // No coordinate is known better than the joints are closed.
+  if (stricter.completed()) out.error = std::max(difference(out.motion, stricter), out.motion.gap);
   out.why_unknown = stricter.why;
   return out;
 }

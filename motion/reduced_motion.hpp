@@ -190,6 +190,17 @@ class ReducedMotion {
   const T* v_p() const { return v_p_.data(); }
   const T* a_p() const { return a_p_.data(); }
 
+  /// Of all rows of c, those too that repeated others where the coordinates were chosen: after place() the row that is
+  /// open by most, rad or lengths; after move() the row that opens fastest, |J v - (rate of its drive)|, and the sum of
+  /// the sizes of these terms. Rows are those of the mechanism's closures, then drives().
+  struct Opening {
+    int row = -1;
+    T size{};
+    T terms{};  ///< of rates
+  };
+  Opening widest_gap();
+  Opening fastest_opening();
+
   const T* q() const { return q_.data(); }
   const T* v() const { return v_.data(); }
   const T* a() const { return a_.data(); }

@@ -421,6 +421,37 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
 }
 
 template <class T>
+typename ReducedMotion<T>::Opening ReducedMotion<T>::widest_gap() {
+  using std::abs;
+  if (rank() == 0) residual(t_);  // place() had nothing to close
+  Opening out;
+  for (int i = 0; i < rows_; ++i) {
+    if (out.row < 0 || !(abs(c_[i]) <= out.size)) out = {i, abs(c_[i]), T(0)};
+  }
+  return out;
+}
+
+template <class T>
+typename ReducedMotion<T>::Opening ReducedMotion<T>::fastest_opening() {
+  using std::abs;
+  if (rank() == 0) fill_jacobian();
+  Opening out;
+  for (int i = 0; i < rows_; ++i) {
+    const int drive = i - mechanism_.equalities();
+    const T rate = drive >= 0 ? drives_[drive].target(t_, 1, near_at(t_)) : T(0);
+    Opening one{i, -rate, abs(rate)};
+    for (int j = 0; j < n_; ++j) {
+      const T term = jacobian(i, j) * v_[j];
+      one.size += term;
+      one.terms += abs(term);
+    }
+    one.size = abs(one.size);
+    if (out.row < 0 || one.size > out.size) out = one;
+  }
+  return out;
+}
+
+template <class T>
 void ReducedMotion<T>::move(const T* w) {
   if (drives() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));

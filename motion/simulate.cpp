@@ -30,6 +30,10 @@ constexpr double good_pivot = 0.05;
 constexpr double past = 1e-12;
 /// A border of a profile is reached at this distance of the argument.
 constexpr double just_before = 1e-13;
+/// Joints and drives that are open by more, over the mechanism's size or rad, are open.
+constexpr double joints_closed_within = 1e-9;
+/// Rates that contradict each other differ by more than this share of their terms.
+constexpr double contradiction = 1e-9;
 /// The poses of the last stages of a step are approximations, which may lie beyond a border that the step ends at,
 /// where other formulas hold: an error in proportion to the step. So do those of the stages of Fehlberg's formula at
 /// the beginning of a step that begins there. So many steps become shorter towards a border, each by this factor, and
@@ -103,11 +107,12 @@ class Simulation {
     remake();
     if (!system_->rates(0.0, y_.data(), dydt_.data())) return give_up(system_->status, 0.0);
     limit_ = std::min(comfortable_pivot, 0.1 * reduced_.pivot());
+    refuse_contradicting_drives();
     const double accuracy = options_.accuracy / 1000;
     double t = 0.0;
     double h = first_step();
     add_node(t);
-    if (friction_.acts() && !change_friction(t)) return;
+    if (is_torn(t) || (friction_.acts() && !change_friction(t))) return;
     while (t < options_.duration) {
       if (options_.interrupt != nullptr && options_.interrupt->load()) {
         return stop(MotionStatus::interrupted, fmt::format("interrupted at t = {:.6g} s", t));
@@ -136,6 +141,7 @@ class Simulation {
       y_.swap(y_new_);
       dydt_.swap(dydt_new_);
       add_node(t);
+      if (is_torn(t)) return;
       if (t == end && !cross_break(t)) return;
       if (event && !change_friction(t)) return;
       if (event) approaches_ = 0;
@@ -157,6 +163,56 @@ class Simulation {
       if (has_poor_coordinates()) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
+  }
+
+  /// What a row of the closures and drives is of.
+  std::string name_of_row(int row) const {
+    const Scene& scene = model_.scene();
+    for (const ConstraintBlock& block : model_.mechanism().blocks()) {
+      if (row < block.first_row || row >= block.first_row + block.rows) continue;
+      const Joint& joint = scene.joints[static_cast<std::size_t>(model_.layout().closures[block.closure].joint)];
+      return fmt::format("{} \"{}\"", joint.traits().key, joint.name);
+    }
+    auto drive = static_cast<std::size_t>(row - model_.mechanism().equalities());
+    if (drive < scene.drives.size()) return fmt::format("drive \"{}\"", scene.drives[drive].name);
+    drive -= scene.drives.size();
+    for (const Stop& stop : scene.stops) {
+      if (stop.holds() && drive-- == 0) return fmt::format("{} \"{}\"", stop.family(), stop.name);
+    }
+    return "friction that holds";
+  }
+
+  /// Throws InputError where no rates of the coordinates are those that drives ask for and keep the joints closed.
+  void refuse_contradicting_drives() {
+    const Scene& scene = model_.scene();
+    const Reduced::Opening opening = reduced_.fastest_opening();
+    if (opening.row < 0 || !(opening.size > contradiction * opening.terms)) return;
+    std::vector<std::string> moving;
+    for (const Drive& drive : scene.drives) moving.push_back(fmt::format("\"{}\"", drive.name));
+    const std::string open = name_of_row(opening.row);
+    throw InputError(fmt::format(
+        "{}:{}: drive: the mechanism cannot move at the rates of its {} {}: {} would {}; expected drives that agree with "
+        "the joints and with each other, no more than there are degrees of freedom; leave one out",
+        scene.file, scene.drives.empty() ? 0 : scene.drives.back().line, moving.size() == 1 ? "drive" : "drives",
+        fmt::join(moving, ", "), open, opening.row < model_.mechanism().equalities() ? "open" : "not be followed"));
+  }
+
+  /// Ends the motion where a joint or a drive is open at the last node by more than rounding of the loops: its equation
+  /// repeated others at the start, but does not here.
+  bool is_torn(double t) {
+    const Reduced::Opening gap = reduced_.widest_gap();
+    if (gap.row < 0) return false;
+    if (gap.size > out_.gap || out_.gap_of.empty()) {
+      out_.gap = gap.size;
+      out_.gap_of = name_of_row(gap.row);
+    }
+    if (gap.size <= joints_closed_within + 2e3 * eps / (reduced_.pivot() + eps)) return false;
+    stop(MotionStatus::torn,
+         fmt::format("at t = {:.9g} s {} is open by {:.3g} of the mechanism's size, or rad: at the start its equation "
+                     "repeats those of other joints and drives, but not beyond; the mechanism is mobile there only "
+                     "infinitesimally, or its drives contradict each other",
+                     t, out_.gap_of, gap.size));
+    return true;
   }
 
   /// Goes on from a break of the inputs, where the motion's formula changes and its accelerations may jump.
@@ -815,6 +871,8 @@ std::string to_string(MotionStatus status) {
       return "interrupted";
     case MotionStatus::stuck:
       return "stuck";
+    case MotionStatus::torn:
+      return "torn";
     case MotionStatus::no_inertia:
       return "no inertia";
     case MotionStatus::step_limit:

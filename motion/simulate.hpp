@@ -55,6 +55,7 @@ enum class MotionStatus {
   completed,
   interrupted,
   stuck,       ///< no step succeeds: a dead centre, or loops that open
+  torn,        ///< a joint or drive opened whose equation repeated others at the start
   no_inertia,  ///< a degree of freedom has no inertia
   step_limit
 };
@@ -70,6 +71,10 @@ struct Motion {
   std::vector<double> kinetic, potential, work;  ///< per node, J; work: done by drives, follower loads, resistances
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N
   double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged; 0 at rest
+  /// Largest gap of a joint, coupling or drive at any node, over the mechanism's size (of angles rad), and what it is of:
+  /// 'pin "C"'. Those count too whose equations repeated others at the start.
+  double gap = 0.0;
+  std::string gap_of;
   int freedoms = 0;
   int steps = 0, rejected = 0, evaluations = 0;
   double microseconds = 0.0;
@@ -82,7 +87,8 @@ struct Motion {
 /// Integrates the motion from `start` under all forces and drives: the reduced equations of ReducedMotion by
 /// RungeKutta78, loops closed at every stage, independent coordinates chosen anew where they are ill-conditioned.
 /// The friction of joints acts in a scene that is resisted_by_joints(); throws InputError for other scenes that have
-/// some, and where the forces that it depends on are not determined.
+/// some, where the forces that it depends on are not determined, and where drives ask for rates at the start that
+/// contradict each other or the joints.
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options);
 
 /// The largest difference of two motions of one start, relative to the travel of each coordinate: with one of them at a

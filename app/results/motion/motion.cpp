@@ -223,6 +223,8 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("rejected", motion.rejected);
   group.data("evaluations", motion.evaluations);
   group.data("microseconds", motion.microseconds);
+  group.data("largest_gap", motion.gap);
+  group.data("largest_gap_of", motion.gap_of);
   group.data("singular", motion.singular);
   group.data("overrun", motion.overrun);
 }
@@ -261,6 +263,10 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
+  if (!motion.gap_of.empty()) {
+    numerics.fact("closure", fmt::format("largest gap of a joint or drive {} of the mechanism's size, or rad: {}",
+                                         small_number(motion.gap), motion.gap_of));
+  }
   numerics.fact("energy", fmt::format("kinetic + potential - work stays within {} of the energy exchanged",
                                       small_number(motion.energy_error)));
   return out;
