@@ -297,4 +297,28 @@ Forces forces_of(const MotionModel& model, const std::vector<double>& x, const s
   return InverseDynamics(model, x, v, a, drives).forces();
 }
 
+std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const Forces& forces) {
+  std::vector<BodyPose<double>> poses = poses_of(forces.motions);
+  const Vec2 from_anchor = poses.front().origin;
+  for (BodyPose<double>& pose : poses) pose.origin = pose.origin - from_anchor;
+  std::vector<SourcedForce> out = forces_on_bodies(scene, poses, forces.element_force, forces.reactions);
+  for (std::size_t d = 0; d < forces.drives.size(); ++d) {
+    add_effort(scene, poses, scene.drives[d].on, forces.drives[d].value, "drive", forces.drives[d].name, out);
+  }
+  for (const SlidingJoint& one : forces.friction.joints) {
+    add_effort(scene, poses, one.on, one.effort, "friction", scene.joints[static_cast<std::size_t>(one.joint)].name,
+               out);
+  }
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const BodyMotion& motion = forces.motions[i];
+    const BodyForce inertia{.body = static_cast<int>(i),
+                            .at = poses[i].world(body.center),
+                            .force = -body.mass * motion.acceleration_of(body.center),
+                            .moment = -body.inertia * motion.angular_acceleration};
+    if (norm(inertia.force) != 0.0 || inertia.moment != 0.0) out.push_back({"inertia", body.name, inertia});
+  }
+  return out;
+}
+
 }  // namespace poise

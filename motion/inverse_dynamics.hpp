@@ -7,6 +7,7 @@
 #include "motion/motion_model.hpp"
 #include "motion/sliding_friction.hpp"
 #include "statics/check.hpp"
+#include "statics/forces_on_bodies.hpp"
 
 namespace poise {
 
@@ -86,5 +87,9 @@ std::vector<ParallelElement> parallel_elements(const MotionModel& model, const s
 /// drives carry all of it.
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives);
+
+/// Everything that acts on the bodies, the ground too: that of statics/forces_on_bodies.hpp, with the drives, friction of
+/// joints and inertia, m a and I alpha with the opposite signs. `scene` has the loads of the instant.
+std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const Forces& forces);
 
 }  // namespace poise

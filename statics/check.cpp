@@ -135,11 +135,7 @@ class EquilibriumCheck {
       const bool shown = std::any_of(out_.reactions.begin(), out_.reactions.end(),
                                      [&](const Reaction& r) { return r.of_stop && r.name == name; });
       if (shown) continue;
-      Reaction& none = out_.reactions.emplace_back();
-      none.name = name;
-      none.kind = scene_.stops[static_cast<std::size_t>(s)].table;
-      none.of_stop = true;
-      none.determined = false;
+      out_.reactions.push_back(idle_reaction(scene_, poses_, s));
     }
     for (const Element& e : scene_.elements) {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});

@@ -8,15 +8,27 @@
 
 namespace poise {
 
-/// Reaction of one joint, bar or active stop. Force (N, world directions) and moment (N m) act on the joint's second
-/// body at the point `at` (world, m), with the opposite on its first.
+/// A force (N, world directions) and a moment (N m) on a body at the point `at` (world, m), and their proved distances
+/// from the exact ones, N and N m; infinite where nothing is proved.
+struct BodyForce {
+  int body = 0;
+  Vec2 at{};
+  Vec2 force{};
+  double moment = 0.0;
+  double radius = std::numeric_limits<double>::infinity();
+  double moment_radius = std::numeric_limits<double>::infinity();
+};
+
+/// Reaction of one joint, bar or active stop. Force (N, world directions) and moment (N m) act on `body_b`, the joint's
+/// second body, at the point `at` (world, m), with the opposite on `body_a`; unless `parts` says otherwise.
 struct Reaction {
   std::string name;
   std::string
       kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "drive", or the table of a stop: "stop", "gear", ...
   bool of_stop = false;  ///< of an item of Scene::stops
+  int body_a = 0, body_b = 0;
   Vec2 at{};
-  /// Of a stop on a sum (of a coupling, a cam) those on its first measure.
+  /// Of a stop on a rope those on its last contact, of one on a sum (of a coupling, a cam) those on its first measure.
   Vec2 force{};
   double moment = 0.0;
   double axial = 0.0;      ///< bars, stops on lengths: N, tension positive
@@ -25,6 +37,9 @@ struct Reaction {
   /// nothing is proved (statics/enclosed_reactions.hpp).
   double radius = std::numeric_limits<double>::infinity();
   double moment_radius = std::numeric_limits<double>::infinity();
+  /// Of a stop that acts on more than two places (a rope, a sum), or elsewhere than its measure is taken (teeth, the
+  /// roller of a cam): all that acts, one entry for each body, the ground too, and point.
+  std::vector<BodyForce> parts{};
 };
 
 /// Static force T of an element, N or N m, positive where it tends to reduce its measure, and its proved distance from

@@ -302,9 +302,15 @@ class Enclosure {
   }
 
   void report(const std::vector<Ball>& f, Check& check) const {
+    struct Part {
+      int body;
+      Planar<Ball> at, force{};
+      Ball moment{};
+    };
     struct Sum {
       Planar<Ball> force{};
       Ball moment, pressure;
+      std::vector<Part> parts{};  // as those of Reaction
       bool complete = true;
     };
     std::vector<Sum> sums(equations_.items().size());
@@ -320,6 +326,16 @@ class Enclosure {
       sum.force += value * unknown.force;
       sum.moment += value * unknown.moment;
       sum.pressure -= value;
+      if (unknown.with.empty()) continue;
+      equations_.for_each_action(
+          unknown, [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
+            auto part = std::find_if(sum.parts.begin(), sum.parts.end(), [&](const Part& one) {
+              return one.body == body && one.at.x.middle() == at.x.middle() && one.at.y.middle() == at.y.middle();
+            });
+            if (part == sum.parts.end()) part = sum.parts.insert(part, Part{.body = body, .at = at});
+            part->force += value * force;
+            part->moment += value * moment;
+          });
     }
     for (std::size_t k = 0; k < reported_; ++k) {
       Reaction& reaction = check.reactions[k];
@@ -329,6 +345,9 @@ class Enclosure {
       if (!x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) continue;
       reaction.force = {x.value, y.value};
       reaction.radius = radius;
+      if (reaction.parts.size() == sums[k].parts.size()) {
+        for (std::size_t p = 0; p < reaction.parts.size(); ++p) enclose(sums[k].parts[p], reaction.parts[p]);
+      }
       if (equations_.items()[k].axial) {
         reaction.axial = axial.value;
         reaction.radius = std::max(radius, axial.radius);
@@ -337,6 +356,19 @@ class Enclosure {
       reaction.moment = moment.value;
       reaction.moment_radius = moment.radius;
     }
+  }
+
+  template <class Part>
+  static void enclose(const Part& part, BodyForce& out) {
+    const Rounded x(part.force.x), y(part.force.y), moment(part.moment);
+    const double radius = above(std::hypot(x.radius, y.radius));
+    if (part.body != out.body || !x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) {
+      return;
+    }
+    out.force = {x.value, y.value};
+    out.radius = radius;
+    out.moment = moment.value;
+    out.moment_radius = moment.radius;
   }
 
   // Of the items joints come first.

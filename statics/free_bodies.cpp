@@ -19,6 +19,25 @@ using Equations = FreeBodyEquations<BodyPose<double>>;
 // A pull of a stop, over the largest force, that is rounding.
 constexpr double no_pull = 1e-9;
 
+// The reactions of the items of equations, without forces.
+std::vector<Reaction> reactions_of(const Equations& equations) {
+  std::vector<Reaction> out;
+  out.reserve(equations.items().size());
+  for (const Equations::Item& item : equations.items()) {
+    Reaction& reaction = out.emplace_back();
+    reaction.name = *item.name;
+    reaction.kind = item.kind;
+    reaction.of_stop = item.stop >= 0;
+    reaction.at = item.at;
+  }
+  for (const Equations::Unknown& unknown : equations.unknowns()) {
+    Reaction& reaction = out[static_cast<std::size_t>(unknown.item)];
+    reaction.body_a = unknown.body_a;
+    reaction.body_b = unknown.body_b;
+  }
+  return out;
+}
+
 class Statics {
  public:
   Statics(const Scene& scene, const std::vector<BodyPose<double>>& poses, double size, const Additions& additions)
@@ -144,15 +163,7 @@ class Statics {
     out_.is_moment = worst % 3 == 2;
     out_.redundancy = std::max(out_.redundancy, self_stress.dimension);
     out_.largest_force = std::max(out_.largest_load, f.size() > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
-    out_.reactions.clear();
-    out_.reactions.reserve(equations.items().size());
-    for (const Equations::Item& item : equations.items()) {
-      Reaction& reaction = out_.reactions.emplace_back();
-      reaction.name = *item.name;
-      reaction.kind = item.kind;
-      reaction.of_stop = item.stop >= 0;
-      reaction.at = item.at;
-    }
+    out_.reactions = reactions_of(equations);
     pulls_ = false;
     found_signs_.assign(scene_.stops.size(), 0.0);
     for (Eigen::Index u = 0; u < f.size(); ++u) {
@@ -161,6 +172,7 @@ class Statics {
       Reaction& reaction = out_.reactions[static_cast<std::size_t>(unknown.item)];
       reaction.force += f[u] * unknown.force;
       reaction.moment += f[u] * unknown.moment;
+      if (!unknown.with.empty()) add_parts(equations, unknown, f[u], reaction.parts);
       if (self_stress.touches[static_cast<std::size_t>(u)]) reaction.determined = false;
       if (item.axial) reaction.axial = -f[u];
       if (item.stop >= 0 && separates(scene_.stops[static_cast<std::size_t>(item.stop)])) {
@@ -175,6 +187,17 @@ class Statics {
       const int stop = equations.items()[k].stop;
       if (stop >= 0 && pressure > 1e-10 * out_.largest_force) out_.pressing.push_back(stop);
     }
+  }
+
+  static void add_parts(const Equations& equations, const Equations::Unknown& unknown, double effort,
+                        std::vector<BodyForce>& parts) {
+    equations.for_each_action(unknown, [&](int body, Vec2 at, Vec2 force, double moment) {
+      auto part = std::find_if(parts.begin(), parts.end(),
+                               [&](const BodyForce& one) { return one.body == body && one.at == at; });
+      if (part == parts.end()) part = parts.insert(part, BodyForce{.body = body, .at = at});
+      part->force += effort * force;
+      part->moment += effort * moment;
+    });
   }
 
   const Scene& scene_;
@@ -195,6 +218,14 @@ FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& pose
   Statics statics(scene, poses, size, additions);
   FreeBodies out = statics.solve(touching);
   return statics.any_pulls() ? statics.solve(statics.pushing(touching)) : out;
+}
+
+Reaction idle_reaction(const Scene& scene, const std::vector<BodyPose<double>>& poses, int stop) {
+  Equations equations(scene, poses, 1.0);
+  equations.add_stop(stop, 2);
+  Reaction out = reactions_of(equations).front();
+  out.determined = false;
+  return out;
 }
 
 }  // namespace poise

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,7 +25,7 @@ class FreeBodyEquations {
   struct Unknown {
     int item;  ///< index into items(), or -1
     int body_a, body_b;
-    Planar<T> at;
+    Planar<T> at_a, at;  ///< the same line of action, where there is no moment
     Planar<T> force;
     T moment;
     std::vector<Unknown> with{};  ///< further terms of the same unknown, of a sum
@@ -54,18 +55,28 @@ class FreeBodyEquations {
   /// Weights, forces and torques: calls push(body, at, force, moment).
   template <class Push>
   void push_loads(Push push) const {
+    push_named_loads([&](std::string_view, const std::string&, int body, const Planar<T>& at, const Planar<T>& force,
+                         const T& moment) { push(body, at, force, moment); });
+  }
+
+  /// The same with their sources: push(kind, name, body, at, force, moment), with "weight" of a body, "force", "torque".
+  template <class Push>
+  void push_named_loads(Push push) const {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       if (body.mass == 0) continue;
-      push(static_cast<int>(i), poses_[i].world(body.center), T(body.mass) * planar_cast<T>(scene_.gravity), T(0));
+      push("weight", body.name, static_cast<int>(i), poses_[i].world(body.center),
+           T(body.mass) * planar_cast<T>(scene_.gravity), T(0));
     }
     for (const Force& f : scene_.forces) {
       Planar<T> force = planar_cast<T>(f.vector);
       if (f.follows >= 0) force = force * poses_[f.follows].direction();
       const Planar<T> share = scene_.template share_at_points<T>(f) * force;
-      f.for_each_point([&](PointRef point) { push(point.body, world(point), share, T(0)); });
+      f.for_each_point([&](PointRef point) { push("force", f.name, point.body, world(point), share, T(0)); });
     }
-    for (const Torque& t : scene_.torques) push(t.body, poses_[t.body].origin, {}, T(t.value));
+    for (const Torque& t : scene_.torques) {
+      push("torque", t.name, t.body, poses_[t.body].origin, Planar<T>{}, T(t.value));
+    }
   }
 
   /// The same for the force elements. Returns the static force of each, 0 where it has no direction.
@@ -99,11 +110,12 @@ class FreeBodyEquations {
       const Planar<T> b = world(joint.b);
       Item& item = add_item(joint.name, joint.traits().key);
       item.at = from_world(b);
+      const Planar<T> a = joint.keeps_length() ? world(joint.a) : b;
       const auto act = [&](const Planar<T>& force, const T& moment) {
-        unknowns_.push_back({last_item(), joint.a.body, joint.b.body, b, force, moment});
+        unknowns_.push_back({last_item(), joint.a.body, joint.b.body, a, b, force, moment});
       };
       if (joint.keeps_length()) {
-        const Planar<T> along = b - world(joint.a);
+        const Planar<T> along = b - a;
         const T r = norm(along);
         item.axial = true;
         act(r > 0 ? T(1) / r * along : Planar<T>{T(1), T(0)}, T(0));
@@ -171,6 +183,17 @@ class FreeBodyEquations {
     }
   }
 
+  /// Calls act(body, at, force, moment) for what a unit of an unknown does to each body, the ground too, at each point.
+  template <class Act>
+  void for_each_action(const Unknown& unknown, Act act) const {
+    const auto of = [&](const Unknown& term) {
+      act(term.body_b, from_world(term.at), term.force, term.moment);
+      act(term.body_a, from_world(term.at_a), Planar<T>{} - term.force, T(0) - term.moment);
+    };
+    if (!unknown.is_replaced) of(unknown);
+    for (const Unknown& term : unknown.with) of(term);
+  }
+
   /// Calls visit(row, value) for the entries of A in the column of an unknown, several for a row in case.
   template <class Visit>
   void for_each_entry(const Unknown& unknown, Visit visit) const {
@@ -188,39 +211,49 @@ class FreeBodyEquations {
   // and lengths moments belong to a force.
   Unknown unknown_of(const UnitEffortOf<T>& effort, bool is_torque) const {
     const T scale = is_torque ? T(size_) : T(1);
-    return {last_item(), effort.body_a, effort.body_b, effort.b, scale * effort.force, scale * effort.moment};
+    return {last_item(), effort.body_a, effort.body_b, effort.a, effort.b, scale * effort.force, scale * effort.moment};
   }
 
   // In N, as that of the effort on the stop's measure.
   Unknown unknown_of(const ContactLoad<T>& contact, const Planar<T>& force, const Stop& stop) const {
     const T unit(stop.on.is_angle() ? size_ : 1.0);
-    return {last_item(), contact.body_a, contact.body_b, contact.at, unit * force, T(0)};
+    return {last_item(), contact.body_a, contact.body_b, contact.at, contact.at, unit * force, T(0)};
   }
 
   void add_pin(PointRef a, PointRef b) {
     const Planar<T> at = world(b);
     items_.back().at = from_world(at);
     for (const Planar<T>& force : {Planar<T>{T(1), T(0)}, Planar<T>{T(0), T(1)}}) {
-      unknowns_.push_back({last_item(), a.body, b.body, at, force, T(0)});
+      unknowns_.push_back({last_item(), a.body, b.body, at, at, force, T(0)});
     }
   }
 
   // The unknown effort on a measure, positive if it tends to increase it. The terms of a sum act together, each with
-  // its factor. Distances of zero have no direction in which anything could act; if there is nothing else, there is no
-  // unknown.
+  // its factor; that of the item is the first, of a rope the last of its parts. Distances of zero have no direction in
+  // which anything could act; if there is nothing else, there is no unknown.
   void add_measure(const Measure& measure) {
     Item& item = items_.back();
     item.axial = !measure.is_angle();
+    std::vector<UnitEffortOf<T>> efforts = unit_efforts(scene_, measure, poses_);
+    std::reverse(efforts.begin(), efforts.begin() + static_cast<std::ptrdiff_t>(efforts_of_first(measure)));
+    item.at = from_world(efforts.front().b);
     bool is_first = true;
-    for (const UnitEffortOf<T>& effort : unit_efforts(scene_, measure, poses_)) {
-      item.at = from_world(effort.b);
+    for (const UnitEffortOf<T>& effort : efforts) {
       if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
-      if (is_first)
+      if (is_first) {
+        item.at = from_world(effort.b);
         unknowns_.push_back(unknown_of(effort, measure.is_angle()));
-      else
+      } else {
         unknowns_.back().with.push_back(unknown_of(effort, measure.is_angle()));
+      }
       is_first = false;
     }
+  }
+
+  // How many unit efforts belong to the measure, or to the first of a sum.
+  static std::size_t efforts_of_first(const Measure& measure) {
+    if (measure.kind == Measure::Kind::rope) return measure.contacts.size() - 1;
+    return measure.kind == Measure::Kind::sum ? efforts_of_first(measure.terms.front().measure) : 1;
   }
 
   template <class Visit>

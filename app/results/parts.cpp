@@ -23,21 +23,6 @@
 namespace poise::app {
 namespace {
 
-/// The body that a reaction acts on, by the name of its joint or stop.
-class ReactionBodies {
- public:
-  explicit ReactionBodies(const Scene& scene) {
-    for (const Joint& joint : scene.joints) joints_.emplace(joint.name, scene.bodies[joint.b.body].name);
-    for (const Stop& stop : scene.stops) stops_.emplace(stop.name, second_body(scene, stop.on));
-  }
-  const std::string& of(const Reaction& reaction) const {
-    return (reaction.of_stop ? stops_ : joints_).at(reaction.name);
-  }
-
- private:
-  std::unordered_map<std::string, std::string> joints_, stops_;
-};
-
 NamedRows all_rows(const std::vector<NamedValue>& values) {
   return {places(values.size()), each(values, &NamedValue::name)};
 }
@@ -255,10 +240,28 @@ Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t numb
   return table;
 }
 
-Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
+std::vector<Reaction> reaction_rows(const std::vector<Reaction>& reactions) {
+  std::vector<Reaction> out;
+  for (const Reaction& reaction : reactions) {
+    if (reaction.parts.empty()) out.push_back(reaction);
+    for (const BodyForce& part : reaction.parts) {
+      Reaction& row = out.emplace_back(reaction);
+      row.parts.clear();
+      row.body_b = part.body;
+      row.at = part.at;
+      row.force = part.force;
+      row.moment = part.moment;
+      row.radius = part.radius;
+      row.moment_radius = part.moment_radius;
+    }
+  }
+  return out;
+}
+
+Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& rows, int redundancy,
                      Verbosity level) {
+  const std::vector<Reaction> reactions = reaction_rows(rows);
   const Units& units = model.scene().units;
-  const ReactionBodies bodies(model.scene());
   const auto is_axial = [](const Reaction& r) { return r.kind == "bar" || r.axial != 0.0; };
   const auto any = [&](auto&& is) { return std::any_of(reactions.begin(), reactions.end(), is); };
   const std::vector<double> sizes = each(reactions, [](const Reaction& r) { return norm(r.force); });
@@ -270,7 +273,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
   table.words("name", "joint", each(reactions, &Reaction::name));
   table.words("kind", "kind", each(reactions, &Reaction::kind));
-  table.words("on", "on", each(reactions, [&](const Reaction& r) { return bodies.of(r); }));
+  table.words("on", "on", each(reactions, [&](const Reaction& r) { return model.scene().bodies[static_cast<std::size_t>(r.body_b)].name; }));
   const auto length = [&](double si) { return in_unit(si, Quantity::length, units); };
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));
@@ -296,6 +299,32 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
                               ": statics does not determine the marked forces; shown are those of minimum norm");
   }
   return table;
+}
+
+void add_forces_on_bodies(Group& group, const ScaledModel& model,
+                          const std::vector<std::vector<SourcedForce>>& positions) {
+  const Scene& scene = model.scene();
+  std::vector<SourcedForce> all;
+  std::vector<double> position;
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    all.insert(all.end(), positions[k].begin(), positions[k].end());
+    position.resize(all.size(), static_cast<double>(k));
+  }
+  Table& table = group.table("forces_on_bodies", "", Rows::list, Verbosity::data);
+  if (positions.size() > 1) table.counts("position", "", position);
+  table.words("body", "", each(all, [&](const SourcedForce& f) {
+                return scene.bodies[static_cast<std::size_t>(f.on.body)].name;
+              }));
+  table.words("kind", "", each(all, &SourcedForce::kind));
+  table.words("name", "", each(all, &SourcedForce::name));
+  const auto add = [&](const std::string& key, Quantity quantity, auto&& value) {
+    table.data(key, in_unit(each(all, [&](const SourcedForce& f) { return value(f.on); }), quantity, scene.units));
+  };
+  add("at[]", Quantity::length, [](const BodyForce& f) { return f.at.x; });
+  add("at[]", Quantity::length, [](const BodyForce& f) { return f.at.y; });
+  add("force[]", Quantity::force, [](const BodyForce& f) { return f.force.x; });
+  add("force[]", Quantity::force, [](const BodyForce& f) { return f.force.y; });
+  add("moment", Quantity::moment, [](const BodyForce& f) { return f.moment; });
 }
 
 double widest(const std::vector<double>& radii) {

@@ -9,6 +9,7 @@
 #include "app/result/result.hpp"
 #include "model/quantity.hpp"
 #include "statics/answer.hpp"
+#include "statics/forces_on_bodies.hpp"
 #include "statics/pose_values.hpp"
 
 namespace poise::app {
@@ -95,10 +96,18 @@ void add_coordinate_data(Group& group, const std::string& key, const StaticModel
 Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number);
 
 /// What every joint, bar and active stop carries: reactions [{name, kind, on, at[], force[], moment, axial,
-/// determined}]; reactions that statics leaves undetermined are marked. No more digits are written than the radii of
+/// determined}], rows as of reaction_rows(); reactions that statics leaves undetermined are marked. No more digits are written than the radii of
 /// the reactions prove. Returns the table.
 Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
                      Verbosity level = Verbosity::normal);
+
+/// A row for each place at which a reaction acts where it has parts (Reaction::parts): `on` the body_b of the row.
+std::vector<Reaction> reaction_rows(const std::vector<Reaction>& reactions);
+
+/// Everything that acts on each body, for data: forces_on_bodies [{body, kind, name, at[], force[], moment}], moments
+/// about `at`; of several positions with the index `position` of each.
+void add_forces_on_bodies(Group& group, const ScaledModel& model,
+                          const std::vector<std::vector<SourcedForce>>& positions);
 
 /// The largest proved distance; those of values of which nothing is proved, infinite, do not count.
 double widest(const std::vector<double>& radii);

@@ -49,8 +49,9 @@ std::string key_of(const Scene& scene, const Measure& m) {
   std::string terms;
   for (const Measure::Term& term : m.terms) {
     if (term.profile) throw std::invalid_argument("a text has no profiles of cams");
-    terms +=
-        fmt::format("{}{{ factor = {}, {} }}", terms.empty() ? "" : ", ", term.factor, key_of(scene, term.measure));
+    std::string measure = key_of(scene, term.measure);
+    if (const std::size_t line = measure.find('\n'); line != std::string::npos) measure.replace(line, 1, ", ");
+    terms += fmt::format("{}{{ factor = {}, {} }}", terms.empty() ? "" : ", ", term.factor, measure);
   }
   return "sum = [" + terms + "]";
 }

@@ -457,6 +457,13 @@ void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer
     forces.data("efficiency_back", efficiencies(found, true));
     add_friction_data(group, scene, found);
   }
+  std::vector<std::vector<SourcedForce>> on_bodies;
+  for (std::size_t k = 0; k < found.poses.size(); ++k) {
+    const double time = found.along == "time" ? found.at[k] : 0.0;
+    on_bodies.push_back(
+        forces_on_bodies(scene.time_functions.empty() ? scene : at_time(scene, time), found.poses[k]));
+  }
+  add_forces_on_bodies(group, model, on_bodies);
   std::set<std::string> undetermined, idle;
   for (const Forces& pose : found.poses) {
     for (const Reaction& r : pose.reactions) {

@@ -419,7 +419,7 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
   if (answer.readings) return;
   for (const char* key : {"energy", "energy_note", "stability", "stability_note", "unstable_directions",
                           "neutral_directions", "certificate", "directions", "points", "angles", "slides", "positions",
-                          "springs", "torsion_springs", "stops", "reactions", "redundancy", "residuals"}) {
+                          "springs", "torsion_springs", "stops", "reactions", "redundancy", "forces_on_bodies", "residuals"}) {
     group.data(key, nullptr);
   }
 }
@@ -436,6 +436,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
     });
     if (!is_hidden) reactions.push_back(reaction);
   }
+  reactions = reaction_rows(reactions);
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
   const Units& units = model.scene().units;
   table.data("radius", force_radii_in_unit(reactions, units));
@@ -443,6 +444,15 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
   add_pose_data(group, model, *answer.readings);
+  // Of a position in which loops are open there are no forces.
+  const Check& check = answer.equilibrium.check;
+  if (check.element_forces.size() == model.scene().elements.size()) {
+    add_forces_on_bodies(group, model,
+                         {forces_on_bodies(model.scene(), answer.readings->poses,
+                                           each(check.element_forces, &ElementForce::value), check.reactions)});
+  } else {
+    group.data("forces_on_bodies", nullptr);
+  }
   add_check_data(group, model, answer.equilibrium);
   group.data("energy_note", energy_note);
 }
