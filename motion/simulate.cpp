@@ -32,8 +32,9 @@ constexpr double past = 1e-12;
 constexpr double just_before = 1e-13;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
-/// Rates that contradict each other differ by more than this share of their terms.
-constexpr double contradiction = 1e-9;
+/// Rates that contradict each other from the start differ by more than this share of their terms: more than what the
+/// choice of coordinates takes for zero. What differs by less opens later, if at all.
+constexpr double contradiction = 1e-6;
 /// The poses of the last stages of a step are approximations, which may lie beyond a border that the step ends at,
 /// where other formulas hold: an error in proportion to the step. So do those of the stages of Fehlberg's formula at
 /// the beginning of a step that begins there. So many steps become shorter towards a border, each by this factor, and
@@ -186,14 +187,14 @@ class Simulation {
   void refuse_contradicting_drives() {
     const Scene& scene = model_.scene();
     const Reduced::Opening opening = reduced_.fastest_opening();
-    if (opening.row < 0 || !(opening.size > contradiction * opening.terms)) return;
+    if (scene.drives.empty() || opening.row < 0 || !(opening.size > contradiction * opening.terms)) return;
     std::vector<std::string> moving;
     for (const Drive& drive : scene.drives) moving.push_back(fmt::format("\"{}\"", drive.name));
     const std::string open = name_of_row(opening.row);
     throw InputError(fmt::format(
         "{}:{}: drive: the mechanism cannot move at the rates of its {} {}: {} would {}; expected drives that agree with "
         "the joints and with each other, no more than there are degrees of freedom; leave one out",
-        scene.file, scene.drives.empty() ? 0 : scene.drives.back().line, moving.size() == 1 ? "drive" : "drives",
+        scene.file, scene.drives.back().line, moving.size() == 1 ? "drive" : "drives",
         fmt::join(moving, ", "), open, opening.row < model_.mechanism().equalities() ? "open" : "not be followed"));
   }
 

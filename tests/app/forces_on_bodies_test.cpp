@@ -135,11 +135,12 @@ TEST(ForcesOnBodies, RandomScenesBalance) {
     const test::PlantedMechanism planted = test::plant_mechanism(seed, 
         {.loops = k % 3, .followers = k % 5 == 0, .stops = k % 2 == 0, .couplings = true});
     // The profile of a cam cannot be written.
-    const auto has_profile = [](const Stop& stop) {
-      return std::any_of(stop.on.terms.begin(), stop.on.terms.end(),
+    const auto has_profile = [](const auto& item) {
+      return std::any_of(item.on.terms.begin(), item.on.terms.end(),
                          [](const Measure::Term& term) { return term.profile != nullptr; });
     };
-    if (std::any_of(planted.scene.stops.begin(), planted.scene.stops.end(), has_profile)) continue;
+    const auto any_has_profile = [&](const auto& items) { return std::any_of(items.begin(), items.end(), has_profile); };
+    if (any_has_profile(planted.scene.stops) || any_has_profile(planted.scene.elements)) continue;
     ++count;
     const std::string scene = folder.write("scene.toml", test::scene_text(planted.scene));
     lists += expect_balance(result_of(folder, {"solve", scene, "--seek", "any"}));
