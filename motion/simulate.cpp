@@ -192,10 +192,11 @@ class Simulation {
     for (const Drive& drive : scene.drives) moving.push_back(fmt::format("\"{}\"", drive.name));
     const std::string open = name_of_row(opening.row);
     throw InputError(fmt::format(
-        "{}:{}: drive: the mechanism cannot move at the rates of its {} {}: {} would {}; expected drives that agree with "
+        "{}:{}: drive: the mechanism cannot move at the rates of its {} {}: {} would {}; expected drives that agree "
+        "with "
         "the joints and with each other, no more than there are degrees of freedom; leave one out",
-        scene.file, scene.drives.back().line, moving.size() == 1 ? "drive" : "drives",
-        fmt::join(moving, ", "), open, opening.row < model_.mechanism().equalities() ? "open" : "not be followed"));
+        scene.file, scene.drives.back().line, moving.size() == 1 ? "drive" : "drives", fmt::join(moving, ", "), open,
+        opening.row < model_.mechanism().equalities() ? "open" : "not be followed"));
   }
 
   /// Ends the motion where a joint or a drive is open at the last node by more than rounding of the loops: its equation

@@ -71,8 +71,8 @@ struct Motion {
   std::vector<double> kinetic, potential, work;  ///< per node, J; work: done by drives, follower loads, resistances
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N
   double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged; 0 at rest
-  /// Largest gap of a joint, coupling or drive at any node, over the mechanism's size (of angles rad), and what it is of:
-  /// 'pin "C"'. Those count too whose equations repeated others at the start.
+  /// Largest gap of a joint, coupling or drive at any node, over the mechanism's size (of angles rad), and what it is
+  /// of: 'pin "C"'. Those count too whose equations repeated others at the start.
   double gap = 0.0;
   std::string gap_of;
   int freedoms = 0;

@@ -15,8 +15,9 @@ class Source {
       : kind_(kind), name_(name), out_(out), first_(out.size()) {}
 
   void act(const BodyForce& on) {
-    const auto found = std::find_if(out_.begin() + static_cast<std::ptrdiff_t>(first_), out_.end(),
-                                    [&](const SourcedForce& one) { return one.on.body == on.body && one.on.at == on.at; });
+    const auto found =
+        std::find_if(out_.begin() + static_cast<std::ptrdiff_t>(first_), out_.end(),
+                     [&](const SourcedForce& one) { return one.on.body == on.body && one.on.at == on.at; });
     if (found == out_.end()) {
       out_.push_back({std::string(kind_), name_, on});
       return;
@@ -48,10 +49,10 @@ std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const std::vector
                                            const std::vector<Reaction>& reactions) {
   std::vector<SourcedForce> out;
   FreeBodyEquations(scene, poses, 1.0)
-      .push_named_loads([&](std::string_view kind, const std::string& name, int body, Vec2 at, Vec2 force,
-                            double moment) {
-        out.push_back({std::string(kind), name, {.body = body, .at = at, .force = force, .moment = moment}});
-      });
+      .push_named_loads(
+          [&](std::string_view kind, const std::string& name, int body, Vec2 at, Vec2 force, double moment) {
+            out.push_back({std::string(kind), name, {.body = body, .at = at, .force = force, .moment = moment}});
+          });
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
     const Element& element = scene.elements[e];
     add_effort(scene, poses, element.on, -element_forces[e], element.table, element.name, out);

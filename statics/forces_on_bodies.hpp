@@ -10,7 +10,8 @@ namespace poise {
 
 /// What acts on one body: a weight, force, torque or spring, a joint, stop or drive, or its inertia.
 struct SourcedForce {
-  std::string kind;  ///< "weight", "force", "torque", the table of an element, the kind of a Reaction, "drive", "inertia"
+  std::string
+      kind;  ///< "weight", "force", "torque", the table of an element, the kind of a Reaction, "drive", "inertia"
   std::string name;  ///< of a weight and of inertia that of the body
   BodyForce on;
 };

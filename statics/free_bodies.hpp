@@ -51,8 +51,8 @@ struct FreeBodies {
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size, const Additions& additions = {});
 
-/// The reaction of a stop that carries nothing in a solution in which it shares a load with others: its place and bodies
-/// without a force, undetermined.
+/// The reaction of a stop that carries nothing in a solution in which it shares a load with others: its place and
+/// bodies without a force, undetermined.
 Reaction idle_reaction(const Scene& scene, const std::vector<BodyPose<double>>& poses, int stop);
 
 }  // namespace poise

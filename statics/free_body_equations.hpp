@@ -59,7 +59,8 @@ class FreeBodyEquations {
                          const T& moment) { push(body, at, force, moment); });
   }
 
-  /// The same with their sources: push(kind, name, body, at, force, moment), with "weight" of a body, "force", "torque".
+  /// The same with their sources: push(kind, name, body, at, force, moment), with "weight" of a body, "force",
+  /// "torque".
   template <class Push>
   void push_named_loads(Push push) const {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {

@@ -677,7 +677,7 @@ class Varied {
   const Span& span() const { return span_; }
   bool is_load() const { return is_load_; }
   bool is_force() const { return is_force_; }  ///< its size, along the direction that the scene gives it
-  int grows() const { return grows_; }  ///< 1 or -1: bounds of friction grow with the number, or fall
+  int grows() const { return grows_; }         ///< 1 or -1: bounds of friction grow with the number, or fall
   Scene at(double si) const {
     Scene out = scene_;
     for (std::size_t i = 0; i < places_.size(); ++i)

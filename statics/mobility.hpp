@@ -36,9 +36,9 @@ class AssemblyError : public InputError {
 Mobility analyse_mobility(const ScaledModel& model);
 
 /// Degrees of freedom with which it can move from its assembled start by more than an infinitesimal amount: fewer than
-/// mobility.freedoms where loops repeat each other at the start only (a shaky structure, a change point). Where closures
-/// are independent both are equal; else found by closing the loops again at places 0.05 (rad, sizes) away along random
-/// tangents, which is no proof. Nothing of mechanisms of more than 400 closures.
+/// mobility.freedoms where loops repeat each other at the start only (a shaky structure, a change point). Where
+/// closures are independent both are equal; else found by closing the loops again at places 0.05 (rad, sizes) away
+/// along random tangents, which is no proof. Nothing of mechanisms of more than 400 closures.
 std::optional<int> finite_freedoms(const ScaledModel& model, const Mobility& mobility);
 
 /// Throws AssemblyError if the loops are not closed, InputError if no pose can close them.

@@ -81,7 +81,7 @@ void expect_file(const fs::path& path) {
   const fs::file_status status = fs::status(path, ignored);
   if (fs::is_regular_file(status)) return;
   throw InputError(fmt::format("--output: {}: expected the file of a study, found {}; move it away", path.string(),
-                               !fs::exists(status)      ? "a link that leads nowhere"
+                               !fs::exists(status)        ? "a link that leads nowhere"
                                : fs::is_directory(status) ? "a folder"
                                                           : "a device or a pipe"));
 }

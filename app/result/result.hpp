@@ -95,8 +95,8 @@ struct Table {
 
   Rows rows = Rows::list;
   Shown shown = Shown::first;
-  bool csv = false;  ///< this is the table of the CSV file
-  std::deque<Column> columns{};  ///< a deque, in which a column keeps its place while others are added
+  bool csv = false;                      ///< this is the table of the CSV file
+  std::deque<Column> columns{};          ///< a deque, in which a column keeps its place while others are added
   std::vector<std::string> footnotes{};  ///< below it, as text
 
   /// Text in each row. The references returned are valid until a column is added.

@@ -273,7 +273,9 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
   table.words("name", "joint", each(reactions, &Reaction::name));
   table.words("kind", "kind", each(reactions, &Reaction::kind));
-  table.words("on", "on", each(reactions, [&](const Reaction& r) { return model.scene().bodies[static_cast<std::size_t>(r.body_b)].name; }));
+  table.words("on", "on", each(reactions, [&](const Reaction& r) {
+                return model.scene().bodies[static_cast<std::size_t>(r.body_b)].name;
+              }));
   const auto length = [&](double si) { return in_unit(si, Quantity::length, units); };
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));
@@ -312,9 +314,8 @@ void add_forces_on_bodies(Group& group, const ScaledModel& model,
   }
   Table& table = group.table("forces_on_bodies", "", Rows::list, Verbosity::data);
   if (positions.size() > 1) table.counts("position", "", position);
-  table.words("body", "", each(all, [&](const SourcedForce& f) {
-                return scene.bodies[static_cast<std::size_t>(f.on.body)].name;
-              }));
+  table.words("body", "",
+              each(all, [&](const SourcedForce& f) { return scene.bodies[static_cast<std::size_t>(f.on.body)].name; }));
   table.words("kind", "", each(all, &SourcedForce::kind));
   table.words("name", "", each(all, &SourcedForce::name));
   const auto add = [&](const std::string& key, Quantity quantity, auto&& value) {

@@ -96,8 +96,8 @@ void add_coordinate_data(Group& group, const std::string& key, const StaticModel
 Table& add_coordinate_names(Table& table, const Layout& layout, std::size_t number);
 
 /// What every joint, bar and active stop carries: reactions [{name, kind, on, at[], force[], moment, axial,
-/// determined}], rows as of reaction_rows(); reactions that statics leaves undetermined are marked. No more digits are written than the radii of
-/// the reactions prove. Returns the table.
+/// determined}], rows as of reaction_rows(); reactions that statics leaves undetermined are marked. No more digits are
+/// written than the radii of the reactions prove. Returns the table.
 Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
                      Verbosity level = Verbosity::normal);
 

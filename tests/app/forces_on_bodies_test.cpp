@@ -116,7 +116,8 @@ TEST(ForcesOnBodies, RopePullsTheWeightUp) {
 TEST(ForcesOnBodies, EveryDatasetBalances) {
   const TempFolder folder;
   int lists = 0;
-  for (const auto& file : std::filesystem::recursive_directory_iterator(std::filesystem::path(POISE_SOURCE_DIR) / "datasets")) {
+  for (const auto& file :
+       std::filesystem::recursive_directory_iterator(std::filesystem::path(POISE_SOURCE_DIR) / "datasets")) {
     if (file.path().extension() != ".toml") continue;
     SCOPED_TRACE(file.path().string());
     for (const char* command : {"solve", "forces"}) lists += expect_balance(result_of(folder, {command, file.path()}));
@@ -132,14 +133,16 @@ TEST(ForcesOnBodies, RandomScenesBalance) {
   for (int k = 0; count < wanted; ++k) {
     const std::uint64_t seed = test::seed(40000) + static_cast<std::uint64_t>(k);
     SCOPED_TRACE(seed);
-    const test::PlantedMechanism planted = test::plant_mechanism(seed, 
-        {.loops = k % 3, .followers = k % 5 == 0, .stops = k % 2 == 0, .couplings = true});
+    const test::PlantedMechanism planted =
+        test::plant_mechanism(seed, {.loops = k % 3, .followers = k % 5 == 0, .stops = k % 2 == 0, .couplings = true});
     // The profile of a cam cannot be written.
     const auto has_profile = [](const auto& item) {
       return std::any_of(item.on.terms.begin(), item.on.terms.end(),
                          [](const Measure::Term& term) { return term.profile != nullptr; });
     };
-    const auto any_has_profile = [&](const auto& items) { return std::any_of(items.begin(), items.end(), has_profile); };
+    const auto any_has_profile = [&](const auto& items) {
+      return std::any_of(items.begin(), items.end(), has_profile);
+    };
     if (any_has_profile(planted.scene.stops) || any_has_profile(planted.scene.elements)) continue;
     ++count;
     const std::string scene = folder.write("scene.toml", test::scene_text(planted.scene));

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include <gtest/gtest.h>
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "comparison/random.hpp"
 #include "motion/confirmed_motion.hpp"
@@ -27,7 +27,8 @@ double gap_of(const MotionModel& model, const Motion& motion) {
   std::vector<double> angles;
   for (std::size_t node = 0; node < path.nodes(); ++node) {
     const auto first = path.q.begin() + static_cast<std::ptrdiff_t>(node * n);
-    const std::vector<BodyPose<double>> poses = model.poses(model.from_si({first, first + static_cast<std::ptrdiff_t>(n)}));
+    const std::vector<BodyPose<double>> poses =
+        model.poses(model.from_si({first, first + static_cast<std::ptrdiff_t>(n)}));
     const auto world = [&](PointRef p) { return poses[static_cast<std::size_t>(p.body)].world(scene.local(p)); };
     for (const Joint& joint : scene.joints) worst = std::max(worst, norm(world(joint.b) - world(joint.a)));
     for (std::size_t d = 0; d < scene.drives.size(); ++d) {
@@ -49,8 +50,8 @@ std::string pin(const std::string& name, const std::string& a, const std::string
 }
 
 std::string drive(const std::string& name, const std::string& on, double rate, double acceleration = 0.0) {
-  return fmt::format("[[drive]]\nname = \"{}\"\nbodies = [\"ground\", \"{}\"]\nrate = {}\nacceleration = {}\n", name, on,
-                     rate, acceleration);
+  return fmt::format("[[drive]]\nname = \"{}\"\nbodies = [\"ground\", \"{}\"]\nrate = {}\nacceleration = {}\n", name,
+                     on, rate, acceleration);
 }
 
 std::string four_bar(double crank, double coupler_length, double rocker_length, double angle, double elbow) {
@@ -78,7 +79,8 @@ std::string three_links(double shorter, double angle, double push) {
   const double rise_x = -shorter * std::cos(angle), rise_y = -shorter * std::sin(angle);
   std::string text =
       fmt::format("gravity = [{}, -9.81]\n[ground]\npoints = {{ P1 = [0, 0], P2 = [1, 0], P3 = [2, 0] }}\n", push) +
-      body("bed", fmt::format("T1 = [0, 0], T2 = [{}, {}], T3 = [2, 0]", 1 + rise_x, rise_y)) + link(1) + link(2) + link(3);
+      body("bed", fmt::format("T1 = [0, 0], T2 = [{}, {}], T3 = [2, 0]", 1 + rise_x, rise_y)) + link(1) + link(2) +
+      link(3);
   std::string start = "[start]\nbed = 0\n";
   for (int k = 1; k <= 3; ++k) {
     text += pin(fmt::format("A{}", k), fmt::format("ground.P{}", k), fmt::format("l{}.A", k)) +

@@ -220,9 +220,7 @@ TEST(Mobility, OfAShakyStructureIsInfinitesimal) {
 }
 
 // A flat parallelogram can go on in two ways, each of one degree of freedom.
-TEST(Mobility, OfAChangePointIsThatBeyond) {
-  EXPECT_EQ(finite_freedoms_of(test::parallelogram(2, 0.0, 1.0), 2), 1);
-}
+TEST(Mobility, OfAChangePointIsThatBeyond) { EXPECT_EQ(finite_freedoms_of(test::parallelogram(2, 0.0, 1.0), 2), 1); }
 
 TEST(Mobility, NamesTheJointsOfTheParallelogram) {
   const Scene scene = read_scene(dataset("redundant_parallelogram.toml"));
