@@ -162,10 +162,12 @@ class EquilibriumCheck {
     if (!out_.balanced) object(unbalanced_in_words(bodies));
   }
 
-  // A small imbalance that rounding of the positions causes is no objection.
+  // A small imbalance that rounding of the positions causes is no objection; nor is any where all forces are no more
+  // than that.
   bool is_balanced(const FreeBodies& bodies, double rounding) const {
-    return bodies.imbalance <=
-           tolerances_.imbalance * bodies.largest_force + std::min(rounding, rounding_forgiven * bodies.largest_force);
+    return bodies.largest_force <= rounding ||
+           bodies.imbalance <= tolerances_.imbalance * bodies.largest_force +
+                                   std::min(rounding, rounding_forgiven * bodies.largest_force);
   }
 
   // Force that an element would exert over the whole size of the quantities its measure is computed from.
