@@ -258,9 +258,8 @@ std::vector<Reaction> reaction_rows(const std::vector<Reaction>& reactions) {
   return out;
 }
 
-Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& rows, int redundancy,
+Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<Reaction>& reactions, int redundancy,
                      Verbosity level) {
-  const std::vector<Reaction> reactions = reaction_rows(rows);
   const Units& units = model.scene().units;
   const auto is_axial = [](const Reaction& r) { return r.kind == "bar" || r.axial != 0.0; };
   const auto any = [&](auto&& is) { return std::any_of(reactions.begin(), reactions.end(), is); };

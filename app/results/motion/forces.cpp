@@ -460,8 +460,8 @@ void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer
   std::vector<std::vector<SourcedForce>> on_bodies;
   for (std::size_t k = 0; k < found.poses.size(); ++k) {
     const double time = found.along == "time" ? found.at[k] : 0.0;
-    on_bodies.push_back(
-        forces_on_bodies(scene.time_functions.empty() ? scene : at_time(scene, time), found.poses[k]));
+    on_bodies.push_back(scene.time_functions.empty() ? forces_on_bodies(scene, found.poses[k])
+                                                     : forces_on_bodies(at_time(scene, time), found.poses[k]));
   }
   add_forces_on_bodies(group, model, on_bodies);
   std::set<std::string> undetermined, idle;
@@ -504,7 +504,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     add_elements(content, model, courses);
     add_friction(content, model, found);
     if (!forces.friction.has_no_forces()) {
-      add_reactions(content, model, forces.reactions, forces.redundancy);
+      add_reactions(content, model, reaction_rows(forces.reactions), forces.redundancy);
       add_cams(content, model, cam_readings(model.scene(), poses_of(forces.motions), forces.reactions));
     }
   } else {

@@ -22,11 +22,11 @@ Line verdict(const Mobility& mobility, std::optional<int> finite) {
     return doubtful("All loops close; no degree of freedom that carries a load.");
   }
   if (finite && *finite < mobility.freedoms) {
-    return doubtful(
-        fmt::format("All loops close; {} of finite motion, where {} of infinitesimal motion: joints repeat each other in "
-                    "this position and not beside it.",
-                    *finite == 0 ? "no degree of freedom" : count(*finite, "degree of freedom", "degrees of freedom"),
-                    mobility.freedoms == 1 ? "it has one" : fmt::format("it has {}", mobility.freedoms)));
+    return doubtful(fmt::format(
+        "All loops close; {} of finite motion, where {} of infinitesimal motion: joints repeat each other in "
+        "this position and not beside it.",
+        *finite == 0 ? "no degree of freedom" : count(*finite, "degree of freedom", "degrees of freedom"),
+        mobility.freedoms == 1 ? "it has one" : fmt::format("it has {}", mobility.freedoms)));
   }
   return good(fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")));
 }

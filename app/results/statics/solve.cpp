@@ -417,9 +417,10 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
   add_reference(group, model, answer);
   // Of a method that does not apply there is no pose.
   if (answer.readings) return;
-  for (const char* key : {"energy", "energy_note", "stability", "stability_note", "unstable_directions",
-                          "neutral_directions", "certificate", "directions", "points", "angles", "slides", "positions",
-                          "springs", "torsion_springs", "stops", "reactions", "redundancy", "forces_on_bodies", "residuals"}) {
+  for (const char* key :
+       {"energy", "energy_note", "stability", "stability_note", "unstable_directions", "neutral_directions",
+        "certificate", "directions", "points", "angles", "slides", "positions", "springs", "torsion_springs", "stops",
+        "reactions", "redundancy", "forces_on_bodies", "residuals"}) {
     group.data(key, nullptr);
   }
 }
