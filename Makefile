@@ -11,7 +11,7 @@ JOBS ?= $(shell nproc)
 BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 
 SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
-sources_under = $(sort $(foreach folder,$(1),$(wildcard $(folder)/*.[ch]pp $(folder)/*/*.[ch]pp)))
+sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test campaign mutants bench benchmarks figures docs lint lint-all lint-setup format compile-time install setup \
   configure app all clean

@@ -8,40 +8,34 @@
 namespace poise {
 namespace {
 
-/// Adds forces of one source; those on one body at one point are one.
-class Source {
- public:
-  Source(std::string_view kind, const std::string& name, std::vector<SourcedForce>& out)
-      : kind_(kind), name_(name), out_(out), first_(out.size()) {}
-
-  void act(const BodyForce& on) {
-    const auto found =
-        std::find_if(out_.begin() + static_cast<std::ptrdiff_t>(first_), out_.end(),
-                     [&](const SourcedForce& one) { return one.on.body == on.body && one.on.at == on.at; });
-    if (found == out_.end()) {
-      out_.push_back({std::string(kind_), name_, on});
-      return;
-    }
-    found->on.force += on.force;
-    found->on.moment += on.moment;
-  }
-
- private:
-  std::string_view kind_;
-  const std::string& name_;
-  std::vector<SourcedForce>& out_;
-  std::size_t first_;
-};
+void add_source(std::string_view kind, const std::string& name, const std::vector<BodyForce>& parts,
+                std::vector<SourcedForce>& out) {
+  for (const BodyForce& part : parts) out.push_back({std::string(kind), name, part});
+}
 
 }  // namespace
 
+void add_at_place(const BodyForce& on, std::vector<BodyForce>& parts) {
+  const auto part = std::find_if(parts.begin(), parts.end(),
+                                 [&](const BodyForce& one) { return one.body == on.body && one.at == on.at; });
+  if (part == parts.end()) {
+    parts.push_back(on);
+    return;
+  }
+  part->force += on.force;
+  part->moment += on.moment;
+}
+
 void add_effort(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Measure& on, double effort,
                 std::string_view kind, const std::string& name, std::vector<SourcedForce>& out) {
-  Source source(kind, name, out);
+  std::vector<BodyForce> parts;
   for (const UnitEffort& unit : unit_efforts(scene, on, poses)) {
-    source.act({.body = unit.body_b, .at = unit.b, .force = effort * unit.force, .moment = effort * unit.moment});
-    source.act({.body = unit.body_a, .at = unit.a, .force = -effort * unit.force, .moment = -effort * unit.moment});
+    const Vec2 force = effort * unit.force;
+    const double moment = effort * unit.moment;
+    add_at_place({.body = unit.body_b, .at = unit.b, .force = force, .moment = moment}, parts);
+    add_at_place({.body = unit.body_a, .at = unit.a, .force = -force, .moment = -moment}, parts);
   }
+  add_source(kind, name, parts, out);
 }
 
 std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const std::vector<BodyPose<double>>& poses,
@@ -58,12 +52,12 @@ std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const std::vector
     add_effort(scene, poses, element.on, -element_forces[e], element.table, element.name, out);
   }
   for (const Reaction& r : reactions) {
-    Source source(r.kind, r.name, out);
-    for (const BodyForce& part : r.parts) source.act(part);
-    if (!r.parts.empty()) continue;
-    const BodyForce on_b{r.body_b, r.at, r.force, r.moment, r.radius, r.moment_radius};
-    source.act(on_b);
-    source.act({r.body_a, r.at, -r.force, -r.moment, r.radius, r.moment_radius});
+    std::vector<BodyForce> parts = r.parts;
+    if (parts.empty()) {
+      parts = {{r.body_b, r.at, r.force, r.moment, r.radius, r.moment_radius},
+               {r.body_a, r.at, -r.force, -r.moment, r.radius, r.moment_radius}};
+    }
+    add_source(r.kind, r.name, parts, out);
   }
   return out;
 }

@@ -16,6 +16,9 @@ struct SourcedForce {
   BodyForce on;
 };
 
+/// Adds what acts on a body at a point: to what does so there already, or behind it.
+void add_at_place(const BodyForce& on, std::vector<BodyForce>& parts);
+
 /// Adds the force and moment on both bodies, or on all, of an effort on a measure: positive where it tends to increase
 /// the measure. Entries on one body at one point are one.
 void add_effort(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Measure& on, double effort,

@@ -8,6 +8,7 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nonnegative_least_squares.hpp"
+#include "statics/forces_on_bodies.hpp"
 #include "statics/free_body_equations.hpp"
 #include "statics/minimum_norm.hpp"
 
@@ -192,11 +193,7 @@ class Statics {
   static void add_parts(const Equations& equations, const Equations::Unknown& unknown, double effort,
                         std::vector<BodyForce>& parts) {
     equations.for_each_action(unknown, [&](int body, Vec2 at, Vec2 force, double moment) {
-      auto part = std::find_if(parts.begin(), parts.end(),
-                               [&](const BodyForce& one) { return one.body == body && one.at == at; });
-      if (part == parts.end()) part = parts.insert(part, BodyForce{.body = body, .at = at});
-      part->force += effort * force;
-      part->moment += effort * moment;
+      add_at_place({.body = body, .at = at, .force = effort * force, .moment = effort * moment}, parts);
     });
   }
 
