@@ -28,7 +28,7 @@ struct Reaction {
   bool of_stop = false;  ///< of an item of Scene::stops
   int body_a = 0, body_b = 0;
   Vec2 at{};
-  /// Of a stop on a rope those on its last contact, of one on a sum (of a coupling, a cam) those on its first measure.
+  /// A stop on a rope has those on its last contact, one on a sum (of a coupling, a cam) those on its first measure.
   Vec2 force{};
   double moment = 0.0;
   double axial = 0.0;      ///< bars, stops on lengths: N, tension positive

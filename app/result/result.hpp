@@ -99,7 +99,7 @@ struct Table {
   std::deque<Column> columns{};          ///< a deque, in which a column keeps its place while others are added
   std::vector<std::string> footnotes{};  ///< below it, as text
 
-  /// Text in each row. The references returned are valid until a column is added.
+  /// Text in each row. The references returned are valid as long as the table.
   Column& words(std::string key, std::string title, std::vector<std::string> cells);
   /// A text that is not in the data: a remark beside the row.
   Column& remarks(std::vector<std::string> cells, Tone tone = Tone::plain);

@@ -445,7 +445,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
   add_pose_data(group, model, *answer.readings);
-  // Of a position in which loops are open there are no forces.
+  // A position in which loops are open has no forces.
   const Check& check = answer.equilibrium.check;
   if (check.element_forces.size() == model.scene().elements.size()) {
     add_forces_on_bodies(group, model,
