@@ -461,7 +461,7 @@ TEST(CommandLine, StreamsThatAreClosedOrFullChangeNoExitCode) {
     EXPECT_EQ(run(fmt::format("solve {} >/dev/null {}", scene, err)), 0);
     for (const char* out : {">&-", ">/dev/full"}) {
       EXPECT_EQ(run(fmt::format("solve {} --json {} {} {}", scene, file, out, err)), 2);
-      EXPECT_NO_THROW(static_cast<void>(nlohmann::json::parse(contents(file))));
+      EXPECT_TRUE(nlohmann::json::accept(contents(file)));
       EXPECT_EQ(run(fmt::format("--help {} {}", out, err)), 2);
       EXPECT_EQ(run(fmt::format("check {} <&- {} {}", scene, out, err)), 2);
     }
