@@ -1,6 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | campaign | mutants | bench | benchmarks | figures | docs | lint | lint-all | format | compile-time
-#        install PREFIX=/usr/local | setup | clean
+#   make run | test | campaign | sanitize | mutants | bench | benchmarks | figures | docs | lint | lint-all | format
+#        compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -8,12 +8,13 @@
 PRESET ?= $(if $(CI),ci,release)
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
+comma := ,
 BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 
 SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
-.PHONY: run test campaign mutants bench benchmarks figures docs lint lint-all lint-setup format compile-time install setup \
+.PHONY: run test campaign sanitize mutants bench benchmarks figures docs lint lint-all lint-setup format compile-time install setup \
   configure app all clean
 
 run: app
@@ -27,6 +28,13 @@ test: all
 SEEDS ?= 100
 campaign: all
 	tests/campaign.sh $(BUILD) $(JOBS) $(SEEDS) '$(TESTS)'
+
+# Every eighth test, or of another number, under the address and undefined behaviour sanitizers: SLICE=3/8 is the third
+# of eight slices, which together are all tests.
+SLICE ?= 1/8
+sanitize:
+	$(MAKE) all PRESET=debug
+	ctest --preset debug -j $(JOBS) --tests-information $(subst /,$(comma)$(comma),$(SLICE))
 
 # Puts one error after the other into bounds and proofs, and requires that the tests notice each (an hour);
 # ONLY='box_prover.cpp: a sliver' tries those whose file and name match.

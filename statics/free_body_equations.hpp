@@ -148,12 +148,12 @@ class FreeBodyEquations {
     unknowns_.back().with = {unknown_of(*contact, contact->force + sign * contact->separating, stop)};
   }
 
-  /// What a unit of |effort| of a coupling's teeth pushes its wheels apart by.
+  /// What a unit of |effort| of a coupling's teeth pushes its wheels apart by: of the same item as add_stop() of it
+  /// before.
   void add_separation(int index) {
     const Stop& stop = scene_.stops[index];
     if (const std::optional<ContactLoad<T>> contact = contact_load(scene_, stop, poses_)) {
       unknowns_.push_back(unknown_of(*contact, contact->separating, stop));
-      unknowns_.back().item = -1;
     }
   }
 

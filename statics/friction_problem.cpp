@@ -132,7 +132,7 @@ bool is_idle(const Scene& scene, const Rubbing& one) {
 }  // namespace
 
 FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<double>& x)
-    : model_(model), bodies_(placed(model, x)) {
+    : model_(model), x_(x), bodies_(placed(model, x)) {
   const Scene& scene = model.scene();
   const double size = model.scales().length;
   BallEquations equations(scene, bodies_, size);
@@ -218,9 +218,22 @@ FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<dou
   columns_ = static_cast<int>(equations.unknowns().size());
   a_.assign(static_cast<std::size_t>(equations.rows()), std::vector<Ball>(static_cast<std::size_t>(columns_)));
   for (int u = 0; u < columns_; ++u) {
-    equations.for_each_entry(equations.unknowns()[static_cast<std::size_t>(u)], [&](int row, const Ball& value) {
+    const BallEquations::Unknown& unknown = equations.unknowns()[static_cast<std::size_t>(u)];
+    equations.for_each_entry(unknown, [&](int row, const Ball& value) {
       a_[static_cast<std::size_t>(row)][static_cast<std::size_t>(u)] += value;
     });
+    const BallEquations::Item& item = equations.items()[static_cast<std::size_t>(unknown.item)];
+    const std::string kind(item.kind == "drive" ? "friction" : item.kind);
+    std::vector<SourcedForce>& actions = actions_.emplace_back();
+    equations.for_each_action(unknown,
+                              [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
+                                actions.push_back({kind,
+                                                   *item.name,
+                                                   {.body = body,
+                                                    .at = {at.x.middle(), at.y.middle()},
+                                                    .force = {force.x.middle(), force.y.middle()},
+                                                    .moment = moment.middle()}});
+                              });
   }
   set_load(load_of(scene));
 }
@@ -237,6 +250,23 @@ std::vector<Ball> FrictionProblem::load_of(const Scene& scene) const {
   };
   equations.push_loads(push);
   equations.push_elements(push);
+  return out;
+}
+
+std::vector<SourcedForce> FrictionProblem::forces_on_bodies(const Eigen::VectorXd& v) const {
+  const Scene& scene = model_.scene();
+  const std::vector<BodyPose<double>> poses = model_.poses(x_);
+  const std::vector<double> element_forces =
+      FreeBodyEquations(scene, poses, 1.0).push_elements([](int, Vec2, Vec2, double) {});
+  std::vector<SourcedForce> out = poise::forces_on_bodies(scene, poses, element_forces, {});
+  for (std::size_t u = 0; u < actions_.size(); ++u) {
+    const double effort = unit_ * v[static_cast<Eigen::Index>(u)];
+    for (SourcedForce action : actions_[u]) {
+      action.on.force = effort * action.on.force;
+      action.on.moment *= effort;
+      out.push_back(std::move(action));
+    }
+  }
   return out;
 }
 

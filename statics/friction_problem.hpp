@@ -89,6 +89,8 @@ class FrictionProblem {
   const std::vector<Ball>& slope() const { return slope_; }
   bool varies() const { return !slope_.empty(); }
 
+  /// All that acts on the bodies, the ground too, at a point v: loads, elements, and the forces of all columns.
+  std::vector<SourcedForce> forces_on_bodies(const Eigen::VectorXd& v) const;
   /// The bound of a source at factor 1 and |f|, in unit().
   double bound_at(std::size_t source, const Eigen::VectorXd& v) const;
   /// The part in which a point is: the piece that counts there, or the direction of the force in the pin.
@@ -131,8 +133,10 @@ class FrictionProblem {
   Combined combined(const Eigen::VectorXd& target, const Eigen::VectorXd& z, const std::vector<Row>& rows) const;
 
   const StaticModel& model_;
+  std::vector<double> x_;
   std::vector<PlacedBody<Ball>> bodies_;
-  std::vector<std::vector<Ball>> a_;  // rows of A
+  std::vector<std::vector<Ball>> a_;                // rows of A
+  std::vector<std::vector<SourcedForce>> actions_;  // of a unit of each column, N, on all bodies
   int columns_ = 0;
   std::vector<Source> sources_;
   std::vector<Teeth> teeth_;

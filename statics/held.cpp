@@ -340,6 +340,7 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
   out.least_factor = upper > least ? upper : 0.0;
   const Decision at = decide(problem, upper, false);
   if (at.verdict == Holding::held) {
+    out.on_bodies = problem.forces_on_bodies(at.v);
     out.efforts.assign(problem.rubbings(), {});
     for (std::size_t s = 0; s < problem.sources().size(); ++s) {
       const double si = problem.unit() * problem.sources()[s].si;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/measure.hpp"
+#include "statics/forces_on_bodies.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
@@ -70,6 +71,8 @@ struct HeldPose {
   double factor_upper = std::numeric_limits<double>::quiet_NaN();
   /// Of each of rubbing(), at the least factor: efforts that balance the bodies, and bounds at k = 1.
   std::vector<FrictionEffort> efforts;
+  /// All that acts on the bodies with them, the ground too; empty where there are no efforts.
+  std::vector<SourcedForce> on_bodies;
   /// What slips where k falls below the least factor.
   std::vector<Slip> slips;
 };

@@ -327,6 +327,18 @@ void add_forces_on_bodies(Group& group, const ScaledModel& model,
   add("moment", Quantity::moment, [](const BodyForce& f) { return f.moment; });
 }
 
+void add_forces_on_bodies(Group& group, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
+                          const Check& check) {
+  const Scene& scene = model.scene();
+  if (check.element_forces.size() != scene.elements.size()) {
+    group.data("forces_on_bodies", nullptr);
+    return;
+  }
+  add_forces_on_bodies(
+      group, model,
+      {forces_on_bodies(scene, poses, each(check.element_forces, &ElementForce::value), check.reactions)});
+}
+
 double widest(const std::vector<double>& radii) {
   double out = 0.0;
   for (const double radius : radii) {

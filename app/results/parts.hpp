@@ -108,6 +108,9 @@ std::vector<Reaction> reaction_rows(const std::vector<Reaction>& reactions);
 /// about `at`; of several positions with the index `position` of each.
 void add_forces_on_bodies(Group& group, const ScaledModel& model,
                           const std::vector<std::vector<SourcedForce>>& positions);
+/// The same at rest; null where loops are open, so that there are no forces.
+void add_forces_on_bodies(Group& group, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
+                          const Check& check);
 
 /// The largest proved distance; those of values of which nothing is proved, infinite, do not count.
 double widest(const std::vector<double>& radii);

@@ -64,7 +64,11 @@ json result_of(const TempFolder& folder, std::vector<std::string> words) {
 /// Expects balance where the result has the list; whether it has.
 bool expect_balance(const json& result) {
   if (!result.contains("forces_on_bodies") || result["forces_on_bodies"].is_null()) return false;
-  if (result.contains("balanced") ? !result["balanced"].get<bool>() : result["status"] != "confirmed") return false;
+  if (result.contains("balanced") && !result["balanced"].get<bool>()) return false;
+  if (result.contains("status") && result["status"] != "confirmed" && result["status"] != "checked, not proved") {
+    return false;
+  }
+  if (result["forces_on_bodies"].empty()) return false;
   EXPECT_LT(imbalance(result["forces_on_bodies"]), 1e-7);
   return true;
 }
@@ -120,7 +124,9 @@ TEST(ForcesOnBodies, EveryDatasetBalances) {
        std::filesystem::recursive_directory_iterator(std::filesystem::path(POISE_SOURCE_DIR) / "datasets")) {
     if (file.path().extension() != ".toml") continue;
     SCOPED_TRACE(file.path().string());
-    for (const char* command : {"solve", "forces"}) lists += expect_balance(result_of(folder, {command, file.path()}));
+    for (const char* command : {"solve", "forces", "loads", "hold"}) {
+      lists += expect_balance(result_of(folder, {command, file.path()}));
+    }
   }
   EXPECT_GT(lists, 60);
 }
@@ -128,23 +134,13 @@ TEST(ForcesOnBodies, EveryDatasetBalances) {
 // With ropes, gears, racks, couplings and cams, and what rests on stops.
 TEST(ForcesOnBodies, RandomScenesBalance) {
   const TempFolder folder;
-  int lists = 0, count = 0;
-  const int wanted = test::cases(60, 300);
-  for (int k = 0; count < wanted; ++k) {
+  int lists = 0;
+  const int count = test::cases(60, 300);
+  for (int k = 0; k < count; ++k) {
     const std::uint64_t seed = test::seed(40000) + static_cast<std::uint64_t>(k);
     SCOPED_TRACE(seed);
     const test::PlantedMechanism planted =
         test::plant_mechanism(seed, {.loops = k % 3, .followers = k % 5 == 0, .stops = k % 2 == 0, .couplings = true});
-    // The profile of a cam cannot be written.
-    const auto has_profile = [](const auto& item) {
-      return std::any_of(item.on.terms.begin(), item.on.terms.end(),
-                         [](const Measure::Term& term) { return term.profile != nullptr; });
-    };
-    const auto any_has_profile = [&](const auto& items) {
-      return std::any_of(items.begin(), items.end(), has_profile);
-    };
-    if (any_has_profile(planted.scene.stops) || any_has_profile(planted.scene.elements)) continue;
-    ++count;
     const std::string scene = folder.write("scene.toml", test::scene_text(planted.scene));
     lists += expect_balance(result_of(folder, {"solve", scene, "--seek", "any"}));
   }

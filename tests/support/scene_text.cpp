@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -48,7 +49,7 @@ std::string key_of(const Scene& scene, const Measure& m) {
   }
   std::string terms;
   for (const Measure::Term& term : m.terms) {
-    if (term.profile) throw std::invalid_argument("a text has no profiles of cams");
+    if (term.profile) throw std::invalid_argument("a text has profiles of cams only");
     std::string measure = key_of(scene, term.measure);
     if (const std::size_t line = measure.find('\n'); line != std::string::npos) measure.replace(line, 1, ", ");
     terms += fmt::format("{}{{ factor = {}, {} }}", terms.empty() ? "" : ", ", term.factor, measure);
@@ -99,8 +100,45 @@ std::string text_of(const Scene& scene, const Element& element) {
   return out;
 }
 
-// Gears, belts, racks and guided cams as the couplings that they are.
+// The points of a spline, or the parts of standard laws, of which that one is a polynomial of the fifth degree.
+std::string text_of(const Profile& profile) {
+  const std::vector<Profile::Piece>& pieces = profile.pieces();
+  const auto is_standard = [](const Profile::Piece& piece) {
+    return piece.law != Profile::Law::polynomial || piece.c[5] != 0.0;
+  };
+  const bool by_law = std::any_of(pieces.begin(), pieces.end(), is_standard);
+  std::string out;
+  if (!by_law) out = pair({0.0, pieces.front().c[0]});
+  for (const Profile::Piece& piece : pieces) {
+    // The end of the turn is exactly its beginning.
+    const bool is_last = &piece == &pieces.back();
+    const double to = 2 * M_PI * piece.to, end = is_last ? pieces.front().c[0] : Profile::on(piece, piece.to).value;
+    if (!out.empty()) out += ", ";
+    if (!by_law) {
+      out += pair({to, end});
+      continue;
+    }
+    const std::string law = piece.law == Profile::Law::harmonic    ? "harmonic"
+                            : piece.law == Profile::Law::cycloidal ? "cycloidal"
+                                                                   : "polynomial_345";
+    out += fmt::format("{{ to = {}, lift = {}, law = \"{}\" }}", to, end, law);
+  }
+  return fmt::format("{} = [{}]", by_law ? "law" : "curve", out);
+}
+
+std::string text_of_cam(const Scene& scene, const Stop& stop) {
+  const Measure::Term& turned = stop.on.terms[1];
+  std::string follower = key_of(scene, stop.on.terms[0].measure);
+  if (const std::size_t line = follower.find('\n'); line != std::string::npos) follower.replace(line, 1, ", ");
+  return fmt::format(
+      "\n[[cam]]\nname = \"{}\"\n{}\nfollower = {{ {} }}\n{}\nlift = {}\nbase = {}\nphase = {}\nguided = {}\n",
+      stop.name, key_of(scene, turned.measure), follower, text_of(*turned.profile), -turned.factor, stop.min,
+      turned.shift, stop.couples());
+}
+
+// Gears, belts and racks as the couplings that they are.
 std::string text_of(const Scene& scene, const Stop& stop) {
+  if (stop.table == "cam") return text_of_cam(scene, stop);
   const std::string table = stop.couples() ? "coupling" : "stop";
   std::string out = fmt::format("\n[[{}]]\nname = \"{}\"\n{}\n", table, stop.name, key_of(scene, stop.on));
   if (stop.couples()) return out + fmt::format("value = {}\n", stop.min);

@@ -232,6 +232,7 @@ Result hold_result(const StaticModel& model, const std::vector<double>& x, const
   if (!pose.slips.empty()) content.fact("slips first", slips_in_words(all, pose.slips));
   if (view.range) add_range(content, model, *view.range, view, all);
   add_efforts(content, model, pose, all);
+  add_forces_on_bodies(content, model, {pose.on_bodies});
   add_coordinate_data(content, "pose", model, x);
   const Readings readings = read_off(model, x);
   add_coordinates(content, model, {&readings}, {"pose"});

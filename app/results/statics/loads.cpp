@@ -232,7 +232,9 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   content.data("status", to_string(equilibrium.status));
   content.data("stability", to_string(equilibrium.certificate.stability));
   content.data("why", equilibrium.why);
-  add_all(content, model, model.poses(equilibrium.x), answer.links, steps);
+  const std::vector<BodyPose<double>> poses = model.poses(equilibrium.x);
+  add_all(content, model, poses, answer.links, steps);
+  add_forces_on_bodies(content, model, poses, equilibrium.check);
   return out;
 }
 
@@ -264,6 +266,11 @@ Result loads_result(const MotionModel& model, const MovingLoadsAnswer& answer, i
   content.data("time", answer.time);
   content.data("why", found.why);
   add_all(content, model, found.poses, found.links, steps);
+  if (found.why.empty()) {
+    add_forces_on_bodies(content, model, {forces_on_bodies(at_time(model.scene(), answer.time), found.forces)});
+  } else {
+    content.data("forces_on_bodies", nullptr);
+  }
   return out;
 }
 

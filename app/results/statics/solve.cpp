@@ -445,15 +445,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_stops(group, model, *answer.readings, answer.equilibrium.check);
   add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
   add_pose_data(group, model, *answer.readings);
-  // A position in which loops are open has no forces.
-  const Check& check = answer.equilibrium.check;
-  if (check.element_forces.size() == model.scene().elements.size()) {
-    add_forces_on_bodies(group, model,
-                         {forces_on_bodies(model.scene(), answer.readings->poses,
-                                           each(check.element_forces, &ElementForce::value), check.reactions)});
-  } else {
-    group.data("forces_on_bodies", nullptr);
-  }
+  add_forces_on_bodies(group, model, answer.readings->poses, answer.equilibrium.check);
   add_check_data(group, model, answer.equilibrium);
   group.data("energy_note", energy_note);
 }
