@@ -25,8 +25,10 @@
 namespace poise {
 namespace {
 
-constexpr int most_unclaimed = 300;  // coordinates up to which the end of a failed search is examined too
-constexpr int most_displaced = 12;   // displaced starts, after a result that the check does not confirm
+constexpr int most_unclaimed = 300;        // coordinates up to which the end of a failed search is examined too
+constexpr int most_in_dense_planes = 300;  // coordinates up to which neutral directions are computed
+constexpr int most_returns = 4;            // along these, to the start
+constexpr int most_displaced = 12;         // displaced starts, after a result that the check does not confirm
 // From where the mechanism settles to the equilibrium of a method, besides what rounding and the proof leave open.
 constexpr double settled_within = 1e-9;
 
@@ -255,18 +257,64 @@ Equilibrium solve_settled(const StaticModel& model, const std::vector<double>& x
   return out;
 }
 
-// Among neutral equilibria a search drifts by rounding; a start that is one of them is the answer.
+bool is_proved_neutral(const Equilibrium& found) {
+  return found.found() && found.certificate.outcome == Outcome::neutral;
+}
+
+// The place in the plane of an equilibrium's neutral directions that is nearest to another.
+std::vector<double> in_neutral_plane(const StaticModel& model, const Equilibrium& found,
+                                     const std::vector<double>& other) {
+  const Mechanism<double>& m = model.mechanism();
+  std::vector<double> out = found.x;
+  if (m.has_follower_loads() || m.coordinates() > most_in_dense_planes) return out;
+  std::vector<int> rows(m.equalities());
+  std::iota(rows.begin(), rows.end(), 0);
+  for (const int stop : found.certificate.active_stops) rows.push_back(m.stop_row(stop));
+  const ReducedHessian reduced(m, found.x, rows);
+  if (reduced.matrix.size() == 0) return out;
+  const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(reduced.matrix);
+  const auto n = static_cast<Eigen::Index>(out.size());
+  Eigen::Map<Eigen::VectorXd> place(out.data(), n);
+  const Eigen::VectorXd away = Eigen::Map<const Eigen::VectorXd>(other.data(), n) - place;
+  const Certificate& certificate = found.certificate;
+  for (int k = 0; k < certificate.neutral_directions; ++k) {
+    const Eigen::Index at = certificate.unstable_directions + k;
+    if (at >= eigen.vectors.cols()) break;
+    const Eigen::VectorXd direction = reduced.basis * eigen.vectors.col(at);
+    place += direction.dot(away) * direction;
+  }
+  return out;
+}
+
+// Among neutral equilibria a search drifts by rounding, or by its steps in other directions. A start, or a place in
+// which the mechanism settles, that is one of them is the answer; else the one that is nearest to it.
 Equilibrium staying(const StaticModel& model, const std::vector<double>& start, const SolveOptions& options,
                     Equilibrium found) {
-  if (!found.found() || found.certificate.outcome != Outcome::neutral || found.x == start) return found;
+  if (!is_proved_neutral(found) || found.x == start) return found;
   Equilibrium here = found;
   here.x = start;
   here.certificate = {};
   here.check = {};
   certify_answer(model, options, here);
-  if (!here.found() || here.certificate.outcome != Outcome::neutral) return found;
-  if (here.settling) here.settling->x = start;
-  return here;
+  if (is_proved_neutral(here)) {
+    if (here.settling) here.settling->x = start;
+    return here;
+  }
+  const std::vector<double> target = found.settling ? found.settling->x : start;
+  std::vector<double> back = in_neutral_plane(model, found, target);
+  for (int k = 0; k < most_returns && distance(back, found.x) > settled_within; ++k) {
+    Equilibrium next = search_and_check(model, back, options);
+    if (!is_proved_neutral(next)) break;
+    std::vector<double> further = in_neutral_plane(model, next, target);
+    if (!(distance(further, next.x) < distance(back, found.x))) break;
+    back = std::move(further);
+    next.iterations += found.iterations;
+    next.evaluations += found.evaluations;
+    next.microseconds += found.microseconds;
+    next.settling = std::move(found.settling);
+    found = std::move(next);
+  }
+  return found;
 }
 
 }  // namespace

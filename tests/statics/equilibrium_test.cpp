@@ -667,5 +667,74 @@ arm = {:.17g}
   }
 }
 
+// A lamp whose upper arm is balanced in every position, while its lower arm sinks to its stop and the shade swings to
+// its rest: the search must not carry the upper arm along.
+TEST(Equilibrium, ABalancedArmStaysWhileOtherBodiesFindTheirRest) {
+  const StaticModel model(parse_scene(R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0], Q = [0, 0.5], hook = [0, 1] }
+[body.lower]
+points = { O = [0, 0], eye = [0.25, 0], P = [1, 0] }
+mass = 1
+center = [0.5, 0]
+[body.stay]
+points = { Q = [0, 0], R = [1, 0] }
+[body.crosshead]
+points = { P = [0, 0], R = [0, 0.5], hook = [0, 1] }
+[body.upper]
+points = { P = [0, 0], eye = [0.25, 0], E = [1, 0] }
+mass = 1.5
+center = [0.5, 0]
+[body.shade]
+points = { E = [0, 0] }
+mass = 0.25
+center = [0.125, 0]
+[[pin]]
+points = ["upper.E", "shade.E"]
+[[pin]]
+points = ["ground.O", "lower.O"]
+[[pin]]
+points = ["ground.Q", "stay.Q"]
+[[pin]]
+points = ["lower.P", "crosshead.P"]
+[[pin]]
+points = ["stay.R", "crosshead.R"]
+[[pin]]
+name = "elbow"
+points = ["lower.P", "upper.P"]
+[[spring]]
+name = "shoulder"
+points = ["ground.hook", "lower.eye"]
+stiffness = 100
+free_length = 0
+[[spring]]
+name = "forearm"
+points = ["crosshead.hook", "upper.eye"]
+stiffness = 40
+free_length = 0
+[[stop]]
+bodies = ["ground", "lower"]
+min = -1.2
+max = 1.2
+[start]
+lower = 0.7
+stay = 0.7
+upper = -0.4
+shade = -1
+)",
+                                      "lamp.toml"));
+  for (const Seek seek : {Seek::any, Seek::settle}) {
+    const Equilibrium found = solve(model, {.seek = seek});
+    ASSERT_EQ(found.status, Status::confirmed) << found.why;
+    EXPECT_EQ(found.certificate.outcome, Outcome::neutral);
+    std::map<std::string, double> at;
+    for (std::size_t i = 0; i < found.x.size(); ++i) at[model.layout().coordinates[i].name] = model.to_si(found.x)[i];
+    EXPECT_NEAR(at["lower"], 1.2, 1e-12);
+    EXPECT_NEAR(at["shade"], -M_PI_2, 1e-9);
+    EXPECT_NEAR(at["upper"], -0.4, 1e-8) << to_string(seek);
+  }
+}
+
 }  // namespace
 }  // namespace poise::equilibrium_test
