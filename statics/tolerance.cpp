@@ -26,7 +26,6 @@ constexpr int most_sampled_unknowns = 400;
 constexpr double chord_contraction = 0.3;
 constexpr double converged_sample = 1e-11;  // rad, mechanism sizes, parts of its force
 constexpr double decided_within = 1e-6;     // the same; an equilibrium that rounding moves further is not decided
-constexpr double singular = 1e-14;          // reciprocal condition; the sign of the determinant is not known
 constexpr int most_chords = 20;
 constexpr double farthest_normal = 6.0;         // standard deviations; beyond, a number is drawn again
 constexpr std::size_t chunk = 500;              // samples computed by a thread at a time
@@ -134,7 +133,10 @@ class Continuation {
         continue;
       }
       step *= 0.5;
-      if (step < least_step) return drowned_ ? Course::undecided : Course::lost;
+      if (step >= least_step) continue;
+      // Beyond what ends the equilibrium anything may be singular; what is known is known of its last place.
+      move(part);
+      return rounding_at(state_, numbers) < decided_within ? Course::lost : Course::undecided;
     }
     return Course::continues;
   }
@@ -143,21 +145,16 @@ class Continuation {
 
  private:
   // Newton's method: each step a fraction of the one before, not far, and on the stable side.
-  // Where the steps end in what rounding moves, that is an answer if it is small; else nothing is known, not that the
-  // equilibrium is lost.
+  // Where the steps end in what rounding moves, that is an answer if it is small.
   bool correct(State& state, const std::vector<double>& numbers) {
     constexpr int most_steps = 8;
     constexpr double farthest = 0.05;
-    drowned_ = false;
     const int poses = state.equations->poses();
     double before = std::numeric_limits<double>::infinity(), moved = 0.0;
     for (int k = 0; k < most_steps; ++k) {
       const ResidualDerivatives at = differentiate(*state.equations, numbers, state.z, false);
       const solvers::FullyPivotedLu factors(at.by_unknowns);
-      if (factors.determinant_sign() != sign_) {
-        drowned_ = factors.reciprocal_condition() < singular;
-        return false;
-      }
+      if (factors.determinant_sign() != sign_) return false;
       const Eigen::VectorXd dz = factors.solve(Eigen::VectorXd(-at.residual));
       if (!dz.allFinite()) return false;
       for (Eigen::Index i = 0; i < dz.size(); ++i) state.z[i] += dz[i];
@@ -172,14 +169,17 @@ class Continuation {
   }
 
   // Whether a step is one that rounding makes, of a solution that is known nevertheless.
-  bool is_rounding(double size, const State& state, const std::vector<double>& numbers) {
+  static bool is_rounding(double size, const State& state, const std::vector<double>& numbers) {
+    const double rounding = rounding_at(state, numbers);
+    return !(size > rounding) && rounding < decided_within;
+  }
+
+  // How far rounding moves the solution.
+  static double rounding_at(const State& state, const std::vector<double>& numbers) {
     const ResidualDerivatives at = differentiate(*state.equations, numbers, state.z, true);
     const solvers::FullyPivotedLu factors(at.by_unknowns);
     const Eigen::Index n = at.by_unknowns.rows();
-    const double rounding =
-        rounding_of(at, factors.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))), numbers, state.z);
-    drowned_ = !(size > rounding);
-    return drowned_ && rounding < decided_within;
+    return rounding_of(at, factors.solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n))), numbers, state.z);
   }
 
   // Lets go of stops that pull and holds those that are overrun.
@@ -217,7 +217,6 @@ class Continuation {
   const Scene& scene_;
   State state_;
   int sign_;
-  bool drowned_ = false;  // the last correction ended in rounding
 };
 
 /// What every sample shares.
