@@ -14,6 +14,10 @@ double distance(const PathPoint& a, const PathPoint& b, double range) {
   return std::sqrt(square);
 }
 
+bool effort_is_torque(const VariedScene& varied) {
+  return varied.effort_dimension().length == dimension::torque.length;
+}
+
 }  // namespace
 
 std::string to_string(PathEvent::Kind kind) {
@@ -88,8 +92,10 @@ std::string to_string(PointProof proof) {
   return "";
 }
 
-std::string effort_name(const VariedScene& varied) {
-  return varied.effort_dimension().length == dimension::torque.length ? "torque" : "force";
+std::string effort_name(const VariedScene& varied) { return effort_is_torque(varied) ? "torque" : "force"; }
+
+double rounding_of_effort(const VariedScene& varied) {
+  return 1e-13 * (effort_is_torque(varied) ? varied.scales().energy() : varied.scales().force);
 }
 
 EventPlace place_of(const Path& path, int event, double range) {

@@ -20,6 +20,8 @@ std::string to_string(PointProof proof);
 
 /// "torque" or "force": what holds a driven measure.
 std::string effort_name(const VariedScene& varied);
+/// Efforts below this are rounding, SI.
+double rounding_of_effort(const VariedScene& varied);
 
 /// Where an event lies on the path.
 struct EventPlace {

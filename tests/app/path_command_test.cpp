@@ -126,5 +126,32 @@ TEST(PathCommand, InterruptKeepsWhatWasFollowed) {
   EXPECT_TRUE(contains(contents(folder.path("out")), "Interrupted")) << contents(folder.path("out"));
 }
 
+// A balanced arm needs no torque anywhere; what is left is rounding, and no reason for small units.
+TEST(PathCommand, ShowsNoRoundingAsATorque) {
+  const TempFolder folder;
+  const std::string scene = folder.write("arm.toml", R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0], S = [0, 0.3] }
+[body.arm]
+points = { O = [0, 0], A = [0.2, 0] }
+mass = 0.7
+center = [0.35, 0]
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[spring]]
+name = "k"
+points = ["ground.S", "arm.A"]
+stiffness = 40.0575
+free_length = 0
+[start]
+arm = 0.2
+)");
+  const Outcome outcome = run_poise({"path", scene, "--vary", "angle.arm=0.1..1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("torque (N m)"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("1.0000000             0  stable"), std::string::npos) << outcome.out;
+}
+
 }  // namespace
 }  // namespace poise::app_tests::path_command_test

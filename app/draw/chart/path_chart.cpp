@@ -50,7 +50,9 @@ Ordinate effort_of(const VariedScene& varied) {
   const Dimension dimension = varied.effort_dimension();
   const Units& units = varied.scene().units;
   return {label_with_unit(effort_name(varied) + " needed", dimension.unit_name(units)),
-          [unit = dimension.unit(units)](const PathPoint& point) { return point.effort / unit; }};
+          [unit = dimension.unit(units), rounding = rounding_of_effort(varied)](const PathPoint& point) {
+            return std::abs(point.effort) < rounding ? 0.0 : point.effort / unit;
+          }};
 }
 
 Ordinate measure_of(const VariedScene& varied, PathReader& reader, const PathMeasure& measure,

@@ -277,8 +277,10 @@ void add_measures(Table& table, PathReport& report, const std::vector<const Path
   if (!report.varied.is_driven()) return;
   const std::vector<double> efforts =
       each(points, [&](const PathPoint* point) { return report.effort(point->effort); });
-  table.numbers("", effort_name(report.varied), report.varied.effort_dimension().unit_name(report.units()), efforts,
-                {.digits = force_digits, .zero_below = 1e-12 * largest_size(efforts)});
+  table.numbers(
+      "", effort_name(report.varied), report.varied.effort_dimension().unit_name(report.units()), efforts,
+      {.digits = force_digits,
+       .zero_below = std::max(1e-12 * largest_size(efforts), report.effort(rounding_of_effort(report.varied)))});
 }
 
 void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
