@@ -86,6 +86,59 @@ TEST(KinematicsCommand, NamesTheDeadCentreAndExitsOne) {
   EXPECT_TRUE(contains(outcome.out, "link6 and link7 are in line")) << outcome.out;
 }
 
+// At the dead centre of its shock a rear suspension moves as a whole, but only rocker and shock are in line.
+TEST(KinematicsCommand, CallsOnlyThoseInLineThatAre) {
+  const TempFolder folder;
+  const std::string scene = folder.write("suspension.toml", R"(
+[units]
+length = "mm"
+[ground]
+points = { A = [0, 0], R = [-20, 300], T = [150, 330] }
+[body.chainstay]
+points = { A = [0, 0], B = [-420, 30] }
+[body.seatstay]
+points = { B = [0, 0], C = [300, 330] }
+[body.rocker]
+points = { R = [0, 0], C = [-80, 0], S = [60, 20] }
+[body.tube]
+points = { S = [0, 0] }
+[body.shaft]
+points = { T = [0, 0] }
+[[pin]]
+name = "A"
+points = ["ground.A", "chainstay.A"]
+[[pin]]
+name = "B"
+points = ["chainstay.B", "seatstay.B"]
+[[pin]]
+name = "C"
+points = ["seatstay.C", "rocker.C"]
+[[pin]]
+name = "R"
+points = ["ground.R", "rocker.R"]
+[[pin]]
+name = "S"
+points = ["rocker.S", "tube.S"]
+[[pin]]
+name = "T"
+points = ["ground.T", "shaft.T"]
+[[slide]]
+name = "shock"
+points = ["tube.S", "shaft.T"]
+axis = [1, 0]
+[start]
+tube = 0.1
+shock = 110
+)");
+  const Outcome outcome = run_poise({"kinematics", scene, "--drive", "shock=160..60"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  // |T - R| - |S - R| of the points.
+  EXPECT_NE(outcome.out.find("cannot be driven beyond shock = 109.3812"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("dead centre of the loop closed by \"shock\": rocker and tube are in line"),
+            std::string::npos)
+      << outcome.out;
+}
+
 TEST(KinematicsCommand, EndsAtAStopAndReportsIt) {
   const TempFolder folder;
   const std::string result = folder.path("k.json");
