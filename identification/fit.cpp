@@ -840,7 +840,7 @@ class Fitting {
     if (longer <= (1 + nearly_straight) * reach) return;
     estimate.is_curved = true;
     estimate.standard_error = out_.errors.error[i] * longer / reach;
-    const FitProblem::Scale scale = problem_.scale_of(i);
+    const FitProblem::Scale scale = problem_.scale_of(i, estimate.value);
     const bool large = scale.size > 0 && estimate.standard_error > scale.size / identifiable_from;
     estimate.poorly_determined = large;
     if (large && scale.is_own_size && !estimate.withheld) withhold(i, "not identifiable from these data");
@@ -890,7 +890,7 @@ class Fitting {
         estimate.low = estimate.value - reach;
         estimate.high = estimate.value + reach;
         if (!out_.identifiability.identifiable[i]) estimate.why = "not identifiable from these data";
-        const double scale = problem_.scale_of(i).size;
+        const double scale = problem_.scale_of(i, estimate.value).size;
         estimate.poorly_determined = scale > 0 && estimate.standard_error > scale / identifiable_from;
       }
       const double near = 1e-9 * p.scale;

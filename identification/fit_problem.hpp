@@ -66,15 +66,15 @@ class FitProblem {
     return experiment_.unknowns[static_cast<std::size_t>(parameters_[parameter].unknown)];
   }
   /// How large a change of a parameter matters, SI: as its unknown says, else its range, else its prior mean or
-  /// standard deviation, else its own size in the scene or at the start. 0 where none of these is known or other than
-  /// zero.
+  /// standard deviation, else its own size: in the scene or at the start, or `estimated` where that is larger than
+  /// what is not zero there. 0 where none of these is known or other than zero.
   struct Scale {
     double size = 0.0;
     bool is_own_size = false;  ///< the last of these
 
     double size_or(double otherwise) const { return size > 0 ? size : otherwise; }
   };
-  Scale scale_of(std::size_t parameter) const;
+  Scale scale_of(std::size_t parameter, double estimated = 0.0) const;
   /// A change of a parameter by which the mechanism becomes another one, SI: of a length the size of the mechanism, of
   /// masses, forces and numbers of sensors Parameter::scale; else RunModel::reach().
   double reach(std::size_t parameter) const;

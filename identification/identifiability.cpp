@@ -178,7 +178,7 @@ class Assessment {
       : problem_(problem), parameters_(parameters), n_(static_cast<Index>(parameters.size())), scale_(n_) {
     for (Index i = 0; i < n_; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      const FitProblem::Scale scale = problem.scale_of(at);
+      const FitProblem::Scale scale = problem.scale_of(at, parameters[at] + problem.unknown_of(at).includes);
       known_scale_.push_back(scale.size > 0);
       own_size_.push_back(scale.is_own_size);
       scale_[i] = scale.size_or(problem.unknown_of(at).unit);

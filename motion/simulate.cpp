@@ -41,6 +41,8 @@ constexpr double contradiction = 1e-6;
 /// longer behind it.
 constexpr int steps_at_border = 2;
 constexpr double shorter_at_border = 0.01;
+/// Errors of sensitivities that count may be larger than those of the state, by this factor.
+constexpr double of_sensitivities = 1e4;
 
 class Simulation {
  public:
@@ -82,6 +84,9 @@ class Simulation {
       y_[static_cast<std::size_t>(f + k)] = v[static_cast<std::size_t>(reduced_.independent()[k])];
     }
     for (int c = 0; c < std::min(columns_, 2 * f); ++c) y_[sensitivity(c, c)] = 1.0;
+    for (int c = 2 * f; c < columns_; ++c) {
+      if (switches_over(options.influences[static_cast<std::size_t>(c - 2 * f)])) switching_.push_back(c);
+    }
   }
 
   Motion run() {
@@ -99,6 +104,15 @@ class Simulation {
   /// Place in y of column c of row k: of z_k, or of w_(k - f).
   std::size_t sensitivity(int k, int c) const {
     return static_cast<std::size_t>(2 * reduced_.freedoms() + 1 + k * columns_ + c);
+  }
+
+  /// Dry friction turns with the rate over a width: where its size is small, or even 0, the state tells nothing of
+  /// that, but its sensitivities to the size do.
+  bool switches_over(const Influence& influence) const {
+    if (influence.body >= 0 || influence.moves() || influence.force.of != ForceNumber::Of::element) return false;
+    const Element& element = model_.scene().elements[static_cast<std::size_t>(influence.force.item)];
+    const auto* const friction = std::get_if<DryFriction>(&element.law);
+    return friction != nullptr && friction->width > 0;
   }
 
   void move_along() {
@@ -536,6 +550,17 @@ class Simulation {
       const double rounding = eps * std::abs(y_[static_cast<std::size_t>(k)]) / 100;
       worst = std::max({worst, e_z / (z + rounding + tiny), e_w / (w + tiny)});
     }
+    for (const int column : switching_) {
+      double largest = 0.0;
+      double error = 0.0;
+      for (int k = f; k < 2 * f; ++k) {
+        const std::size_t at = sensitivity(k, column);
+        const double turns = fastest_ * std::abs(y_[sensitivity(k - f, column)]);
+        largest = std::max({largest, turns, std::abs(y_[at]), std::abs(y_new_[at])});
+        error = std::max(error, std::abs(error_[at]));
+      }
+      worst = std::max(worst, error / (of_sensitivities * accuracy * largest + tiny));
+    }
     return worst;
   }
 
@@ -838,6 +863,7 @@ class Simulation {
   std::vector<char> overrun_;
   int columns_ = 0;
   double limit_ = 0.0, taken_ = 0.0;
+  std::vector<int> switching_;       // sensitivities whose errors count too
   std::vector<MotionInput> inputs_;  // of the options and the scene
   std::vector<double> breaks_;       // of the inputs, ascending
   std::vector<double> jumps_;        // those at which one jumps

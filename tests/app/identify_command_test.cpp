@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +42,73 @@ TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
     ASSERT_NE(at, std::string::npos) << part << "\n" << run.out;
   }
   EXPECT_EQ(run_poise({"identify", file, "--quiet"}).out, "Converged: residuals agree with the stated noise.\n");
+}
+
+// A pendulum with viscous damping alone, guessed ten times too small, and friction whose estimate is near or at its
+// bound 0: the damping is determined to some ten per cent of itself all the same.
+TEST(IdentifyCommand, FindsTheDampingBesideFrictionThatIsZero) {
+  const TempFolder folder;
+  const auto scene = [](const char* inertia, const char* damping) {
+    return fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ O = [0, 0] }}
+[body.arm]
+points = {{ O = [0, 0] }}
+mass = 1
+center = [0.3, 0]
+inertia = {}
+[[pin]]
+name = "O"
+points = ["ground.O", "arm.O"]
+[[torsion_damper]]
+name = "grease"
+bodies = ["ground", "arm"]
+coefficient = {}
+[[friction]]
+name = "bearing"
+bodies = ["ground", "arm"]
+torque = 0
+width = 0.05
+[start]
+arm = -1.2
+)",
+                       inertia, damping);
+  };
+  const std::string truth = folder.write("truth.toml", scene("0.02", "0.01"));
+  folder.write("guess.toml", scene("0.03", "0.001"));
+  const std::string experiment = folder.write("experiment.toml", R"(
+scene = "guess.toml"
+[[sensor]]
+name = "arm"
+angle = "arm"
+noise = 6e-4
+[[unknown]]
+path = "body.arm.inertia"
+[[unknown]]
+path = "torsion_damper.grease.coefficient"
+[[unknown]]
+path = "friction.bearing.torque"
+[[run]]
+data = "record.csv"
+)");
+  int at_bound = 0;
+  for (const char* seed : {"1", "3", "5", "6"}) {
+    ASSERT_EQ(run_poise({"motion", truth, "--release", "arm=-0.6", "--duration", "4", "--rate", "50", "--noise", "6e-4",
+                         "--seed", seed, "--csv", folder.path("record.csv").string()})
+                  .exit_code,
+              0);
+    const json r = run_json(folder, {"identify", experiment}, 0);
+    const json& damping = r["estimates"][1];
+    EXPECT_TRUE(damping["withheld"].is_null()) << seed << ": " << damping;
+    const double error = damping["standard_error"].is_number() ? damping["standard_error"].get<double>() : NAN;
+    EXPECT_LT(error, 0.0015) << seed;
+    EXPECT_NEAR(damping["value"].get<double>(), 0.01, 4 * error) << seed;
+    EXPECT_LE(damping["low"].get<double>(), 0.01) << seed;
+    EXPECT_GE(damping["high"].get<double>(), 0.01) << seed;
+    at_bound += r["estimates"][2]["at_bound"].get<bool>() ? 1 : 0;
+  }
+  EXPECT_GE(at_bound, 1);
 }
 
 TEST(IdentifyCommand, SaysWhichStopsTheMotionPasses) {
