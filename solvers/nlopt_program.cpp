@@ -19,10 +19,10 @@ using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
 
 constexpr double cobyla_first_step = 0.1;
 constexpr double cobyla_reach = 1e3;  // bound on every variable
-// The first step of L-BFGS is the whole gradient, which may lead past the nearest minimum: gradients are scaled down.
-constexpr double lbfgs_scale = 0.3;
+// The first step of L-BFGS is the whole gradient, which may lead past the nearest minimum, the more so the stiffer a
+// spring: gradients are scaled down, the more the better up to this, measured on the project's scenes.
+constexpr double lbfgs_scale = 0.003;
 constexpr int lbfgs_memory = 10;       // the default uses megabytes, which cost more than the search
-constexpr double lbfgs_coarser = 1e3;  // tolerance of an inner minimisation relative to the outer
 constexpr double finest_step = 1e-12;  // of a search from far, where rounding of values hides finer ones
 constexpr double close_enough = 1e-5;  // errors from which the problem is rescaled
 constexpr double smallest_unit = 1e-14;
@@ -72,7 +72,8 @@ class Program {
   SearchResult run(const std::vector<double>& start) {
     result_.x = start;
     best_ = optimality_of(start);
-    int word = search(from_far());
+    // From a solution a search may well step away.
+    int word = best_.error <= options_.tolerance ? static_cast<int>(NLOPT_SUCCESS) : search(from_far());
     while (refine() && left_to_do()) {
       const double before = best_.error;
       const int status = search(before < close_enough ? from_near() : from_far());
@@ -82,7 +83,7 @@ class Program {
     result_.multipliers = best_.multipliers;
     result_.claims_success = succeeded(word) && !result_.interrupted;
     result_.status = name_of(algorithm_) + nlopt_in_words(result_.interrupted ? NLOPT_FORCED_STOP : word);
-    result_.evaluations = rescaled_.evaluations();
+    result_.evaluations = std::max(1, rescaled_.evaluations());
     result_.iterations = result_.evaluations;
     return result_;
   }
@@ -148,7 +149,7 @@ class Program {
       case NloptAlgorithm::slsqp:
         return limited(create(NLOPT_LD_SLSQP, n), steps_);
       case NloptAlgorithm::auglag_lbfgs: {
-        const Handle local = limited(create(NLOPT_LD_LBFGS, n), lbfgs_coarser * steps_);
+        const Handle local = limited(create(NLOPT_LD_LBFGS, n), steps_);
         nlopt_set_vector_storage(local.get(), lbfgs_memory);
         Handle outer = limited(create(NLOPT_AUGLAG, n), steps_);
         nlopt_set_local_optimizer(outer.get(), local.get());
