@@ -62,8 +62,8 @@ figures: all
 	  --of force.rubber --quiet --svg docs/clamp_force.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
 	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
-	$(BUILD)/poise stress --starts 10 --seconds 0.02 --markdown docs/stress.md
-	$(BUILD)/poise stress --safeguards --starts 20 --seconds 0.2 --markdown docs/safeguards.md
+	$(BUILD)/poise stress --starts 10 --work 4000 --markdown docs/stress.md
+	$(BUILD)/poise stress --safeguards --starts 20 --work 40000 --markdown docs/safeguards.md
 
 # The outputs that README.md and docs/ show, made anew; the cuts "..." stay.
 docs: all

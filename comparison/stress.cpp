@@ -1,9 +1,9 @@
 #include "comparison/stress.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -12,13 +12,10 @@
 #include "comparison/case_check.hpp"
 #include "comparison/random.hpp"
 #include "comparison/tally.hpp"
-#include "comparison/time_limit.hpp"
 #include "solvers/parallel.hpp"
 
 namespace poise::comparison {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct MethodVariant {
   Method method{};
@@ -67,28 +64,28 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_c
   settings.seek = hard.seek;
   settings.safeguards = by.variant.safeguards;
   settings.scaling = by.variant.scaling;
-  // However slow, a single start ends some time.
-  std::optional<TimeLimit> limit;
-  if (!by.never_stops()) limit.emplace(StressOptions::patience * options.seconds, options.interrupt);
-  settings.interrupt = limit ? &limit->raised() : options.interrupt;
+  settings.interrupt = options.interrupt;
+  const int coordinates = model.mechanism().coordinates();
+  const double of_evaluation = work_of_an_evaluation(by.method, coordinates);
+  const double of_start = StressOptions::work_of_a_start * work_of_an_evaluation(Method::virtual_work, coordinates);
+  if (!by.never_stops()) {
+    constexpr double any = std::numeric_limits<int>::max();
+    settings.iterations =
+        static_cast<int>(std::clamp(StressOptions::patience * options.work / of_evaluation, 1.0, any));
+  }
   Tally tally(by.method);
   Starts starts(hard, model);
   const int wanted = options.starts > 0 ? options.starts : hard.starts;
-  const Clock::time_point begin = Clock::now();
-  const auto has_time = [&] {
-    return by.never_stops() || std::chrono::duration<double>(Clock::now() - begin).count() < options.seconds;
-  };
-  while (tally.starts() < wanted && (tally.starts() == 0 || has_time())) {
+  double work = 0.0;
+  const auto may_go_on = [&] { return tally.starts() == 0 || by.never_stops() || work < options.work; };
+  while (tally.starts() < wanted && may_go_on()) {
     const Equilibrium equilibrium = solve(model, starts.next(), settings);
     if (interrupted(options)) break;
     if (equilibrium.status == Status::not_applicable) {
       tally.does_not_apply(equilibrium.why);
       break;
     }
-    if (equilibrium.status == Status::interrupted) {
-      tally.give_up(fmt::format("given up after {:.3g} s", StressOptions::patience * options.seconds));
-      break;
-    }
+    work += of_start + of_evaluation * equilibrium.evaluations;
     tally.add(equilibrium, case_check.verdict_on(equilibrium));
   }
   return tally.cell();

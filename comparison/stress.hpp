@@ -13,12 +13,14 @@ namespace poise::comparison {
 struct StressOptions {
   std::vector<Method> methods{};  ///< in the order shown; all when empty
   int starts = 0;                 ///< per case; the case's own number when 0
-  /// Time limit of a method for one case, s: no further starts after it, and the running one ends after `patience`
-  /// times the limit. Virtual work with all its safeguards has no limit.
-  double seconds = 1.0;
+  /// Work limit of a method for one case, in evaluations of a small mechanism (work_of_an_evaluation(); closing,
+  /// proof and check of a start are `work_of_a_start` of them): no further starts after it, and a single one ends after
+  /// `patience` times the limit. Virtual work with all its safeguards has no limit.
+  double work = 2e5;
   static constexpr double patience = 10.0;
-  /// Threads, which take the cases; 0: all cores. More than one share the machine, so that times are longer, and
-  /// methods with a time limit get to fewer starts; all else does not depend on it.
+  static constexpr double work_of_a_start = 100.0;
+  /// Threads, which take the cases; 0: all cores. More than one share the machine, so that times are longer; all else
+  /// does not depend on it.
   int jobs = 1;
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string& doing)> progress{};  ///< called before every cell, by one thread at a time

@@ -7,11 +7,6 @@ void Tally::does_not_apply(const std::string& why) {
   cell_.why = why;
 }
 
-void Tally::give_up(const std::string& why) {
-  ++cell_.starts;
-  if (cell_.why.empty()) cell_.why = why;
-}
-
 void Tally::add(const Equilibrium& equilibrium, const Verdict& verdict) {
   ++cell_.starts;
   switch (verdict.kind) {

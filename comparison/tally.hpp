@@ -14,8 +14,6 @@ class Tally {
   explicit Tally(Method method) { cell_.method = method; }
 
   void does_not_apply(const std::string& why);
-  /// A start that was ended before its time.
-  void give_up(const std::string& why);
   void add(const Equilibrium& equilibrium, const Verdict& verdict);
 
   int starts() const { return cell_.starts; }

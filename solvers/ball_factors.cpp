@@ -6,7 +6,7 @@
 #include <queue>
 #include <utility>
 
-#include "solvers/deadline.hpp"
+#include "solvers/work_limit.hpp"
 
 namespace poise::solvers {
 namespace {
@@ -18,6 +18,12 @@ constexpr int table_limit = 200;
 constexpr double large_enough = 0.01;
 // A partner for a pivot of two rows may have an entry smaller than the largest by this factor if it causes less fill.
 constexpr double worth_less_fill = 0.1;
+
+// Products to eliminate a row with so many neighbours, in those of 128 bits.
+double products_of(std::size_t neighbours) {
+  const auto count = static_cast<double>(neighbours);
+  return count * count * static_cast<double>(Ball::bits()) / 128.0;
+}
 
 }  // namespace
 
@@ -192,8 +198,7 @@ bool BallFactors::eliminate_all() {
       queue.emplace(now, k);
       continue;
     }
-    // Reading the clock takes as long as few operations on balls.
-    if (now > 0 && Deadline::passed()) return false;
+    if (now > 0 && !WorkLimit::allows(products_of(now))) return false;
     if (!eliminate(k)) {
       waiting.push_back(k);
       continue;

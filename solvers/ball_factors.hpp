@@ -26,7 +26,7 @@ class BallFactors {
   /// entries (i, j) and (j, i) one is given; the set contains all matrices with entries of both in that ball.
   BallFactors(int size, bool symmetric, const std::vector<Entry>& entries);
 
-  /// False if some pivot may be zero, or after the Deadline: nothing is proved then.
+  /// False if some pivot may be zero, or where the WorkLimit is exceeded: nothing is proved then.
   bool regular() const { return regular_; }
   /// Number of negative eigenvalues of every symmetric matrix of the set; of a set that is given as symmetric.
   int negative() const { return negative_; }

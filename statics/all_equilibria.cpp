@@ -120,7 +120,7 @@ class Finder {
     const auto begin = Clock::now();
     start_ = options_.assemblies ? locked_start() : assemble(model_);
     loops_.emplace(model_, turns_, start_);
-    if (options_.seconds > 0.0) prove();
+    if (wants_proof()) prove();
     if (!proof_.applies || !out_.undecided.empty()) sample();
     const std::vector<Release> releases = settle_all();
     contradicted_ = is_contradicted();
@@ -139,6 +139,8 @@ class Finder {
     int ends[2] = {-1, -1};
     double heights[2] = {};
   };
+
+  bool wants_proof() const { return !options_.seconds || *options_.seconds > 0.0; }
 
   bool is_interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
 
@@ -183,7 +185,8 @@ class Finder {
       if (loops_->known()) {
         for (const std::vector<double>& x : proof_.found) loops_->add(x);
       }
-      left.seconds -= std::chrono::duration<double>(Clock::now() - begin).count();
+      if (left.seconds) *left.seconds -= std::chrono::duration<double>(Clock::now() - begin).count();
+      left.work -= static_cast<double>(proof_.boxes) * work_of_a_box(model_.mechanism().coordinates());
       more = proof_.applies && !proof_.interrupted && loops_->curves() > before;
     }
     out_.singular = std::move(proof_.singular);
@@ -509,7 +512,7 @@ class Finder {
 
   std::string why_sampled() const {
     if (contradicted_) return "one of them lies where a proof leaves none: an error of Poise, please report it";
-    return options_.seconds > 0.0 && !proof_.why_not.empty() ? proof_.why_not : "random starts can miss some";
+    return wants_proof() && !proof_.why_not.empty() ? proof_.why_not : "random starts can miss some";
   }
 
   std::string within() const {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,9 @@ enum class Claim {
 std::string to_string(Claim claim);
 
 struct AllEquilibriaOptions {
-  double seconds = 60.0;             ///< time allowed for the proof; 0: none is tried
+  /// Boxes allowed for the proof, each of them times the square of the number of coordinates: about a minute.
+  double work = 6e7;
+  std::optional<double> seconds{};   ///< time allowed in place of `work`, for a person who waits; 0: no proof is tried
   int jobs = 1;                      ///< threads
   int starts = 1000;                 ///< random starts, where nothing is proved
   std::uint64_t seed = 1;            ///< of these

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "solvers/deadline.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nonnegative_least_squares.hpp"
+#include "solvers/work_limit.hpp"
 #include "statics/smooth_piece.hpp"
 #include "statics/stability_on_cones.hpp"
 
@@ -716,12 +716,13 @@ std::string to_string(Stability stability) {
 
 Certificate certify(const StaticModel& model, const std::vector<double>& x, const CertificateOptions& options) {
   const Ball::Precision precision(SmoothPiece::usual_bits);
-  const solvers::Deadline deadline(options.seconds);
+  const solvers::WorkLimit limit(options.products, options.seconds);
   Certificate out = Certifier(model, options, SmoothPiece(model.balls(), x, options.farthest)).run();
-  out.out_of_time = !out.confirmed() && solvers::Deadline::passed();
-  if (out.out_of_time) {
+  out.unfinished = !out.confirmed() && limit.exceeded();
+  if (out.unfinished) {
     out.outcome = Outcome::not_proved;
-    out.statement = fmt::format("no proof within {:g} s", options.seconds);
+    out.statement = options.seconds ? fmt::format("no proof within {:g} s", *options.seconds)
+                                    : fmt::format("no proof within {:g} products", options.products);
   }
   return out;
 }

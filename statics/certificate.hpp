@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ std::string to_string(Outcome outcome);
 struct CertificateOptions {
   /// Largest distance from an answer to the equilibrium that it is refined to, rad or mechanism sizes.
   double farthest = 1e-3;
-  double seconds = 10.0;  ///< time allowed, for large mechanisms
+  /// Products of balls allowed, in those of 128 bits, for large mechanisms: about 10 s.
+  double products = 1e8;
+  std::optional<double> seconds{};  ///< time allowed in place of `products`, for a person who waits
 };
 
 /// A proof about an answer, of the scene as written: its numbers are taken as the exact doubles that they became.
@@ -74,7 +77,7 @@ struct Certificate {
   /// Proved where `singular`: every equilibrium within 1e-10 of the singular configuration needs a joint force of at
   /// least so much, N.
   double least_joint_force = 0.0;
-  bool out_of_time = false;  ///< CertificateOptions::seconds were not enough
+  bool unfinished = false;  ///< what CertificateOptions allow was not enough
 
   /// An equilibrium is known to exist, and what is said of it is proved.
   bool confirmed() const {

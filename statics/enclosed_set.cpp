@@ -4,7 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <condition_variable>
+#include <iterator>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -28,6 +29,8 @@ namespace {
 
 constexpr std::size_t most_cases = 729;       // combinations of stops
 constexpr std::size_t most_set_aside = 2000;  // boxes at one of the widths
+constexpr std::size_t most_chunks = 64;       // of a round of the search
+constexpr double most_boxes_of_chunk = 512;   // in a round
 constexpr double half_turn = 3.1416;          // a little more
 constexpr double narrow_for_rounds = 0.05;    // boxes below are taken round by round
 constexpr double longest_travel = 1e6;        // mechanism sizes, where no loop bounds it
@@ -50,17 +53,43 @@ CoordinateBox wound(CoordinateBox box, const std::vector<int>& turns, double rou
   return box;
 }
 
-// All boxes of one case of stops.
+// What a proof may take: boxes, or seconds where a person asked for them.
+class Allowance {
+ public:
+  explicit Allowance(const StaticModel& model, const AllEquilibriaOptions& options)
+      : interrupt_(options.interrupt),
+        boxes_(options.seconds ? std::numeric_limits<double>::infinity()
+                               : std::floor(options.work / work_of_a_box(model.mechanism().coordinates()))) {
+    if (options.seconds) {
+      end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(std::min(*options.seconds, 1e9)));
+    }
+  }
+
+  double boxes() const { return boxes_; }
+  void use(long boxes) { boxes_ -= static_cast<double>(boxes); }
+
+  bool interrupted() const { return interrupt_ != nullptr && *interrupt_; }
+  bool over() const { return boxes_ <= 0.0 || (end_ && Clock::now() > *end_) || interrupted(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const std::atomic<bool>* interrupt_;
+  double boxes_;
+  std::optional<Clock::time_point> end_{};
+};
+
+// All boxes of one case of stops. Threads take them in rounds of chunks, so that what is examined before the allowance
+// is over does not depend on how many there are.
 class Search {
  public:
   Search(const StaticModel& model, const std::vector<StopState>& stops, int repeated,
-         const AllEquilibriaOptions& options, std::chrono::steady_clock::time_point deadline, double share_before,
-         double share)
+         const AllEquilibriaOptions& options, Allowance& allowance, double share_before, double share)
       : model_(model),
         stops_(stops),
         repeated_(repeated),
         options_(options),
-        deadline_(deadline),
+        allowance_(allowance),
         share_before_(share_before),
         share_(share) {}
 
@@ -68,7 +97,7 @@ class Search {
     waiting_ = parts;
     for (const double width : widths) {
       width_ = width;
-      solvers::run_threads(solvers::threads_of(options_.jobs), [&](int) { work(); });
+      while (!waiting_.empty() && !stopped_) run_round();
       // Around a pose where closures lose rank, and along curves of equilibria, smaller boxes are only more boxes.
       if (stopped_ || left_.size() > most_set_aside) break;
       if (width == widths[std::size(widths) - 1]) break;
@@ -83,59 +112,66 @@ class Search {
   long boxes = 0;
 
   bool stopped() const { return stopped_; }
-  bool interrupted() const { return interrupted_; }
   double decided() const { return decided_; }
   const std::vector<Task>& left() const { return left_; }
   const std::vector<Task>& locked() const { return locked_; }
 
  private:
-  void work() {
-    BoxProver prover(model_, stops_, repeated_);
-    std::vector<Task> own;
-    std::vector<std::vector<double>> own_found;
-    std::vector<Task> own_left, own_locked;
-    long own_boxes = 0;
-    const auto give_back = [&] {
-      const std::lock_guard lock(mutex_);
-      found.insert(found.end(), own_found.begin(), own_found.end());
-      for (Task& task : own_left) left_.push_back(std::move(task));
-      for (Task& task : own_locked) locked_.push_back(std::move(task));
-      for (Task& task : own) waiting_.push_back(std::move(task));
-      boxes += own_boxes;
-    };
-    {
-      const std::lock_guard lock(mutex_);
-      ++busy_;
+  // A part of a round, which one thread works on: the boxes that wait, the last first, and what became of them.
+  struct Chunk {
+    std::vector<Task> waiting{}, left{}, locked{};
+    std::vector<std::vector<double>> found{};
+    long boxes = 0;
+    double decided = 0.0;
+  };
+
+  void run_round() {
+    std::vector<Chunk> chunks(std::min(most_chunks, waiting_.size()));
+    for (std::size_t k = 0; k < waiting_.size(); ++k) {
+      chunks[k % chunks.size()].waiting.push_back(std::move(waiting_[k]));
     }
-    while (true) {
-      if (own.empty() && !take(own)) break;
-      Task task = std::move(own.back());
-      own.pop_back();
-      if (++own_boxes % 64 == 0) look_at_clock(own);
-      if (stopped_) {
-        own.push_back(std::move(task));
-        break;
-      }
+    waiting_.clear();
+    const double each = std::ceil(allowance_.boxes() / static_cast<double>(chunks.size()));
+    const long most = std::max(1L, static_cast<long>(std::min(each, most_boxes_of_chunk)));
+    solvers::parallel_for(chunks.size(), {.jobs = options_.jobs}, [&](std::size_t k) { work_on(chunks[k], most); });
+    for (Chunk& chunk : chunks) {
+      std::move(chunk.found.begin(), chunk.found.end(), std::back_inserter(found));
+      std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));
+      std::move(chunk.locked.begin(), chunk.locked.end(), std::back_inserter(locked_));
+      std::move(chunk.waiting.begin(), chunk.waiting.end(), std::back_inserter(waiting_));
+      boxes += chunk.boxes;
+      decided_ += chunk.decided;
+      allowance_.use(chunk.boxes);
+    }
+    if (!waiting_.empty() && allowance_.over()) stopped_ = true;
+  }
+
+  void work_on(Chunk& chunk, long most) {
+    BoxProver prover(model_, stops_, repeated_);
+    while (!chunk.waiting.empty() && chunk.boxes < most && !stopped_) {
+      Task task = std::move(chunk.waiting.back());
+      chunk.waiting.pop_back();
+      if (++chunk.boxes % 64 == 0) look_at_clock(chunk.decided);
       BoxProver::Verdict verdict;
       {
         const solvers::RoundingUp up;
         verdict =
             task.winding == nullptr ? prover.examine(task.box) : prover.examine(task.box, *task.winding, task.rounds);
       }
-      if (verdict.finding == BoxProver::Finding::unique) own_found.push_back(std::move(verdict.at));
-      if (verdict.finding == BoxProver::Finding::locked) own_locked.push_back(task);
+      if (verdict.finding == BoxProver::Finding::unique) chunk.found.push_back(std::move(verdict.at));
+      if (verdict.finding == BoxProver::Finding::locked) chunk.locked.push_back(task);
       if (verdict.finding != BoxProver::Finding::open) {
-        decided_ += task.share;
+        chunk.decided += task.share;
         continue;
       }
       if (task.winding == nullptr && widest(task.box) < width_) {
-        own_left.push_back(std::move(task));
+        chunk.left.push_back(std::move(task));
         continue;
       }
       if (task.winding != nullptr && task.rounds.lower() == task.rounds.upper()) {
         task.box = wound(std::move(task.box), task.winding->turns, task.rounds.lower());
         task.winding = nullptr;
-        own.push_back(std::move(task));
+        chunk.waiting.push_back(std::move(task));
         continue;
       }
       Task other = task;
@@ -147,54 +183,30 @@ class Search {
         verdict.cut(task.box, other.box);
       }
       task.share = other.share = 0.5 * task.share;
-      own.push_back(std::move(other));
-      own.push_back(std::move(task));
+      chunk.waiting.push_back(std::move(other));
+      chunk.waiting.push_back(std::move(task));
     }
-    give_back();
   }
 
-  // Waits for work; false when there is none and no thread can make any.
-  bool take(std::vector<Task>& own) {
-    std::unique_lock lock(mutex_);
-    --busy_;
-    changed_.notify_all();
-    changed_.wait(lock, [&] { return !waiting_.empty() || busy_ == 0 || stopped_; });
-    if (waiting_.empty() || stopped_) {
-      changed_.notify_all();
-      return false;
-    }
-    ++busy_;
-    own.push_back(std::move(waiting_.back()));
-    waiting_.pop_back();
-    return true;
-  }
-
-  // Now and then: time, interrupt, progress, and work for threads that have none.
-  void look_at_clock(std::vector<Task>& own) {
-    if (options_.interrupt != nullptr && *options_.interrupt) interrupted_ = stopped_ = true;
-    if (std::chrono::steady_clock::now() > deadline_) stopped_ = true;
+  // Now and then: time, interrupt and progress, with the share that this chunk has decided.
+  void look_at_clock(double decided) {
+    if (allowance_.over()) stopped_ = true;
     const std::lock_guard lock(mutex_);
-    if (options_.progress) options_.progress(share_before_ + share_ * decided_);
-    if (waiting_.empty() && own.size() > 1) {
-      waiting_.push_back(std::move(own.front()));
-      own.erase(own.begin());
-    }
-    if (stopped_ || !waiting_.empty()) changed_.notify_all();
+    shown_ = std::max(shown_, decided_ + decided);
+    if (options_.progress) options_.progress(share_before_ + share_ * shown_);
   }
 
   const StaticModel& model_;
   const std::vector<StopState>& stops_;
   const int repeated_;
   const AllEquilibriaOptions& options_;
-  const std::chrono::steady_clock::time_point deadline_;
+  Allowance& allowance_;
   const double share_before_, share_;
   double width_ = widths[0];
   std::vector<Task> waiting_, left_, locked_;
+  double decided_ = 0.0, shown_ = 0.0;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  int busy_ = 0;
-  std::atomic<bool> stopped_ = false, interrupted_ = false;
-  std::atomic<double> decided_ = 0.0;
+  std::atomic<bool> stopped_ = false;
 };
 
 // Stops in all combinations of states; empty if there are too many.
@@ -496,9 +508,9 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
 }
 
 // What can be said of a box in which nothing is decided.
-void describe(const StaticModel& model, bool stopped, UndecidedBox& box) {
+void describe(const StaticModel& model, bool stopped, const AllEquilibriaOptions& options, UndecidedBox& box) {
   if (stopped) {
-    box.why = "the time allowed was over";
+    box.why = options.seconds ? "the time allowed was over" : "the boxes allowed were used up";
     return;
   }
   std::vector<double> middle = box.lower;
@@ -523,9 +535,7 @@ bool is_between_stops(const Mechanism<double>& mechanism, const std::vector<doub
 }  // namespace
 
 EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto deadline = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                    std::chrono::duration<double>(std::min(options.seconds, 1e9)));
+  Allowance allowance(model, options);
   const Mechanism<double>& mechanism = model.mechanism();
   EnclosedSet out;
   const int n = mechanism.coordinates();
@@ -556,8 +566,10 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   CoordinateBox whole(n);
   const int angles = model.layout().angles;
   const bool is_open = mechanism.closures() == 0;
+  // Asked before every box, and so counts them.
   const auto stopped = [&] {
-    return std::chrono::steady_clock::now() > deadline || (options.interrupt != nullptr && *options.interrupt);
+    allowance.use(1);
+    return allowance.over();
   };
   if (loops.known()) find_assembly_modes(model, repeated, loops, stopped);
   const std::string repeating = fmt::format("{}", fmt::join(mobility.redundant, ", "));
@@ -642,15 +654,15 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   const double share = 1.0 / static_cast<double>(cases.size());
   bool finished = true;
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    Search search(model, cases[c], repeated, options, deadline, share * static_cast<double>(c), share);
+    Search search(model, cases[c], repeated, options, allowance, share * static_cast<double>(c), share);
     search.run(parts);
     out.found.insert(out.found.end(), search.found.begin(), search.found.end());
     out.boxes += search.boxes;
     out.decided += share * search.decided();
-    out.interrupted = out.interrupted || search.interrupted();
+    out.interrupted = out.interrupted || (search.stopped() && allowance.interrupted());
     for (UndecidedBox& box : search.stopped() ? around(search.left()) : joined(model, turns, search.left())) {
       out.undecided.push_back(std::move(box));
-      describe(model, search.stopped(), out.undecided.back());
+      describe(model, search.stopped(), options, out.undecided.back());
     }
     for (UndecidedBox& box : joined(model, turns, search.locked())) {
       box.why = "the closures lose rank in it";
@@ -663,8 +675,9 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   }
   if (!finished) {
     out.applies = false;
-    out.why_not = fmt::format("the proof was not finished after {} boxes, with {:.2g} % of the volume decided",
-                              out.boxes, 100 * out.decided);
+    out.why_not =
+        fmt::format("the proof was not finished {}after {} boxes, with {:.2g} % of the volume decided",
+                    options.seconds ? fmt::format("in {:g} s, ", *options.seconds) : "", out.boxes, 100 * out.decided);
   }
   return out;
 }

@@ -26,6 +26,9 @@ struct EnclosedSet {
   bool interrupted = false;
 };
 
+/// In units of AllEquilibriaOptions::work.
+constexpr double work_of_a_box(int coordinates) { return static_cast<double>(coordinates) * coordinates; }
+
 /// Encloses all equilibria by branch-and-prune over boxes of coordinates in interval arithmetic
 /// (statics/box_prover.hpp), for every combination of active stops. Found places are proved up to rounding of their
 /// doubles; certificates say the rest of them.

@@ -59,6 +59,7 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   settings.goal = options.seek == Seek::stable ? solvers::Goal::minimum : solvers::Goal::stationary;
   settings.safeguards = options.safeguards;
   settings.step_tolerance = options.tolerance.value_or(settings.step_tolerance);
+  settings.iterations = std::min(settings.iterations, options.iterations.value_or(settings.iterations));
   settings.interrupt = options.interrupt;
   solvers::Newton newton(model.problem(), settings);
   const auto begin = std::chrono::steady_clock::now();
@@ -119,9 +120,10 @@ void search_by_program(Program program, const StaticModel& model, const std::vec
   // From closed loops: redundant closures can be recognized only where they hold.
   solvers::Newton closing(model.problem());
   const std::vector<double> closed = closing.close(x).x;
-  const solvers::SearchOptions settings{.tolerance = options.tolerance.value_or(method.tolerance),
-                                        .iterations = method.iterations,
-                                        .interrupt = options.interrupt};
+  const solvers::SearchOptions settings{
+      .tolerance = options.tolerance.value_or(method.tolerance),
+      .iterations = std::min(method.iterations, options.iterations.value_or(method.iterations)),
+      .interrupt = options.interrupt};
   const std::vector<int> rows = independent_rows(model, closed);
   const auto begin = std::chrono::steady_clock::now();
   const solvers::SearchResult result = program(model.problem(), closed, settings, rows);
@@ -188,8 +190,9 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
     out.why += "; the result is an unstable equilibrium";
     return;
   }
-  if (out.certificate.out_of_time && out.claimed && out.check.is_equilibrium()) {
+  if (out.certificate.unfinished && out.claimed && out.check.is_equilibrium()) {
     out.status = Status::checked;
+    out.why += "; " + out.certificate.statement;
     return;
   }
   out.status = out.claimed ? Status::not_confirmed : Status::not_found;

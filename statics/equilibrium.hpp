@@ -42,6 +42,7 @@ struct SolveOptions {
   Method method = Method::virtual_work;
   Seek seek = Seek::settle;
   std::optional<double> tolerance{};  ///< of the method; its default (MethodTraits) if not given
+  std::optional<int> iterations{};    ///< at most, of the method; where it is less than its own limit (MethodTraits)
   CheckTolerances check{};
   CertificateOptions certificate{};
   solvers::Safeguards safeguards{};  ///< of virtual work

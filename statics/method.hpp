@@ -29,11 +29,16 @@ struct MethodTraits {
   double tolerance;      ///< default: the smallest with which it still terminates by itself
   int iterations;        ///< default limit
   int coordinates;       ///< largest number it accepts; beyond, it would take hours or all memory
+  int growth;            ///< power of the number of coordinates with which the time of an evaluation grows
 };
 
 /// All methods, in the order of the enumeration.
 const std::vector<MethodTraits>& all_methods();
 const MethodTraits& traits(Method method);
+
+/// Work of one evaluation of a method, its linear algebra included, in those of a small mechanism:
+/// 1 + n / 10 + (n / 40)^growth for n coordinates.
+double work_of_an_evaluation(Method method, int coordinates);
 
 /// "virtual-work", "energy", ...
 std::string to_string(Method method);

@@ -43,7 +43,7 @@ struct Transition {
 std::string to_string(Transition::Kind kind);
 
 struct TrackedOptions {
-  CertificateOptions certificate{.seconds = 1.0};  ///< somebody waits for each answer
+  CertificateOptions certificate{.products = 1e7};  ///< somebody waits for each answer
   const std::atomic<bool>* interrupt = nullptr;
 };
 

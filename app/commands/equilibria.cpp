@@ -27,7 +27,7 @@ struct EquilibriaRequest {
   Request common;
   std::vector<std::string> drives;
   bool assemblies = false;
-  double seconds = AllEquilibriaOptions{}.seconds;
+  std::optional<double> seconds;
   int starts = AllEquilibriaOptions{}.starts;
   std::uint64_t seed = 1;
   int jobs = 0;
@@ -76,7 +76,9 @@ Scene held_scene(const EquilibriaRequest& request) {
 
 AllEquilibriaOptions read_options(const EquilibriaRequest& request) {
   AllEquilibriaOptions options;
-  expect_number("--seconds", request.seconds, request.seconds >= 0.0, "a time in s, 0 or more");
+  if (request.seconds) {
+    expect_number("--seconds", *request.seconds, *request.seconds >= 0.0, "a time in s, 0 or more");
+  }
   expect_between("--starts", request.starts, 0, 100'000'000);
   options.seconds = request.seconds;
   options.starts = request.starts;
@@ -151,7 +153,8 @@ Command equilibria_command() {
                "crank=30: hold the angle of a body, or the travel of a joint, there;\ncrank: where it stands; several "
                "times"});
   command.add({"--seconds", &request->seconds, "S",
-               "Time for the proof that there are no others (60); 0: no proof, random\nstarts alone"});
+               "Time for the proof that there are no others (a number of boxes, about\na minute); 0: no proof, random "
+               "starts alone"});
   command.add({"--starts", &request->starts, "N", "Random starts, where nothing is proved (1000)"});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores); the result is the same");

@@ -145,15 +145,14 @@ std::vector<SoughtQuantity> read_quantities(const std::string& option, const std
 
 void add_proof_option(Command& command, std::optional<double>& seconds) {
   command.add({"--proof-seconds", &seconds, "S",
-               fmt::format("Time allowed for the proof of an answer ({:g}); after it the answer is\n\"checked, not "
-                           "proved\"",
-                           CertificateOptions{}.seconds)});
+               "Time allowed for the proof of an answer, after which that is\n\"checked, not proved\" (a number of "
+               "operations, about 10 s)"});
 }
 
 CertificateOptions read_proof(const std::optional<double>& seconds) {
   CertificateOptions out;
-  out.seconds = seconds.value_or(out.seconds);
-  expect_number("--proof-seconds", out.seconds, out.seconds >= 0, "a number >= 0");
+  out.seconds = seconds;
+  if (seconds) expect_number("--proof-seconds", *seconds, *seconds >= 0, "a number >= 0");
   return out;
 }
 

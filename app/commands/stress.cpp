@@ -26,7 +26,7 @@ struct StressRequest {
   std::string catalogue;
   std::optional<std::string> methods;
   std::optional<int> starts;
-  double seconds = 1.0;
+  double work = comparison::StressOptions{}.work;
   int jobs = 1;
   bool safeguards = false;
   bool list = false;
@@ -34,7 +34,7 @@ struct StressRequest {
 
 void check(const StressRequest& request) {
   if (request.starts) expect_between("--starts", *request.starts, 1, 1'000'000);
-  expect_number("--seconds", request.seconds, request.seconds > 0, "a finite number > 0");
+  expect_number("--work", request.work, request.work > 0, "a finite number > 0");
   if (request.safeguards && request.methods) {
     throw InputError("--methods: expected none with --safeguards, which are those of virtual-work; leave one out");
   }
@@ -100,7 +100,7 @@ std::string command_of(const StressRequest& request) {
   if (request.methods) text += " --methods " + *request.methods;
   if (request.safeguards) text += " --safeguards";
   if (request.starts) text += fmt::format(" --starts {}", *request.starts);
-  if (request.seconds != StressRequest().seconds) text += fmt::format(" --seconds {}", request.seconds);
+  if (request.work != StressRequest().work) text += fmt::format(" --work {}", request.work);
   if (request.jobs != StressRequest().jobs) text += fmt::format(" --jobs {}", request.jobs);
   return text;
 }
@@ -110,14 +110,14 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
   comparison::StressOptions options;
   options.methods = read_methods("--methods", request.methods.value_or("all"));
   options.starts = request.starts.value_or(options.starts);
-  options.seconds = request.seconds;
+  options.work = request.work;
   options.jobs = read_jobs(request.jobs);
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
   comparison::StressOutcome outcome;
   outcome.safeguards = request.safeguards;
-  outcome.seconds = request.seconds;
+  outcome.work = request.work;
   outcome.asked = cases.size();
   if (request.safeguards) {
     for (const comparison::Variant& variant : comparison::safeguard_variants()) {
@@ -166,8 +166,9 @@ Command stress_command() {
   command.add(
       {"--methods", &request->methods, "NAMES", "all (the default), or names with commas between\n" + method_help()});
   command.add({"--starts", &request->starts, "N", "Starts per case (its own number)"});
-  command.add({"--seconds", &request->seconds, "S",
-               "Methods other than virtual-work try no further starts of a\ncase after S seconds (1)"});
+  command.add({"--work", &request->work, "N",
+               "Methods other than virtual-work try no further starts of a\ncase after N evaluations of a small "
+               "mechanism (200000)"});
   add_jobs_option(command, request->jobs,
                   "Threads, which take the cases (1, since times are measured; 0\nfor all cores)");
   command.add({"--safeguards", &request->safeguards, "",

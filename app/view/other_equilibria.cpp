@@ -7,10 +7,10 @@ namespace {
 
 std::optional<OtherEquilibria::Found> search(const Scene& scene, long revision, const std::atomic<bool>& interrupt) {
   AllEquilibriaOptions options;
-  options.seconds = 1.0;  // the proof of a mechanism that is looked at while it is drawn
+  options.work = 1e6;  // about a second: the mechanism is looked at while it is drawn
   options.starts = 200;
   options.settling = false;
-  options.certificate.seconds = 1.0;
+  options.certificate.products = 1e7;
   options.interrupt = &interrupt;
   try {
     const StaticModel model(scene);

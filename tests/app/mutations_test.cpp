@@ -146,7 +146,7 @@ std::vector<Command> all_commands() {
                    {dataset_file("toggle_clamp_tolerances"), dataset_file("toggle_clamp")}});
     out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
                    {dataset_file("lift_design"), dataset_file("lift")}});
-    out.push_back({{"stress", "balanced-arm", "--catalogue", ".", "--starts", "1", "--seconds", "0.01", "--methods",
+    out.push_back({{"stress", "balanced-arm", "--catalogue", ".", "--starts", "1", "--work", "1000", "--methods",
                     "virtual-work,energy"},
                    {{"catalogue.toml", "files = [\"neutral.cases.toml\"]\n"},
                     {"neutral.cases.toml",

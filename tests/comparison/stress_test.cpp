@@ -28,7 +28,7 @@ Cell cell_of(const std::string& scene, const std::string& equilibrium, Method me
   StressOptions options;
   options.methods = {method};
   options.starts = starts;
-  options.seconds = 10.0;
+  options.work = 1e6;
   return stress(catalogue.read(), options).at(0).cells.at(0);
 }
 
@@ -171,7 +171,6 @@ TEST(Stress, DoesNotDependOnTheThreads) {
   StressOptions options;
   options.methods = {Method::virtual_work, Method::energy};
   options.starts = 20;
-  options.seconds = 100;
   const auto alone = stress(catalogue.read(), options);
   options.jobs = 3;
   const auto shared = stress(catalogue.read(), options);
@@ -187,29 +186,30 @@ TEST(Stress, DoesNotDependOnTheThreads) {
   }
 }
 
-TEST(Stress, OnlyVirtualWorkIsGivenAllTime) {
+TEST(Stress, OnlyVirtualWorkHasNoLimit) {
   const ToyCatalogue catalogue(toy_case("toy", "pendulum", "starts = 30\n"));
   StressOptions options;
   options.methods = {Method::virtual_work, Method::energy};
-  options.seconds = 1e-9;
+  options.work = 1e-9;
   const auto cells = stress(catalogue.read(), options).at(0).cells;
   EXPECT_EQ(cells[0].starts, 30);
   EXPECT_EQ(cells[1].starts, 1);
 }
 
 TEST(Stress, ASlowStartIsGivenUp) {
-  // The stable equilibrium of a long chain is far from random angles: Ipopt would take seconds.
+  // The stable equilibrium of a long chain is far from random angles: Ipopt would take tens of iterations, and has 100
+  // times 10 evaluations of a small mechanism, each of which counts 1 + 300 + 75 here.
   HardCase hard;
   hard.name = "chain";
   hard.series = "hanging chain";
   hard.size = 3000;
   StressOptions options;
   options.methods = {Method::energy};
-  options.seconds = 0.002;
+  options.work = 100;
   const Cell cell = stress({hard}, options).at(0).cells.at(0);
   EXPECT_EQ(cell.starts, 1);
   EXPECT_EQ(cell.converged, 0);
-  EXPECT_EQ(cell.why, "given up after 0.02 s");
+  EXPECT_TRUE(cell.why.starts_with("Ipopt: iteration limit")) << cell.why;
 }
 
 TEST(Stress, AnInterruptKeepsWhatThereIs) {
@@ -219,7 +219,6 @@ TEST(Stress, AnInterruptKeepsWhatThereIs) {
   StressOptions options;
   options.methods = {Method::virtual_work, Method::energy};
   options.starts = 2;
-  options.seconds = 100;
   options.interrupt = &interrupt;
   options.progress = [&](const std::string& doing) {
     told.push_back(doing);
@@ -238,7 +237,7 @@ TEST(Stress, SafeguardsAreSwitchedOffOneByOne) {
   const ToyCatalogue catalogue(toy_case("toy", "pendulum", complete + "seek = \"stable\"\n" + both_equilibria()));
   StressOptions options;
   options.starts = starts;
-  options.seconds = 10;
+  options.work = 1e6;
   const auto cells = stress_safeguards(catalogue.read(), options).at(0).cells;
   ASSERT_EQ(cells.size(), safeguard_variants().size());
   expect_all_converge(cells[0]);

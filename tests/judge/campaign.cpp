@@ -4,7 +4,6 @@
 #include <array>
 #include <exception>
 
-#include "comparison/time_limit.hpp"
 #include "model/input_error.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/static_model.hpp"
@@ -14,7 +13,6 @@
 namespace poise::judge {
 namespace {
 
-constexpr double longest_search = 20.0;  // s
 constexpr double rounding_unit = 1.2e-16;
 
 struct Search {
@@ -36,13 +34,11 @@ JudgedAnswer judged(const StaticModel& model, const Judge& judge, const Search& 
   JudgedAnswer out;
   out.method = search.name;
   try {
-    const comparison::TimeLimit limit(longest_search, nullptr);
-    const Equilibrium answer =
-        solve(model, {.method = search.method, .seek = search.seek, .interrupt = &limit.raised()});
+    const Equilibrium answer = solve(model, {.method = search.method, .seek = search.seek});
     const Claim claim = claim_of(model, answer);
     out.confirmed = claim.confirmed;
     const bool finite = std::all_of(answer.x.begin(), answer.x.end(), [](double v) { return std::isfinite(v); });
-    if (answer.status == Status::not_applicable || answer.status == Status::interrupted || !finite) {
+    if (answer.status == Status::not_applicable || !finite) {
       out.verdict = claim.confirmed ? Verdict::no_equilibrium : Verdict::right;
       out.why = answer.why;
       return out;

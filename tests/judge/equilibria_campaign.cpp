@@ -24,7 +24,7 @@ constexpr int phc_seconds = 60;
 
 EquilibriumSet proved_set(const StaticModel& model, const SetTrial& trial) {
   AllEquilibriaOptions options;
-  options.seconds = trial.seconds;
+  options.work = trial.work;
   options.starts = 1;
   options.settling = false;
   return all_equilibria(model, options);

@@ -10,7 +10,7 @@
 namespace poise::judge {
 
 struct SetTrial {
-  double seconds = 1.0;                ///< allowed for the proof, on one thread
+  double work = 1e6;                   ///< AllEquilibriaOptions::work: about a second
   int starts = 10'000;                 ///< random starts, against which a complete set is held
   bool phc = false;                    ///< also against PHCpack, where the scene has polynomials
   bool paths = false;                  ///< also the sets at both ends of a load path against its ends

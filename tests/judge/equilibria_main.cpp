@@ -1,10 +1,10 @@
 // poise_equilibria: complete sets of equilibria of random linkages against other ways to them.
 //
-//   poise_equilibria FIRST COUNT [--kind four_bar|watt|stephenson] [--starts N] [--seconds S] [--springs N]
+//   poise_equilibria FIRST COUNT [--kind four_bar|watt|stephenson] [--starts N] [--work W] [--springs N]
 //                    [--torsion N] [--zero] [--one-way SHARE] [--phc] [--paths]
-//   poise_equilibria FIRST COUNT --mixed [--kind chain|slider_crank|slotted_lever|linkage] [--starts N] [--seconds S]
-//   poise_equilibria FIRST COUNT --kind FAMILY [--starts N] [--seconds S]
-//   poise_equilibria FIRST COUNT --planted [--couplings] [--starts N] [--seconds S]
+//   poise_equilibria FIRST COUNT --mixed [--kind chain|slider_crank|slotted_lever|linkage] [--starts N] [--work W]
+//   poise_equilibria FIRST COUNT --kind FAMILY [--starts N] [--work W]
+//   poise_equilibria FIRST COUNT --planted [--couplings] [--starts N] [--work W]
 //
 // FIRST is the first seed. Without --kind the kinds alternate. --zero: springs have free length zero. --mixed:
 // mechanisms with slides, stops, one-way springs, forces and torques, half of them with round numbers. FAMILY: one of
@@ -47,7 +47,7 @@ int main(int count, char** words) {
     const std::uint64_t first = std::stoull(given[0]), scenes = std::stoull(given[1]);
     judge::SetTrial trial;
     trial.starts = std::stoi(value("--starts", "10000"));
-    trial.seconds = std::stod(value("--seconds", "1"));
+    trial.work = std::stod(value("--work", "1e6"));
     trial.phc = has("--phc");
     trial.paths = has("--paths");
     trial.couplings = has("--couplings");

@@ -26,7 +26,7 @@ void expect_no_contradiction(const std::string& kind, std::uint64_t seed, const 
 
 TEST(RandomSets, HoldAgainstStartsAndPaths) {
   judge::SetTrial trial;
-  trial.seconds = 60.0;
+  trial.work = 6e7;
   trial.starts = 200;
   trial.paths = true;
   for (const std::string& kind : test::linkage_kinds()) {
@@ -37,7 +37,7 @@ TEST(RandomSets, HoldAgainstStartsAndPaths) {
 // The proof is the first to meet one of its assembly modes, whose turns no box covered before.
 TEST(RandomSets, HoldTheTurnsOfAModeThatTheProofMeetsFirst) {
   judge::SetTrial trial;
-  trial.seconds = 60.0;
+  trial.work = 6e7;
   trial.starts = 200;
   test::LinkageLoads loads;
   loads.torsion_springs = 2;
@@ -48,7 +48,7 @@ TEST(RandomSets, HoldTheTurnsOfAModeThatTheProofMeetsFirst) {
 // the others stops on one side alone tell turns apart, of which many pass none.
 TEST(RandomSets, HoldTheTurnsOfOtherAssemblyModes) {
   judge::SetTrial trial;
-  trial.seconds = 60.0;
+  trial.work = 6e7;
   trial.starts = 300;
   for (const auto& [kind, seed] : {std::pair("slider_crank", 1141U), std::pair("linkage", 3016U),
                                    std::pair("linkage", 3359U), std::pair("slotted_lever", 3279U)}) {
@@ -65,7 +65,6 @@ TEST(RandomSets, AreNotContradictedByFurtherRounds) {
   test::LinkageLoads loads;
   loads.torsion_springs = 2;
   AllEquilibriaOptions options;
-  options.seconds = 60.0;
   const EquilibriumSet set = all_equilibria(StaticModel(test::random_linkage("stephenson", 51461, loads)), options);
   EXPECT_EQ(set.claim, Claim::complete) << set.statement;
   EXPECT_NE(set.statement.find("with up to 8 rounds"), std::string::npos) << set.statement;
@@ -74,7 +73,7 @@ TEST(RandomSets, AreNotContradictedByFurtherRounds) {
 TEST(RandomSets, HoldAgainstPhc) {
   if (!test::has_phc()) GTEST_SKIP() << "phc (PHCpack) is not installed: cmake/setup.sh oracles";
   judge::SetTrial trial;
-  trial.seconds = 60.0;
+  trial.work = 6e7;
   trial.starts = 0;
   trial.phc = true;
   test::LinkageLoads loads;
@@ -117,7 +116,7 @@ TEST(RandomSets, OfMechanismsWithCouplingsHoldAgainstStarts) {
 // Pins that coincide or nearly so: in 5007 it is open to rounding whether the start can move.
 TEST(RandomSets, OfJointsThatNearlyCoincideHoldAgainstStarts) {
   judge::SetTrial trial;
-  trial.seconds = 0.5;
+  trial.work = 5e5;
   trial.starts = 30;
   for (const std::uint64_t seed : {5000U, 5001U, 5002U, 5003U, 5004U, 5007U, 5008U}) {
     const judge::JudgedSet judged = judge::judge_set(test::random_scene("pins", seed), trial);
@@ -128,7 +127,7 @@ TEST(RandomSets, OfJointsThatNearlyCoincideHoldAgainstStarts) {
 // Slides, stops, one-way springs, torques and forces: not all of these sets are proved, but none that is lacks one.
 TEST(RandomSets, OfMixedPartsHoldAgainstStarts) {
   judge::SetTrial trial;
-  trial.seconds = 0.5;
+  trial.work = 5e5;
   trial.starts = 100;
   int complete = 0;
   int equilibria = 0;

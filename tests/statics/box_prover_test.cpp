@@ -20,6 +20,7 @@
 #include "statics/mobility.hpp"
 #include "statics/turns.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/busy_machine.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/seed.hpp"
 
@@ -683,13 +684,39 @@ TEST(EnclosedSet, SpringsAtTheirLimitsAreOnePlace) {
   }
 }
 
-TEST(EnclosedSet, SaysWhatIsUndecidedWhenTimeIsOver) {
+TEST(EnclosedSet, SaysWhatIsUndecidedWhenItsWorkIsDone) {
+  const StaticModel model(read_scene(test::dataset("hanging_chain_10.toml")));
+  const double work = 1e4 * work_of_a_box(model.mechanism().coordinates());
+  const EnclosedSet set = enclosed(model, {.work = work});
+  EXPECT_FALSE(set.applies);
+  EXPECT_TRUE(set.why_not.starts_with("the proof was not finished after ")) << set.why_not;
+  // A round may examine a box more for each of its chunks.
+  EXPECT_GE(set.boxes, 10000);
+  EXPECT_LE(set.boxes, 10064);
+  EXPECT_LT(set.decided, 1.0);
+  ASSERT_FALSE(set.undecided.empty());
+  EXPECT_EQ(set.undecided.front().why, "the boxes allowed were used up");
+  // The same with more threads, on a machine that has more to do than it can.
+  const test::BusyMachine busy;
+  const EnclosedSet again = enclosed(model, {.work = work, .jobs = 3});
+  EXPECT_EQ(again.why_not, set.why_not);
+  EXPECT_EQ(again.boxes, set.boxes);
+  EXPECT_EQ(again.decided, set.decided);
+  EXPECT_EQ(again.found, set.found);
+  ASSERT_EQ(again.undecided.size(), set.undecided.size());
+  for (std::size_t k = 0; k < set.undecided.size(); ++k) {
+    EXPECT_EQ(again.undecided[k].lower, set.undecided[k].lower);
+    EXPECT_EQ(again.undecided[k].upper, set.undecided[k].upper);
+  }
+}
+
+TEST(EnclosedSet, SaysThatATimeWasAskedFor) {
   const StaticModel model(read_scene(test::dataset("hanging_chain_10.toml")));
   const EnclosedSet set = enclosed(model, {.seconds = 0.05});
   EXPECT_FALSE(set.applies);
-  EXPECT_NE(set.why_not.find("not finished"), std::string::npos);
-  EXPECT_LT(set.decided, 1.0);
-  EXPECT_FALSE(set.undecided.empty());
+  EXPECT_TRUE(set.why_not.starts_with("the proof was not finished in 0.05 s, after ")) << set.why_not;
+  ASSERT_FALSE(set.undecided.empty());
+  EXPECT_EQ(set.undecided.front().why, "the time allowed was over");
 }
 
 }  // namespace

@@ -106,13 +106,20 @@ TEST(Certify, RefusesWhatIsNotFinite) {
   }
 }
 
-TEST(Certify, ProvesNothingAfterItsTime) {
+TEST(Certify, ProvesNothingBeyondItsLimit) {
   const StaticModel model(read_scene(dataset("thesis_four_bar.toml")));
   const std::vector<double> equilibrium = solve(model, test::by(Method::virtual_work)).x;
-  const Certificate proof = certify(model, equilibrium, {.seconds = 0.0});
-  EXPECT_TRUE(proof.out_of_time);
-  EXPECT_EQ(to_string(proof.outcome), "not proved");
-  EXPECT_FALSE(proof.confirmed());
+  const auto expect_unfinished = [&](const CertificateOptions& options, const std::string& statement) {
+    const Certificate proof = certify(model, equilibrium, options);
+    EXPECT_TRUE(proof.unfinished);
+    EXPECT_EQ(to_string(proof.outcome), "not proved");
+    EXPECT_FALSE(proof.confirmed());
+    EXPECT_EQ(proof.statement, statement);
+  };
+  expect_unfinished({.products = 1.0}, "no proof within 1 products");
+  // Where a person asks for a time that counts alone.
+  expect_unfinished({.products = 1e9, .seconds = 0.0}, "no proof within 0 s");
+  EXPECT_TRUE(certify(model, equilibrium, {.products = 1.0, .seconds = 1e3}).confirmed());
 }
 
 TEST(Certify, IsBoundToTheNeighbourhoodOfTheAnswer) {

@@ -164,9 +164,9 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
                   "which it applies.",
                   significant(100 * comparison::enough, 4)),
       "False claims, denied (claimed by the method, not proved): starts.",
-      fmt::format("Iterations, time: medians over cases. {} try no further starts of a case after {} s.",
-                  outcome.safeguards ? "Forms with something off" : "Methods other than virtual work",
-                  significant(outcome.seconds, 3))};
+      fmt::format("Iterations, time: medians over cases. {} try no further starts of a case after {} evaluations "
+                  "of a small mechanism.",
+                  outcome.safeguards ? "Forms with something off" : "Methods other than virtual work", outcome.work)};
 }
 
 std::string verdict_of(Holding verdict) {
