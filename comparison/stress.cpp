@@ -1,6 +1,7 @@
 #include "comparison/stress.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -77,7 +78,13 @@ Cell run(const HardCase& hard, const StaticModel& model, const CaseCheck& case_c
   Starts starts(hard, model);
   const int wanted = options.starts > 0 ? options.starts : hard.starts;
   double work = 0.0;
-  const auto may_go_on = [&] { return tally.starts() == 0 || by.never_stops() || work < options.work; };
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  const auto is_within = [&] {
+    if (!options.seconds) return work < options.work;
+    return std::chrono::duration<double>(Clock::now() - begin).count() < *options.seconds;
+  };
+  const auto may_go_on = [&] { return tally.starts() == 0 || by.never_stops() || is_within(); };
   while (tally.starts() < wanted && may_go_on()) {
     const Equilibrium equilibrium = solve(model, starts.next(), settings);
     if (interrupted(options)) break;

@@ -17,6 +17,7 @@ struct StressOptions {
   /// proof and check of a start are `work_of_a_start` of them): no further starts after it, and a single one ends after
   /// `patience` times the limit. Virtual work with all its safeguards has no limit.
   double work = 2e5;
+  std::optional<double> seconds{};  ///< no further starts after it; where a person asks for it, in place of `work`
   static constexpr double patience = 10.0;
   static constexpr double work_of_a_start = 100.0;
   /// Threads, which take the cases; 0: all cores. More than one share the machine, so that times are longer; all else

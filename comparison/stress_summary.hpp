@@ -16,6 +16,7 @@ struct StressOutcome {
   std::vector<std::string> methods;  ///< names of the cells of every case: methods, or forms of virtual work
   bool safeguards = false;           ///< they are forms of virtual work
   double work = 2e5;                 ///< StressOptions::work
+  std::optional<double> seconds{};   ///< StressOptions::seconds
   std::size_t asked = 0;             ///< cases
   std::vector<CaseResult> results;
   bool interrupted = false;  ///< before every cell was done

@@ -27,6 +27,7 @@ struct StressRequest {
   std::optional<std::string> methods;
   std::optional<int> starts;
   double work = comparison::StressOptions{}.work;
+  std::optional<double> seconds;
   int jobs = 1;
   bool safeguards = false;
   bool list = false;
@@ -35,6 +36,7 @@ struct StressRequest {
 void check(const StressRequest& request) {
   if (request.starts) expect_between("--starts", *request.starts, 1, 1'000'000);
   expect_number("--work", request.work, request.work > 0, "a finite number > 0");
+  if (request.seconds) expect_number("--seconds", *request.seconds, *request.seconds > 0, "a finite number > 0");
   if (request.safeguards && request.methods) {
     throw InputError("--methods: expected none with --safeguards, which are those of virtual-work; leave one out");
   }
@@ -101,6 +103,7 @@ std::string command_of(const StressRequest& request) {
   if (request.safeguards) text += " --safeguards";
   if (request.starts) text += fmt::format(" --starts {}", *request.starts);
   if (request.work != StressRequest().work) text += fmt::format(" --work {}", request.work);
+  if (request.seconds) text += fmt::format(" --seconds {}", *request.seconds);
   if (request.jobs != StressRequest().jobs) text += fmt::format(" --jobs {}", request.jobs);
   return text;
 }
@@ -111,6 +114,7 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
   options.methods = read_methods("--methods", request.methods.value_or("all"));
   options.starts = request.starts.value_or(options.starts);
   options.work = request.work;
+  options.seconds = request.seconds;
   options.jobs = read_jobs(request.jobs);
   options.interrupt = &watch_for_interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
@@ -118,6 +122,7 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
   comparison::StressOutcome outcome;
   outcome.safeguards = request.safeguards;
   outcome.work = request.work;
+  outcome.seconds = request.seconds;
   outcome.asked = cases.size();
   if (request.safeguards) {
     for (const comparison::Variant& variant : comparison::safeguard_variants()) {
@@ -169,6 +174,8 @@ Command stress_command() {
   command.add({"--work", &request->work, "N",
                "Methods other than virtual-work try no further starts of a\ncase after N evaluations of a small "
                "mechanism (200000)"});
+  command.add({"--seconds", &request->seconds, "S",
+               "The same after S seconds in place of --work: the number of\nstarts depends on the machine then"});
   add_jobs_option(command, request->jobs,
                   "Threads, which take the cases (1, since times are measured; 0\nfor all cores)");
   command.add({"--safeguards", &request->safeguards, "",

@@ -156,6 +156,7 @@ TEST(StressCommand, NamesTheError) {
             "CASE: the catalogue has none that is called \"hangin\"; did you mean \"hanging\"?; poise stress --list "
             "shows all\n");
   EXPECT_EQ(error_of({"--starts", "0"}), "--starts: expected a number from 1 to 1000000, found 0\n");
+  EXPECT_EQ(error_of({"--seconds", "0"}), "--seconds: expected a finite number > 0, found 0\n");
   EXPECT_EQ(error_of({"--work", "0"}), "--work: expected a finite number > 0, found 0\n");
   EXPECT_EQ(error_of({"--safeguards", "--methods", "energy"}),
             "--methods: expected none with --safeguards, which are those of virtual-work; leave one out\n");

@@ -164,9 +164,10 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
                   "which it applies.",
                   significant(100 * comparison::enough, 4)),
       "False claims, denied (claimed by the method, not proved): starts.",
-      fmt::format("Iterations, time: medians over cases. {} try no further starts of a case after {} evaluations "
-                  "of a small mechanism.",
-                  outcome.safeguards ? "Forms with something off" : "Methods other than virtual work", outcome.work)};
+      fmt::format("Iterations, time: medians over cases. {} try no further starts of a case after {}.",
+                  outcome.safeguards ? "Forms with something off" : "Methods other than virtual work",
+                  outcome.seconds ? fmt::format("{:g} s, as many as this machine does in it", *outcome.seconds)
+                                  : fmt::format("{} evaluations of a small mechanism", outcome.work))};
 }
 
 std::string verdict_of(Holding verdict) {
