@@ -72,8 +72,9 @@ class Program {
   SearchResult run(const std::vector<double>& start) {
     result_.x = start;
     best_ = optimality_of(start);
-    // From a solution a search may well step away.
-    int word = best_.error <= options_.tolerance ? static_cast<int>(NLOPT_SUCCESS) : search(from_far());
+    // From a solution L-BFGS may well step away; the others leave it where the energy is no minimum.
+    const bool stays = algorithm_ == NloptAlgorithm::auglag_lbfgs && best_.error <= options_.tolerance;
+    int word = stays ? static_cast<int>(NLOPT_SUCCESS) : search(from_far());
     while (refine() && left_to_do()) {
       const double before = best_.error;
       const int status = search(before < close_enough ? from_near() : from_far());

@@ -736,5 +736,18 @@ shade = -1
   }
 }
 
+// Its first step, the whole gradient, led past the nearest minimum beside stiff springs, and away from a solution.
+TEST(Equilibrium, ShortFirstStepsOfLbfgsStayNear) {
+  const StaticModel clamp(read_scene(dataset("toggle_clamp.toml")));
+  EXPECT_EQ(solve(clamp, {.method = Method::auglag_lbfgs}).status, Status::confirmed);
+  const StaticModel lift(read_scene(dataset("lift.toml")));
+  const std::vector<double> near = solve(lift, {.seek = Seek::any}).x;
+  for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
+    const Equilibrium found = solve(lift, {.method = Method::auglag_lbfgs, .seek = Seek::any, .tolerance = tolerance});
+    ASSERT_EQ(found.status, Status::confirmed) << tolerance << ": " << found.why;
+    for (std::size_t i = 0; i < near.size(); ++i) EXPECT_NEAR(found.x[i], near[i], 1e-9) << tolerance;
+  }
+}
+
 }  // namespace
 }  // namespace poise::equilibrium_test
