@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "statics/closure_rounding.hpp"
@@ -10,10 +11,17 @@ namespace poise {
 namespace {
 
 constexpr int most_proof_steps = 25;
+constexpr int most_follow_steps = 12;
+constexpr double most_way = 1e3;  // of other coordinates, for one of those that are held
 
 Mechanism<Ball> compiled(const StaticModel& model, const Layout& layout, bool rounding) {
   const Ball::InputRounding guard(rounding);
   return {model.scaled_scene(), layout, Purpose::statics};
+}
+
+std::vector<solvers::BallFactors::Entry> centers_of(std::vector<solvers::BallFactors::Entry> entries) {
+  for (auto& entry : entries) entry.value = entry.value.midpoint();
+  return entries;
 }
 
 std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& by) {
@@ -100,20 +108,26 @@ Ball BalanceSystem::product(const std::vector<Ball>& x, const std::vector<Ball>&
   return sum;
 }
 
+std::vector<Ball> BalanceSystem::left_of_rows(const std::vector<Ball>& x) const {
+  const std::vector<Ball> c = constraints(x);
+  std::vector<Ball> out;
+  for (std::size_t k = 0; k < kept_.rows.size(); ++k) {
+    const int row = kept_.rows[k];
+    const int stop = row - mechanism_.equalities();
+    out.push_back(c[row]);
+    if (stop >= 0) out.back() -= kept_.at_upper[k] != 0 ? mechanism_.upper()[stop] : mechanism_.lower()[stop];
+  }
+  return out;
+}
+
 std::vector<Ball> BalanceSystem::residual(const std::vector<Ball>& x, const std::vector<Ball>& y) const {
   const std::vector<Ball> force = forces(x, y);
-  const std::vector<Ball> c = constraints(x);
-  std::vector<Ball> out(unknowns());
+  std::vector<Ball> rows = left_of_rows(x);
+  std::vector<Ball> out(free_);
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (unknown_[i] >= 0) out[unknown_[i]] = force[i];
   }
-  for (std::size_t k = 0; k < kept_.rows.size(); ++k) {
-    const int row = kept_.rows[k];
-    Ball& value = out[free_ + static_cast<int>(k)];
-    value = c[row];
-    const int stop = row - mechanism_.equalities();
-    if (stop >= 0) value -= kept_.at_upper[k] != 0 ? mechanism_.upper()[stop] : mechanism_.lower()[stop];
-  }
+  out.insert(out.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
   return out;
 }
 
@@ -140,6 +154,85 @@ std::vector<solvers::RegularSet::Entry> BalanceSystem::entries(const std::vector
     out.push_back({i, j, std::move(at.jacobian[e])});
   }
   return out;
+}
+
+std::vector<solvers::RegularSet::Entry> BalanceSystem::derivatives(const std::vector<Ball>& x) const {
+  const Ball::InputRounding guard(rounding_);
+  Point at = place(x);
+  std::vector<solvers::RegularSet::Entry> out;
+  for (std::size_t e = 0; e < at.jacobian.size(); ++e) {
+    const int i = equation_[mechanism_.jacobian_row()[e]];
+    const int j = unknown_[mechanism_.jacobian_column()[e]];
+    if (i >= 0 && j >= 0) out.push_back({i, j, std::move(at.jacobian[e])});
+  }
+  return out;
+}
+
+std::optional<std::vector<Ball>> BalanceSystem::follow(const std::vector<Ball>& at,
+                                                       const std::vector<double>& change) const {
+  const std::size_t n = at.size();
+  if (unknowns() != 2 * free_) return std::nullopt;
+  // J^-1 of what the rows are off, per coordinate.
+  const auto by_rows = [&](const auto& solve, std::vector<Ball> rows) {
+    std::vector<Ball> b(free_);
+    b.insert(b.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
+    b = solve(std::move(b));
+    std::vector<Ball> out(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (unknown_[i] >= 0) out[i] = b[unknown_[i]];
+    }
+    return out;
+  };
+  const auto largest = [](const std::vector<Ball>& by) {
+    double out = 0.0;
+    for (const Ball& b : by) out = std::max(out, b.is_finite() ? b.greatest() : HUGE_VAL);
+    return out;
+  };
+  std::vector<Ball> from, to;
+  double last = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    from.push_back(at[i].midpoint());
+    to.push_back((from.back() + Ball(change[i])).midpoint());
+    last = std::max(last, most_way * std::abs(change[i]));
+  }
+  // Newton's method leads to the other end, which only that it is one is proved of.
+  for (int k = 0; k < most_follow_steps; ++k) {
+    const solvers::BallFactors factors(unknowns(), true, centers_of(derivatives(to)));
+    if (!factors.regular()) return std::nullopt;
+    const auto solve = [&](std::vector<Ball> b) {
+      factors.solve(b);
+      return b;
+    };
+    const std::vector<Ball> by = by_rows(solve, left_of_rows(to));
+    const double length = largest(by);
+    if (!(length < last)) break;
+    for (std::size_t i = 0; i < n; ++i) to[i] = (to[i] - by[i]).midpoint();
+    last = 0.5 * length;
+  }
+  std::vector<Ball> way, line;
+  for (std::size_t i = 0; i < n; ++i) {
+    way.push_back(to[i] - from[i]);
+    line.push_back(Ball::of_both(from[i], to[i]));
+  }
+  const double reach = 0.5 * largest(way);
+  std::vector<Ball> box = line;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (unknown_[i] >= 0) box[i] = box[i].widened(reach);
+  }
+  const solvers::RegularSet matrix(unknowns(), true, derivatives(box));
+  if (!matrix.regular()) return std::nullopt;
+  const auto solve = [&](std::vector<Ball> b) { return matrix.solve(std::move(b)); };
+  // c(from + s way) = c(from) + s J way, with J somewhere between, for 0 <= s <= 1.
+  std::vector<Ball> off = left_of_rows(from);
+  const std::vector<Ball> rate = rates(line, way);
+  for (std::size_t k = 0; k < off.size(); ++k) off[k] += Ball(0.5).widened(0.5) * rate[k];
+  if (!(largest(by_rows(solve, std::move(off))) < reach)) return std::nullopt;
+  const std::vector<Ball> last_step = by_rows(solve, left_of_rows(to));
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!((at[i] - from[i]).greatest() < reach)) return std::nullopt;
+    to[i] -= last_step[i];
+  }
+  return to;
 }
 
 // [I J^T; J 0] [r; y] = [-F; 0]:  r = -(F + J^T y) with J r = 0.

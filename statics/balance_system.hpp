@@ -94,6 +94,13 @@ class BalanceSystem {
   /// matrix is not proved regular there, or if the iteration leads farther than `farthest` from x.
   Solution prove(const std::vector<Ball>& x, const std::vector<Ball>& y, double reach, double farthest) const;
 
+  /// Where the held coordinates lie `change` (of all coordinates, 0 of others) from a place where the kept rows hold:
+  /// the place where they hold that is joined with `at` by a curve of such places on which their derivatives by the
+  /// other coordinates are regular. At each held value between, exactly one lies within half of the way there from the
+  /// straight line, by the interval Newton operator on boxes around all of that line. None where that is not proved, or
+  /// if the kept rows are not as many as the coordinates that are not held.
+  std::optional<std::vector<Ball>> follow(const std::vector<Ball>& at, const std::vector<double>& change) const;
+
   /// Multipliers of the kept rows of least |F + J^T y|, not enclosed; none if the rows are dependent.
   std::optional<std::vector<Ball>> multipliers(const std::vector<Ball>& x) const;
   /// Left sides of all equations at enclosures of x and y.
@@ -119,6 +126,9 @@ class BalanceSystem {
   };
   Point place(const std::vector<Ball>& x) const;
   std::vector<solvers::RegularSet::Entry> entries(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
+  // Of the kept rows and of coordinates that are not held: [0 J^T; J 0].
+  std::vector<solvers::RegularSet::Entry> derivatives(const std::vector<Ball>& x) const;
+  std::vector<Ball> left_of_rows(const std::vector<Ball>& x) const;
 
   const Mechanism<Ball>& mechanism_;
   KeptEquations kept_;

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double same_place = 1e-15;  // rad or sizes
 constexpr double change_margin = 1e-7;
+constexpr double straight = 1e-9;         // second derivatives that may be rounding
+constexpr double farthest_beside = 1e-4;  // rad or sizes
 
 // How far from a change point equilibria may lie whose row is open by so much there: across the branches a gap is the
 // square of a distance, v^T T v = 2 open, and equilibria lie where  H v = lambda T v.
@@ -35,22 +37,28 @@ double least(const Eigen::MatrixXd& a) { return solvers::symmetric_eigenvalues<d
 ChangePoint examine_change_point(const Eigen::MatrixXd& h, const std::vector<LostRow>& lost) {
   ChangePoint out;
   if (h.size() == 0) {
+    out.loses_rank = true;
     out.stability = Stability::stable;
     return out;
   }
   double spread = 0.0;
+  const LostRow* bent = nullptr;
   for (const LostRow& row : lost) {
     const double size = row.second.cwiseAbs().maxCoeff();
-    if (size == 0.0) return out;
+    const double slope = row.gradient.cwiseAbs().maxCoeff();
+    if (size <= straight && slope <= straight) continue;
     const double away = beside_change_point(h, row.second, row.open) + same_place;
+    if (size <= straight || slope > size * away || away > farthest_beside) return out;
     spread = std::max(spread, away);
-    if (row.gradient.cwiseAbs().maxCoeff() > size * away) return out;
+    bent = &row;
   }
+  if (bent == nullptr) return out;
+  out.loses_rank = true;
   out.spread = spread;
   const double scale = std::max(1.0, h.cwiseAbs().maxCoeff());
   if (least(h) > change_margin * scale) out.stability = Stability::stable;
   if (out.stability == Stability::stable || lost.size() != 1) return out;
-  const Eigen::MatrixXd& t = lost.front().second;
+  const Eigen::MatrixXd& t = bent->second;
   const double size = t.cwiseAbs().maxCoeff();
   double from = -1e6 * scale / size;
   double to = -from;

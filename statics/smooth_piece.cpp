@@ -24,6 +24,12 @@ constexpr std::array dependence = {1e-5, 1e-9, 1e-12};  // pivots below which ro
 constexpr double nearly_neutral = 1e-5;                 // curvatures, relative to the largest, that may vanish
 constexpr double narrow_bracket = 1e-17;
 constexpr double no_finite_force = 1e6;  // times the loads
+// Ways, rad or mechanism sizes, along which rows must repeat others.
+constexpr double first_way = 1e-2;
+constexpr double shortest_way = 1e-8;
+constexpr double far_enough = 0.02;
+constexpr double far_at_least = 1e-3;
+constexpr int most_ways = 60;
 
 // Columns that are combinations of others to within the tolerance. (One more column of size one, with a row of its own,
 // keeps a matrix that is rounding only from counting as large.)
@@ -155,13 +161,13 @@ std::vector<int> SmoothPiece::free_coordinates(const KeptEquations& kept) const 
 
 // Whether the rows of `all` that `kept` leaves out hold at a solution: with J_d = A J_k for dropped and kept rows,
 // |c_d| <= r_d + |A| r_k, r being the rounding of each row.
-SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const Solution& at,
+SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const std::vector<Ball>& at,
                                             const KeptEquations& all) const {
   Repeated out;
   const std::vector<Ball> none(all.rows.size());
-  const std::vector<double> x = middles(at.q);
-  const std::vector<Ball> value = BalanceSystem(balls_, all).residual(at.q, none);
-  const std::vector<Ball> rounded = BalanceSystem(balls_, all, true).residual(midpoints(at.q), none);
+  const std::vector<double> x = middles(at);
+  const std::vector<Ball> value = BalanceSystem(balls_, all).residual(at, none);
+  const std::vector<Ball> rounded = BalanceSystem(balls_, all, true).residual(midpoints(at), none);
   const std::size_t first = value.size() - all.rows.size();
   const DensePoint<double> whole(m(), x, all.rows);
   const DensePoint<double> part(m(), x, kept.rows);
@@ -206,12 +212,20 @@ SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, con
   const KeptEquations closures = without_stops(kept);
   const KeptEquations all_closures = without_stops(all);
   if (closures.rows.size() < kept.rows.size() && closures.rows.size() < all_closures.rows.size()) {
-    const Repeated alone = repeated(closures, at, all_closures);
+    const Repeated alone = repeated(closures, at.q, all_closures);
     if (!alone.to_rounding || !repeated_everywhere(alone, closures, at, all_closures).to_rounding) return {};
   }
   Repeated out = here;
   KeptEquations held = kept;
   held.held = free_coordinates(kept);
+  const auto take = [&](const Repeated& rows, double way) {
+    out.loops.insert(out.loops.end(), rows.loops.begin(), rows.loops.end());
+    // A gap that grows with the motion is one of direction.
+    for (std::size_t k = 0; k < rows.gaps.size(); ++k) {
+      const double growth = (rows.gaps[k] - here.gaps[k]) / way;
+      out.gaps[k] = std::max({std::abs(out.gaps[k]), std::abs(rows.gaps[k]), std::abs(growth)});
+    }
+  };
   int shown = 0;
   for (const double aside : {1e-3, -1e-2, 0.05}) {
     std::vector<Ball> from = midpoints(at.q);
@@ -222,18 +236,61 @@ SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, con
     }
     const Solution there = solve(held, from, first_reach, 10 * std::abs(aside));
     if (!there.proved) continue;
-    const Repeated rows = repeated(held, there, all);
-    if (!rows.to_rounding) return {};
-    out.loops.insert(out.loops.end(), rows.loops.begin(), rows.loops.end());
-    // A gap that grows with the motion is one of direction.
-    for (std::size_t k = 0; k < rows.gaps.size(); ++k) {
-      const double growth = (rows.gaps[k] - here.gaps[k]) / aside;
-      out.gaps[k] = std::max({std::abs(out.gaps[k]), std::abs(rows.gaps[k]), std::abs(growth)});
+    const Repeated rows = repeated(held, there.q, all);
+    if (!rows.to_rounding) {
+      // It may have led to poses of another kind, where the same bars cross.
+      if (!repeated_along(held, at, all, take)) return {};
+      shown = 1;
+      break;
     }
+    take(rows, aside);
     ++shown;
   }
-  out.to_rounding = shown > 0;
+  // Next to where rows lose rank nothing may be proved so far away at once.
+  out.to_rounding = shown > 0 || repeated_along(held, at, all, take);
   return out;
+}
+
+// Whether rows that were left out hold all along a curve of poses through `at` in which the kept ones do, on which each
+// of the held coordinates moves in turn: steps are as long as proofs that they stay on it allow, so that they grow
+// with the distance from a pose in which rows lose rank. On it a row that is lost here only would be open.
+bool SmoothPiece::repeated_along(const KeptEquations& held, const Solution& at, const KeptEquations& all,
+                                 const TakeRepeated& take) const {
+  const BalanceSystem system(balls_, held);
+  std::vector<Ball> from = at.q;
+  double before = 0.0;
+  for (const int i : held.held) {
+    std::vector<Ball> farthest = from;
+    double farthest_way = 0.0;
+    for (const double sign : {1.0, -1.0}) {
+      std::vector<Ball> place = from;
+      double way = 0.0;
+      double step = first_way;
+      for (int k = 0; k < most_ways && way < far_enough && step > shortest_way; ++k) {
+        std::vector<double> change(place.size());
+        change[static_cast<std::size_t>(i)] = sign * step;
+        std::optional<std::vector<Ball>> next = system.follow(place, change);
+        if (!next) {
+          step /= 4;
+          continue;
+        }
+        const Repeated rows = repeated(held, *next, all);
+        if (!rows.to_rounding) return false;
+        place = std::move(*next);
+        way += step;
+        take(rows, before + way);
+        step *= 2;
+      }
+      if (way <= farthest_way) continue;
+      farthest_way = way;
+      farthest = std::move(place);
+      if (way >= far_enough) break;
+    }
+    if (farthest_way < far_at_least) return false;
+    from = std::move(farthest);
+    before += farthest_way;
+  }
+  return true;
 }
 
 KeptEquations SmoothPiece::closures() const {
@@ -254,7 +311,7 @@ std::vector<double> SmoothPiece::open_loops() const {
     held.held = free_coordinates(kept);
     const Solution at = solve(held, start_, first_reach, farthest_);
     if (!at.proved) continue;
-    const Repeated here = repeated(kept, at, all);
+    const Repeated here = repeated(kept, at.q, all);
     if (!here.to_rounding) continue;
     const Repeated everywhere = repeated_everywhere(here, kept, at, all);
     if (!everywhere.to_rounding) continue;
@@ -268,28 +325,36 @@ std::vector<double> SmoothPiece::open_loops() const {
 }
 
 Finding SmoothPiece::examine(const KeptEquations& kept) const {
+  // Equilibria of rows beside which the others hold here, but not everywhere.
+  struct Alone {
+    Finding finding;
+    std::vector<int> dropped;
+  };
+  std::vector<Alone> alone;
   std::vector<int> last;
-  bool nearly_singular = false;
-  std::optional<Finding> undecided;
   for (const double tolerance : dependence) {
     const std::vector<int> dropped = dependent_rows(kept, tolerance);
     if (dropped.empty()) break;
     if (dropped == last) continue;
-    nearly_singular = true;
     last = dropped;
     Finding out = examine_independent(without(kept, dropped));
     if (out.kind == Finding::Kind::none) continue;
-    const Repeated here = repeated(out.kept, out.solution, kept);
+    const Repeated here = repeated(out.kept, out.solution.q, kept);
     if (!here.to_rounding) continue;
     if (!repeated_everywhere(here, out.kept, out.solution, kept).to_rounding) {
-      examine_singular(out, kept, dropped);
-      if (out.degenerate != Stability::unknown) return out;
-      // Beside the singular point itself more rows determine what they can.
-      if (!undecided) undecided = std::move(out);
+      alone.push_back({std::move(out), dropped});
       continue;
     }
     out.redundant = static_cast<int>(dropped.size());
     return out;
+  }
+  const bool nearly_singular = !last.empty();
+  std::optional<Finding> undecided;
+  for (Alone& rows : alone) {
+    if (!examine_singular(rows.finding, kept, rows.dropped)) continue;
+    if (rows.finding.degenerate != Stability::unknown) return rows.finding;
+    // Beside the singular point itself more rows determine what they can.
+    if (!undecided) undecided = std::move(rows.finding);
   }
   Finding out = examine_independent(kept);
   if (out.kind == Finding::Kind::none && undecided) return *undecided;
@@ -354,13 +419,12 @@ double SmoothPiece::least_joint_force(const KeptEquations& kept) const {
   return greatest > 0.0 ? work.least() / greatest : 0.0;
 }
 
-// At a configuration where the closures lose rank, with an equilibrium of the kept rows alone.
-void SmoothPiece::examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const {
+// At a configuration where the closures lose rank, with an equilibrium of the kept rows alone. False where they do not.
+bool SmoothPiece::examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const {
   finding.kind = Finding::Kind::degenerate;
   finding.degenerate = Stability::unknown;
   finding.singular = true;
   finding.why = "the closures lose rank here (a change point)";
-  if (m().has_follower_loads() || m().coordinates() > dense_limit) return;
   const TangentSpace tangents(m(), finding);
   DensePoint<double> whole(m(), tangents.x, all.rows);
   const Eigen::MatrixXd without_rows = whole.tangent(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(all.rows.size())));
@@ -384,8 +448,10 @@ void SmoothPiece::examine_singular(Finding& finding, const KeptEquations& all, c
     out.open = value[value.size() - all.rows.size() + static_cast<std::size_t>(row)].greatest();
   }
   const ChangePoint point = examine_change_point(tangents.hessian, lost);
-  finding.degenerate = point.stability;
+  if (!point.loses_rank) return false;
+  if (!m().has_follower_loads()) finding.degenerate = point.stability;
   finding.spread = point.spread;
+  return true;
 }
 
 // Where curvatures nearly vanish.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -103,12 +104,16 @@ class SmoothPiece {
     std::vector<double> gaps;  // of the dropped rows of closures that hold to rounding only, 0 of others
     std::vector<int> loops;    // closures of which some hold to rounding only, and those that they depend on
   };
-  Repeated repeated(const KeptEquations& kept, const Solution& at, const KeptEquations& all) const;
+  Repeated repeated(const KeptEquations& kept, const std::vector<Ball>& at, const KeptEquations& all) const;
   Repeated repeated_everywhere(const Repeated& here, const KeptEquations& kept, const Solution& at,
                                const KeptEquations& all) const;
+  // Takes what is found after each step, and the way there.
+  using TakeRepeated = std::function<void(const Repeated&, double)>;
+  bool repeated_along(const KeptEquations& held, const Solution& at, const KeptEquations& all,
+                      const TakeRepeated& take) const;
   int loop_of(int row) const;
   double least_joint_force(const KeptEquations& kept) const;
-  void examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
+  bool examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
   bool is_neutral(const KeptEquations& held, const Solution& at) const;
   void bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const;
