@@ -44,7 +44,8 @@ constexpr int once_only = 2000;            // unknowns beyond which a proof that
 
 // A double and the greatest distance to a number of the ball.
 struct Rounded {
-  explicit Rounded(const Ball& ball) : value(ball.middle()), radius((ball - Ball(value)).greatest()) {}
+  explicit Rounded(const Ball& ball) : Rounded(ball, ball.middle()) {}
+  Rounded(const Ball& ball, double from) : value(from), radius((ball - Ball(from)).greatest()) {}
   bool is_finite() const { return std::isfinite(value) && std::isfinite(radius); }
 
   double value;
@@ -76,9 +77,11 @@ class Enclosure {
     elements_ = equations_.push_elements(push);
   }
 
-  void report_elements(Check& check) const {
+  // With what they are at the middle of the enclosure, where that is wide: there the force is no middle of all that it
+  // may be, but belongs to the pose that is shown.
+  void report_elements(Check& check, const Enclosure& middle) const {
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-      const Rounded force(elements_[e]);
+      const Rounded force(elements_[e], middle.elements_[e].middle());
       if (force.is_finite()) check.element_forces[e] = {force.value, force.radius};
     }
   }
@@ -406,7 +409,13 @@ void enclose_reactions(const StaticModel& model, const Certificate& certificate,
   const bool reactions = !certificate.rest.empty() && unknown_reactions(model.scene()) <= enclosed_unknowns;
   if (!reactions && model.scene().elements.empty()) return;
   Enclosure enclosure(model, certificate);
-  enclosure.report_elements(check);
+  if (certificate.rest.empty()) {
+    Certificate pose = certificate;
+    pose.radius = pose.gap = 0.0;
+    enclosure.report_elements(check, Enclosure(model, pose));
+  } else {
+    enclosure.report_elements(check, enclosure);
+  }
   if (!reactions) return;
   if (!enclosure.report_reactions(check, false)) Enclosure(model, certificate).report_reactions(check, true);
 }

@@ -29,16 +29,18 @@ NamedRows all_rows(const std::vector<NamedValue>& values) {
 
 void add_values(Group& group, const StaticModel& model, const std::string& title, const std::string& noun,
                 Quantity quantity, const NamedRows& rows, const std::vector<std::vector<NamedValue>>& poses,
-                const std::vector<std::string>& titles) {
+                const std::vector<std::string>& titles, double radius) {
   if (rows.places.empty()) return;
   const Units& units = model.scene().units;
   // The same decimals for all columns, and for angles that have made many turns.
-  const double scale = in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, units);
+  const double whole = quantity == Quantity::angle ? M_PI : model.scales().length;
+  const double scale = in_unit(whole, quantity, units);
+  const double doubt = quantity == Quantity::angle ? radius : radius * model.scales().length;
   Table& table = group.table("", fmt::format("{} ({})", title, unit_name(quantity, units)), Rows::list);
   table.words("", noun, rows.names);
   for (std::size_t c = 0; c < poses.size(); ++c) {
     const auto value = [&](std::size_t i) { return in_unit(poses[c][i].value, quantity, units); };
-    Format format = format_of(model, quantity, coordinate_digits);
+    Format format = format_of(model, quantity, known_digits(coordinate_digits, whole, doubt));
     format.scale = scale;
     table.numbers("", titles[c], "", each(rows.places, value), format);
   }
@@ -192,7 +194,7 @@ NamedRows rigid_rows(const Scene& scene, const std::vector<std::string>& bodies)
 }
 
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
-                     const std::vector<std::string>& titles) {
+                     const std::vector<std::string>& titles, double radius) {
   if (poses.empty()) return;
   std::vector<std::vector<NamedValue>> angles, travels, places;
   for (const Readings* pose : poses) {
@@ -201,10 +203,10 @@ void add_coordinates(Group& group, const StaticModel& model, const std::vector<c
     places.push_back(places_of(model, *pose));
   }
   add_values(group, model, "Angles", "body", Quantity::angle,
-             rigid_rows(model.scene(), each(angles.front(), &NamedValue::name)), angles, titles);
-  add_values(group, model, "Slides", "joint", Quantity::length, all_rows(travels.front()), travels, titles);
+             rigid_rows(model.scene(), each(angles.front(), &NamedValue::name)), angles, titles, radius);
+  add_values(group, model, "Slides", "joint", Quantity::length, all_rows(travels.front()), travels, titles, radius);
   add_values(group, model, "Positions of free bodies", "body", Quantity::length, all_rows(places.front()), places,
-             titles);
+             titles, radius);
 }
 
 Quantity quantity_of(const Coordinate& coordinate) {

@@ -77,10 +77,10 @@ std::vector<Row> merge_welded(const Scene& scene, const std::vector<Row>& rows) 
   return out;
 }
 
-/// Angles, slides and places of free bodies of several poses side by side, under their titles: as text only. Bodies
-/// that welds join share a row.
+/// Angles, slides and places of free bodies of several poses side by side, under their titles: as text only, without
+/// digits beyond `radius`, rad or mechanism sizes. Bodies that welds join share a row.
 void add_coordinates(Group& group, const StaticModel& model, const std::vector<const Readings*>& poses,
-                     const std::vector<std::string>& titles);
+                     const std::vector<std::string>& titles, double radius = 0.0);
 
 /// Angle or length.
 Quantity quantity_of(const Coordinate& coordinate);

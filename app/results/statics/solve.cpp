@@ -214,8 +214,14 @@ void add_springs(Group& group, const StaticModel& model, const Readings& reading
       unit_value(Quantity::force, model.scene().units) * format_of(model, Quantity::force, force_digits).zero_below;
   Table& table = group.table("springs", "Springs, tension positive", Rows::by_name);
   table.words("name", "name", each(springs, &NamedElement::name));
-  add_column(table, model, "length", "length", Quantity::length,
-             each(springs, [&](const NamedElement& s) { return read(s).value; }), force_digits);
+  const std::vector<double> lengths = each(springs, [&](const NamedElement& s) { return read(s).value; });
+  // What a force is known to tells what its spring's length is.
+  const std::vector<double> length_radii = each(springs, [&](const NamedElement& s) {
+    const double rate = force_at_rest(model.scene().elements[s.place].law, read(s).value).by_measure;
+    return rate == 0.0 ? 0.0 : read(s).radius / std::abs(rate);
+  });
+  add_column(table, model, "length", "length", Quantity::length, lengths,
+             known_digits(force_digits, largest_size(lengths), widest(length_radii)));
   const std::vector<double> forces = each(springs, [&](const NamedElement& s) { return read(s).force; });
   const std::vector<double> radii = each(springs, [&](const NamedElement& s) { return read(s).radius; });
   add_column(table, model, "force", "force", Quantity::force, forces,
@@ -500,7 +506,8 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
                     {equilibrium.found()                       ? "equilibrium"
                      : equilibrium.status == Status::checked   ? "reached, not proved"
                      : equilibrium.status == Status::elsewhere ? "another equilibrium"
-                                                               : "reached, no equilibrium"});
+                                                               : "reached, no equilibrium"},
+                    equilibrium.certificate.confirmed() ? equilibrium.certificate.radius : 0.0);
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
