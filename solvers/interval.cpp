@@ -25,7 +25,7 @@ Interval half_pi_times(double k) {
          (Interval(k) * Interval(half_pi_2) + Interval(k) * Interval(half_pi_rest_below, half_pi_rest_above));
 }
 
-constexpr int terms = 9;
+constexpr std::size_t terms = 9;
 
 // 1/3!, 1/5!, ... and 1/2!, 1/4!, ...
 struct Coefficients {
@@ -34,7 +34,7 @@ struct Coefficients {
   Coefficients() {
     const RoundingUp up;
     Interval factorial(1);
-    for (int i = 0; i < terms; ++i) {
+    for (int i = 0; i < static_cast<int>(terms); ++i) {
       factorial *= Interval(2 * i + 2);
       cosine[i] = Interval(1) / factorial;
       factorial *= Interval(2 * i + 3);
@@ -45,11 +45,12 @@ struct Coefficients {
 
 // 1 - c_0 z + c_1 z^2 - ... for 0 <= z <= 1: the last term bounds the rest after the one before it. By Horner's scheme
 // p_i = c_i - z p_(i+1), and all p_i are positive: p_i >= c_i - c_(i+1) > 0.
-Interval series(const std::array<Interval, terms>& c, const Interval& z) {
+template <std::size_t Terms>
+Interval series(const std::array<Interval, Terms>& c, const Interval& z) {
   const double least = z.lower() > 0 ? z.lower() : 0.0;
   const double greatest = z.upper();
-  Interval p = with_zero(c[terms - 1]);
-  for (int i = terms - 2; i >= 0; --i) {
+  Interval p = with_zero(c[Terms - 1]);
+  for (int i = static_cast<int>(Terms) - 2; i >= 0; --i) {
     p = Interval::from(c[i].minus_lower() + greatest * p.upper(), c[i].upper() + least * p.minus_lower());
   }
   return Interval::from(-1 + greatest * p.upper(), 1 + least * p.minus_lower());
@@ -82,16 +83,56 @@ Direction direction_at(double angle) {
   }
 }
 
-// An enclosure of the angle of the vector (x, y) that is not zero.
-Interval angle_of_point(double x, double y, double near) {
-  double guess = std::atan2(y, x);
-  guess += 2 * std::numbers::pi * std::floor((near - guess) / (2 * std::numbers::pi) + 0.5);
+// An enclosure of the angle of the vector (x, y), 0 < x, y: a guess, corrected by the slope that is left when the
+// vector is turned back by it.
+Interval corrected_angle(double x, double y) {
+  const double guess = std::atan2(y, x);
   const Direction d = direction_at(guess);
   const Interval along = d.x * Interval(x) + d.y * Interval(y);
   const Interval across = d.x * Interval(y) - d.y * Interval(x);
-  if (!(along > Interval(0))) return Interval::entire();
   const double slope = (across / along).magnitude();
   return Interval(guess) + Interval(-slope, slope);
+}
+
+// Angles of the vectors (parts, j), and 1/3, 1/5, ...
+struct Arcs {
+  static constexpr int parts = 32;
+  static constexpr std::size_t arc_terms = 6;
+  std::array<Interval, parts + 1> of;
+  std::array<Interval, arc_terms> coefficients;
+  Interval quarter, half;  // of a turn
+
+  Arcs() {
+    const RoundingUp up;
+    for (int j = 1; j <= parts; ++j) of[j] = corrected_angle(parts, j);
+    for (int i = 0; i < static_cast<int>(arc_terms); ++i) coefficients[i] = Interval(1) / Interval(2 * i + 3);
+    quarter = half_pi_times(1);
+    half = half_pi_times(2);
+  }
+};
+
+// An enclosure of the angle of the vector (x, y) that is not zero: mirrored so that 0 <= y <= x, turned back by the
+// nearest of the table, and by the series of the arc tangent of what is left, at most 1/64.
+Interval angle_of_point(double x, double y, double near) {
+  static const Arcs arcs;
+  constexpr double largest_slope = 0.02;
+  constexpr double most_turns = 1e4;
+  const bool steep = std::abs(y) > std::abs(x);
+  const double a = steep ? std::abs(y) : std::abs(x);
+  const double b = steep ? std::abs(x) : std::abs(y);
+  const double slope = b / a;
+  if (!(slope <= 1.0)) return Interval::entire();
+  const int j = static_cast<int>(slope * Arcs::parts + 0.5);
+  const Interval nearest(static_cast<double>(j) / Arcs::parts);
+  const Interval t = (Interval(b) - Interval(a) * nearest) / (Interval(a) + Interval(b) * nearest);
+  if (!(t.magnitude() < largest_slope)) return Interval::entire();
+  Interval angle = arcs.of[std::min(j, Arcs::parts)] + t * series(arcs.coefficients, square(t));
+  if (steep) angle = arcs.quarter - angle;
+  if (x < 0) angle = arcs.half - angle;
+  if (y < 0) angle = -angle;
+  const double turns = std::floor((near - angle.middle()) / (2 * std::numbers::pi) + 0.5);
+  if (turns == 0) return angle;
+  return std::abs(turns) <= most_turns ? angle + half_pi_times(4 * turns) : Interval::entire();
 }
 
 // ln 2 as a sum: a number of 33 bits, whose products with small integers are exact, and the rest, which lies between
@@ -186,6 +227,18 @@ Interval angle_of(const Interval& x, const Interval& y, double near) {
   if (!first.bounded()) return first;
   const Interval last = angle_of_point(last_x, last_y, first.middle() + std::numbers::pi / 2);
   return {first.lower(), last.upper()};
+}
+
+// The vector (c, sqrt(1 - c^2)) turns clockwise where c grows, and where its height shrinks on the right.
+Interval arc_cosine(const Interval& c) {
+  const auto height = [](double x) { return sqrt(Interval(1) - square(Interval(x))); };
+  const double right = std::min(c.upper(), 1.0);
+  const double left = std::max(c.lower(), -1.0);
+  const Interval first = height(right);
+  const Interval last = height(left);
+  const Interval below = angle_of_point(right, right > 0 ? first.lower() : first.upper(), 0.5);
+  const Interval above = angle_of_point(left, left > 0 ? last.upper() : last.lower(), 0.5);
+  return {std::max(below.lower(), 0.0), above.upper()};
 }
 
 }  // namespace poise::solvers

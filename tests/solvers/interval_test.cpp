@@ -296,6 +296,32 @@ TEST(Interval, AnglesOfABoxContainThoseOfItsVectors) {
   EXPECT_GT(bounded, 10000);
 }
 
+TEST(Interval, ArcsOfCosinesContainThoseOfTheirNumbers) {
+  const Ball::Precision precision(200);
+  std::mt19937_64 random(36);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  for (int k = 0; k < 30000; ++k) {
+    const double size = std::pow(2.0, -static_cast<double>(k % 50));
+    const double a = k % 7 == 0 ? 1.0 - size : k % 7 == 1 ? size - 1.0 : number(random);
+    const double b = k % 3 == 0 ? a : std::clamp(a + size * number(random), -1.0, 1.0);
+    Interval arc;
+    {
+      const RoundingUp up;
+      arc = arc_cosine(Interval(std::min(a, b), std::max(a, b)));
+    }
+    Ball sine, least, most;
+    sin_cos(Ball(arc.lower()), sine, most);
+    sin_cos(Ball(arc.upper()), sine, least);
+    for (const double c : {a, b}) {
+      ASSERT_FALSE(most < Ball(c)) << a << ' ' << b;
+      ASSERT_FALSE(least > Ball(c) && arc.upper() < std::numbers::pi) << a << ' ' << b;
+    }
+    if (a == b && std::abs(a) < 0.9) {
+      EXPECT_LE(arc.upper() - arc.lower(), 4e-15);
+    }
+  }
+}
+
 // Of a bound that is not a number nothing is known, nor of what comes of it: comparisons with it prove nothing.
 TEST(Interval, BoundsThatAreNotNumbersProveNothing) {
   const RoundingUp up;
