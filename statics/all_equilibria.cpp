@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "model/quantity.hpp"
 #include "solvers/newton.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
@@ -21,6 +22,7 @@
 #include "statics/index_sum.hpp"
 #include "statics/loop_turns.hpp"
 #include "statics/mobility.hpp"
+#include "statics/neutral_motions.hpp"
 #include "statics/settle.hpp"
 #include "statics/turns.hpp"
 
@@ -119,7 +121,8 @@ class Finder {
   EquilibriumSet run() {
     const auto begin = Clock::now();
     start_ = options_.assemblies ? locked_start() : assemble(model_);
-    loops_.emplace(model_, turns_, start_);
+    if (wants_proof() && !options_.assemblies) find_neutral_motions();
+    loops_.emplace(proved(), turns_, start_);
     if (wants_proof()) prove();
     if (!proof_.applies || !out_.undecided.empty()) sample();
     const std::vector<Release> releases = settle_all();
@@ -162,6 +165,25 @@ class Finder {
     return mobility.x;
   }
 
+  // Along these every pose is an equilibrium if one is: one is sought with them held where they start.
+  void find_neutral_motions() {
+    neutral_ = neutral_motions(model_, start_);
+    if (!neutral_.any()) return;
+    held_.emplace(with_motions_held(model_, neutral_, start_), model_.scales());
+    for (const NeutralMotions::Motion& motion : neutral_.motions) {
+      EquilibriumSet::Balanced& out = out_.balanced.emplace_back();
+      for (const int i : motion.coordinates) {
+        out.coordinates.push_back(model_.layout().coordinates[static_cast<std::size_t>(i)].name);
+      }
+      out.exact = motion.exact;
+      out.effort = motion.effort;
+      out.is_force = model_.layout().is_length(motion.held);
+    }
+  }
+
+  // The mechanism of which the set is proved.
+  const StaticModel& proved() const { return held_ ? *held_ : model_; }
+
   // --- places ----------------------------------------------------------------------------------------------
 
   // The curves of poses of a mechanism with one freedom, in all assembly modes that random poses lead to.
@@ -180,7 +202,7 @@ class Finder {
     AllEquilibriaOptions left = options_;
     for (bool more = true; more;) {
       const auto begin = Clock::now();
-      proof_ = enclose_(model_, *loops_, left);
+      proof_ = enclose_(proved(), *loops_, left);
       const std::size_t before = loops_->curves();
       if (loops_->known()) {
         for (const std::vector<double>& x : proof_.found) loops_->add(x);
@@ -244,7 +266,8 @@ class Finder {
   }
 
   // Whether some full turns bring x into the box.
-  bool is_in(const UndecidedBox& box, const std::vector<double>& x) const {
+  bool is_in(const UndecidedBox& box, const std::vector<double>& at) const {
+    const std::vector<double> x = neutral_.moved_to(start_, at);
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double half = 0.5 * (box.upper[i] - box.lower[i]);
       double apart = x[i] - (box.lower[i] + half);
@@ -357,7 +380,9 @@ class Finder {
 
   bool is_same(const Equilibrium& a, const Equilibrium& b) const {
     const Certificate &p = a.certificate, &q = b.certificate;
-    if (turns_.distance(a.x, b.x) <= std::max(same_equilibrium, p.radius + q.radius)) return true;
+    const auto place = [&](const Equilibrium& e) { return neutral_.moved_to(start_, e.x); };
+    if (turns_.distance(place(a), place(b)) <= std::max(same_equilibrium, p.radius + q.radius)) return true;
+    if (neutral_.any()) return false;
     // Of a curve or more of them the coordinates that are called arbitrary differ from place to place, and the stops.
     if (!is_neutral(p) || !is_neutral(q)) return false;
     const double apart = std::abs(a.energy.value_or(0.0) - b.energy.value_or(0.0));
@@ -482,11 +507,11 @@ class Finder {
     out_.claim = !is_proved ? Claim::sampled : out_.undecided.empty() ? Claim::complete : Claim::incomplete;
     switch (out_.claim) {
       case Claim::complete:
-        out_.statement =
-            fmt::format("{}, complete, proved{}{}{}{}{}", number(), within(), close(), unreached(), turns(), neutral());
+        out_.statement = fmt::format("{}, complete, proved{}{}{}{}{}", what_is_found(), within(), close(), unreached(),
+                                     turns(), neutral());
         break;
       case Claim::incomplete:
-        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}", number(),
+        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}", what_is_found(),
                                      number_of(out_.undecided.size(), "undecided box", "undecided boxes"),
                                      100.0 * std::max(0.0, 1.0 - out_.decided), within(), close(), missing(),
                                      unreached(), turns(), neutral());
@@ -508,6 +533,33 @@ class Finder {
   std::string number() const {
     return number_of(out_.equilibria.size(), options_.assemblies ? "assembly" : "equilibrium",
                      options_.assemblies ? "assemblies" : "equilibria");
+  }
+
+  // With what is arbitrary: "balanced in every position".
+  std::string what_is_found() const {
+    if (out_.balanced.empty() || out_.equilibria.empty()) return number();
+    std::vector<std::string> positions, efforts;
+    std::size_t arbitrary = 0;
+    for (const EquilibriumSet::Balanced& balanced : out_.balanced) {
+      arbitrary += balanced.coordinates.size();
+      positions.push_back(fmt::format("{}", fmt::join(balanced.coordinates, " with ")));
+      if (balanced.exact) continue;
+      const Quantity quantity = balanced.is_force ? Quantity::force : Quantity::moment;
+      const Units& units = model_.scene().units;
+      efforts.push_back(fmt::format("{} at most {:.2g} {} in every position", balanced.is_force ? "force" : "torque",
+                                    rounded_up(in_unit(balanced.effort, quantity, units)), unit_name(quantity, units)));
+    }
+    const std::string how = efforts.empty() ? "with the numbers as they are written"
+                                            : fmt::format("to rounding: {}", fmt::join(efforts, ", "));
+    if (arbitrary == start_.size()) return "balanced in every position " + how;
+    return fmt::format("{}, balanced in every position of {} {}", number(), fmt::join(positions, ", "), how);
+  }
+
+  // With the two digits that are shown.
+  static double rounded_up(double x) {
+    if (!(x > 0.0)) return x;
+    const double place = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
+    return place * std::ceil(x / place * (1.0 + 1e-12));
   }
 
   std::string why_sampled() const {
@@ -563,6 +615,7 @@ class Finder {
   }
 
   std::string neutral() const {
+    if (neutral_.any()) return "";
     const bool any = std::any_of(out_.equilibria.begin(), out_.equilibria.end(),
                                  [](const Equilibrium& equilibrium) { return is_neutral(equilibrium.certificate); });
     return any ? "; of neutral ones with the same energy one is given" : "";
@@ -578,6 +631,8 @@ class Finder {
   const AllEquilibriaOptions& options_;
   const Enclosing& enclose_;
   Turns turns_;
+  NeutralMotions neutral_;
+  std::optional<StaticModel> held_;  // with these held
   std::optional<LoopTurns> loops_;
   std::vector<double> start_;
   EnclosedSet proof_;

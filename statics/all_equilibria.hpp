@@ -80,11 +80,21 @@ struct EquilibriumSet {
     double energy = 0.0;     ///< V(over) - V(from), J
   };
   std::vector<Barrier> barriers;
+  /// Coordinates of each equilibrium that are arbitrary, proved: loads balance each other in every position of these,
+  /// and the claim is about all of them.
+  struct Balanced {
+    std::vector<std::string> coordinates;  ///< they change together
+    bool exact = false;                    ///< with the numbers as they are written; else to their rounding
+    double effort = 0.0;    ///< where it is not exact: bound of what acts along them in every position, N m or N
+    bool is_force = false;  ///< it is a force, not a torque
+  };
+  std::vector<Balanced> balanced{};
 };
 
 /// Finds all equilibria of the mechanism, in all its assembly modes, and says what is known of the set. Angles: every
 /// equilibrium is given once modulo full turns, but where springs or stops on angles tell turns apart; of loops then
-/// only the turns that motion leads to (statics/loop_turns.hpp). Of a curve of neutral equilibria one is given. A stop
+/// only the turns that motion leads to (statics/loop_turns.hpp). Of a curve of neutral equilibria one is given; where
+/// coordinates are balanced in every position (statics/neutral_motions.hpp) that with these where they start. A stop
 /// whose limits are equal holds its measure. The result is the same for any number of jobs. Throws InputError as
 /// assemble(), and with `assemblies` where the mechanism can still move.
 EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options = {});

@@ -7,7 +7,6 @@
 #include <Eigen/LU>
 
 #include "statics/all_equilibria.hpp"
-#include "statics/interval_mechanism.hpp"
 
 namespace poise {
 
@@ -79,10 +78,7 @@ void BoxProver::Verdict::cut(CoordinateBox& lower, CoordinateBox& upper) const {
 
 BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated)
     : plain_(model.mechanism()),
-      mechanism_([&] {
-        const solvers::RoundingUp up;
-        return Mechanism<Interval>(model.scaled_scene(), model.layout(), Purpose::statics);
-      }()),
+      mechanism_(model),
       stops_(std::move(stops)),
       equation_(plain_.constraints(), -1),
       n_(plain_.coordinates()),

@@ -5,6 +5,7 @@
 #include "model/mechanism.hpp"
 #include "model/phasor_sum.hpp"
 #include "solvers/interval.hpp"
+#include "statics/merged_mechanism.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
@@ -118,7 +119,7 @@ class BoxProver {
   void split(const CoordinateBox& box, Verdict& verdict) const;
 
   const Mechanism<double>& plain_;
-  Mechanism<Interval> mechanism_;
+  MergedMechanism mechanism_;
   std::vector<StopState> stops_;
   std::vector<int> rows_;       // constraint rows that hold; the first m_ are taken for independent
   std::vector<double> bounds_;  // their values

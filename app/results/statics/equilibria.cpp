@@ -93,6 +93,18 @@ void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet
   add_column(table, model, "energy", "energy", Quantity::energy, each(set.barriers, &Barrier::energy), force_digits);
 }
 
+void add_balanced(Group& content, const StaticModel& model, const EquilibriumSet& set) {
+  Branch& branch = content.array("balanced");
+  for (const EquilibriumSet::Balanced& balanced : set.balanced) {
+    const Quantity quantity = balanced.is_force ? Quantity::force : Quantity::moment;
+    Group& one = branch.parts.emplace_back();
+    one.list("coordinates", "", balanced.coordinates);
+    one.data("exact", balanced.exact);
+    one.data("effort", in_unit(balanced.effort, quantity, model.scene().units));
+    one.data("unit", unit_name(quantity, model.scene().units));
+  }
+}
+
 void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& set, bool undecided) {
   const std::vector<UndecidedBox>& boxes = undecided ? set.undecided : set.singular;
   Branch& branch = content.array(undecided ? "undecided" : "singular");
@@ -151,6 +163,7 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
     add_answer_data(one, model, answers[k]);
   }
   add_barriers(content, model, set);
+  add_balanced(content, model, set);
   add_boxes(content, model, set, true);
   add_boxes(content, model, set, false);
   content.list("left_out", "Left out of statics", model.layout().dropped);
