@@ -32,7 +32,8 @@ namespace {
 // Distances of coordinates, rad or mechanism sizes.
 constexpr double same_search = 1e-6;               // between ends of searches that count as one
 constexpr double same_equilibrium = 1e-9;          // between equilibria, besides what their proofs leave open
-constexpr double told_apart = 1e-8;                // equilibria that are nearer to each other may count as one
+constexpr double told_apart = 1e-8;                // equilibria that are nearer to each other may count as one,
+constexpr double most_apart = 1e-6;                // or at singular poses, where boxes remain larger, than up to this
 constexpr std::size_t most_boxes_searched = 1000;  // undecided ones, for equilibria
 constexpr int assembly_searches = 24;              // for curves of poses, where turns of loops are told apart
 constexpr double same_energy = 1e-9;               // of the mechanism's energy: neutral equilibria of one curve
@@ -262,7 +263,10 @@ class Finder {
       box.neutral = true;
       box.why = neutral_curve;
     }
-    return is_in(box, equilibrium.x) && add(std::move(equilibrium)) >= 0 && is_confirmed && widest < told_apart;
+    if (!is_in(box, equilibrium.x) || add(std::move(equilibrium)) < 0 || !is_confirmed) return false;
+    if (!(widest < most_apart)) return false;
+    while (close_within_ < widest) close_within_ *= 10.0;
+    return true;
   }
 
   // Whether some full turns bring x into the box.
@@ -574,12 +578,17 @@ class Finder {
                          number_of(out_.singular.size(), "singular pose", "singular poses"),
                          EquilibriumSet::largest_joint_force);
     }
+    for (const int element : proof_.peaks) {
+      const Element& of = model_.scene().elements[static_cast<std::size_t>(element)];
+      out += fmt::format("; where {} \"{}\" has no length its force has no direction, and that is no equilibrium",
+                         of.family(), of.name);
+    }
     return out;
   }
 
   // Where some may be too close to each other to be told apart.
   std::string close() const {
-    return close_ == 0 ? "" : fmt::format("; of those nearer to each other than {:g} one is given", told_apart);
+    return close_ == 0 ? "" : fmt::format("; of those nearer to each other than {:g} one is given", close_within_);
   }
 
   std::string unreached() const {
@@ -639,7 +648,8 @@ class Finder {
   EquilibriumSet out_;
   std::size_t enclosed_ = 0;  // equilibria that the proof led to
   bool contradicted_ = false;
-  int close_ = 0;           // boxes that hold an equilibrium, and perhaps others next to it
+  int close_ = 0;  // boxes that hold an equilibrium, and perhaps others next to it
+  double close_within_ = told_apart;
   bool by_proof_ = false;   // whether a proof that was not finished found some
   bool unreached_ = false;  // whether the proof found some that motion does not reach
   int unproved_ = 0;        // searches

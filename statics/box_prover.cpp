@@ -16,7 +16,15 @@ constexpr int most_sweeps = 4;
 constexpr double little = 0.05;        // a sweep that narrows no interval by this share is the last one
 constexpr double narrow_enough = 0.7;  // rad or sizes: widest box to which Newton's operator is applied
 constexpr double too_wide_for_rows = 2.0;
-constexpr double open_gap = 1e-9;     // mechanism sizes: what rounding leaves open of loops that others close
+constexpr double narrow_for_rows = 0.1;      // rad or sizes: boxes below are narrowed by all rows together
+constexpr double contracting = 0.5;          // of these where |R J_o - I| is no more
+constexpr double narrow_for_elements = 0.3;  // rad or sizes
+constexpr int most_inflations = 2;           // of a box in which Newton's operator finds no solution
+constexpr double little_further = 16.0;      // times its size, if its middle is refined
+constexpr double always_further = 1e-8;      // rad or sizes
+constexpr double turning = 0.5;    // of its length by which an element may be longer whose direction a box leaves open
+constexpr double stiff = 1.0;      // loads: elements whose force a box leaves open by more
+constexpr double open_gap = 1e-9;  // mechanism sizes: what rounding leaves open of loops that others close
 constexpr double small_pivot = 0.01;  // below, the rows that remain are taken for dependent
 constexpr double wide = 0.2;  // rad or sizes: pairs of a loop are solved together, and driving coordinates halved
 constexpr double much_narrower = 0.1;
@@ -77,7 +85,8 @@ void BoxProver::Verdict::cut(CoordinateBox& lower, CoordinateBox& upper) const {
 }
 
 BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated)
-    : plain_(model.mechanism()),
+    : model_(model),
+      plain_(model.mechanism()),
       mechanism_(model),
       stops_(std::move(stops)),
       equation_(plain_.constraints(), -1),
@@ -112,12 +121,14 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
       else
         group->lengths.push_back({term.coordinate, term.coefficient});
     }
+    for (Group& group : loop) group.direction = solvers::angle_of(group.constant.x, group.constant.y, 0.0);
     loops_.push_back(std::move(loop));
   }
   is_free_.assign(n_, 1);
   for (std::size_t e = 0; e < plain_.jacobian_row().size(); ++e) {
     if (equation_[plain_.jacobian_row()[e]] >= 0) is_free_[plain_.jacobian_column()[e]] = 0;
   }
+  has_free_ = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
   unit_.resize(angles_);
   pose_.resize(mechanism_.pose_size());
   jacobian_.resize(plain_.jacobian_row().size());
@@ -127,6 +138,17 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
   multipliers_.resize(plain_.constraints());
   dense_.resize(rows_.size() * static_cast<std::size_t>(n_));
   drives_ = driving();
+  const Scene scene = model.scaled_scene();
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    const Element& element = scene.elements[e];
+    if (element.on.kind != Measure::Kind::distance || spring_without_free_length(element) != nullptr) continue;
+    if (!stores_energy(element.law) || !idle(element.law).empty()) continue;
+    const PointRef a = element.on.a;
+    const PointRef b = element.on.b;
+    distances_.push_back({static_cast<int>(e),
+                          element.law,
+                          {mechanism_.phasors(), model.layout().path(a.body, scene.local(a), b.body, scene.local(b))}});
+  }
 }
 
 // Coordinates that all others follow from, two from each loop, and one from each equation of balance of a coordinate
@@ -298,12 +320,8 @@ bool BoxProver::contract_pair(const Loop& loop, std::size_t i, std::size_t j, Co
     const Interval length = sqrt(square_of);
     Interval cosine = (square_s + square_of - square_other) / (Interval(2) * length * s);
     if (!cosine.meet(Interval(-1, 1))) return false;
-    const auto arc = [](double c) {
-      const Interval x(c);
-      return solvers::angle_of(x, sqrt(Interval(1) - square(x)), 0.5);
-    };
-    const Interval beta(std::max(0.0, arc(cosine.upper()).lower()), arc(cosine.lower()).upper());
-    const Interval of_arm = solvers::angle_of(arm_of.x, arm_of.y, 0.0);
+    const Interval beta = solvers::arc_cosine(cosine);
+    const Interval of_arm = group.lengths.empty() ? group.direction : solvers::angle_of(arm_of.x, arm_of.y, 0.0);
     if (!beta.bounded() || !of_arm.bounded()) return true;
     const Interval base = direction - of_arm;
     CoordinateBox above = box;
@@ -428,11 +446,31 @@ bool BoxProver::shoot(CoordinateBox& box) {
   return true;
 }
 
+// In small boxes the rows narrow all that loops one by one can, at a part of the cost. Whether they do; `is_empty`
+// where they leave nothing.
+bool BoxProver::contract_by_rows(CoordinateBox& box, bool& is_empty) {
+  is_empty = false;
+  if (!(widest(box) < narrow_for_rows) || m_ == 0) return false;
+  evaluate(box);
+  if (!choose_dependent()) return false;
+  for (int k = 0; k < m_; ++k) {
+    double sum = 0.0;
+    for (int l = 0; l < m_; ++l) {
+      const Interval& entry = product_[static_cast<std::size_t>(k) * n_ + dependent_[l]];
+      sum += k == l ? (entry - Interval(1)).magnitude() : entry.magnitude();
+    }
+    if (!(sum < contracting)) return false;
+  }
+  gap_ = {};
+  follows_ = false;
+  is_empty = !contract_rows(box);
+  return true;
+}
+
 bool BoxProver::contract(CoordinateBox& box, bool balance) {
   gap_ = {};
   follows_ = false;
   for (int k = 0; k < angles_; ++k) turn(k, box);
-  const bool any_free = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     const CoordinateBox before = box;
     for (const Loop& loop : loops_) {
@@ -444,7 +482,7 @@ bool BoxProver::contract(CoordinateBox& box, bool balance) {
         }
       }
     }
-    if (balance && any_free && !contract_balance(box)) return false;
+    if (balance && has_free_ && !contract_balance(box)) return false;
     bool more = false;
     for (int i = 0; i < n_; ++i) {
       if (box[i].width() < (1 - little) * before[i].width() && before[i].width() > 1e-12) more = true;
@@ -824,6 +862,71 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
   return Finding::open;
 }
 
+// --- elements along distances ---------------------------------------------------------------------------------------
+
+// Where the points of an element do not coincide it pulls with T along e = d / |d|. With motions X of closed poses
+// (motions()), D = d' and the force F of everything else, balance is
+//   X_p . F + T e . (D X_p) = 0   for all p.
+// Of stiff elements T is known in tiny boxes only, and of short ones e. Two of these equations have no common T where
+//   (X_p . F) (d . D X_q) - (X_q . F) (d . D X_p)
+// has no zero; and they give the vector T e, which has to be the same from any two, and of the size of T.
+bool BoxProver::is_refused_by_elements(const CoordinateBox& box) {
+  if (free_columns_.size() < 2) return false;
+  for (Distance& on : distances_) {
+    mechanism_.place(box.data(), pose_.data());
+    const Planar<Interval> d = on.between.at(pose_.data());
+    const Interval length = sqrt(squared_norm(d));
+    const Interval pull = force_at_rest(on.law, length).value;
+    if (!(length.width() > turning * length.lower()) && !(pull.width() > stiff)) continue;
+    find_levers(on, box);
+    if (!is_balanced_by(on, d, pull)) return true;
+  }
+  return false;
+}
+
+// The levers D X_p and the forces X_p . F.
+void BoxProver::find_levers(Distance& on, const CoordinateBox& box) {
+  const auto d = free_columns_.size();
+  if (on.rest == nullptr) {
+    Scene scene = model_.scaled_scene();
+    scene.elements[static_cast<std::size_t>(on.element)].law = LinearSpring{};
+    on.rest = std::make_unique<Mechanism<Interval>>(scene, model_.layout(), Purpose::statics);
+  }
+  std::vector<Planar<Interval>> by(static_cast<std::size_t>(on.between.size()));
+  on.between.derivative(mechanism_.phasors(), pose_.data(), by.data());
+  on.rest->negative_force(box.data(), pose_.data(), force_.data());
+  levers_.assign(d, {});
+  along_.assign(d, Interval(0));
+  for (std::size_t p = 0; p < d; ++p) {
+    const auto motion = [&](int i) -> const Interval& { return motion_[static_cast<std::size_t>(i) * (d + 1) + p]; };
+    for (int i = 0; i < n_; ++i) along_[p] += motion(i) * force_[i];
+    for (int s = 0; s < on.between.size(); ++s) levers_[p] += motion(on.between.support()[s]) * by[s];
+  }
+}
+
+// Whether the element may balance everything else. If it pushes with more than that where its points coincide, the
+// energy has a peak there; if it pulls with more it may rest there.
+bool BoxProver::is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull) {
+  const bool is_point = !d.x.excludes_zero() && !d.y.excludes_zero();
+  Planar<Interval> needed{Interval::entire(), Interval::entire()};
+  for (std::size_t p = 0; p < levers_.size(); ++p) {
+    for (std::size_t q = p + 1; q < levers_.size(); ++q) {
+      if (!is_point && (along_[p] * dot(d, levers_[q]) - along_[q] * dot(d, levers_[p])).excludes_zero()) return false;
+      const Interval det = cross(levers_[p], levers_[q]);
+      if (!det.excludes_zero()) continue;
+      if (!needed.x.meet((along_[q] * levers_[p].y - along_[p] * levers_[q].y) / det)) return false;
+      if (!needed.y.meet((along_[p] * levers_[q].x - along_[q] * levers_[p].x) / det)) return false;
+    }
+  }
+  const Interval size = squared_norm(needed);
+  const Interval own = square(pull);
+  if (!size.bounded() || !own.bounded()) return true;
+  if (size > own || (size < own && !is_point)) return false;
+  if (!(size < own) || !(pull < Interval(0))) return true;
+  peaks_.insert(on.element);
+  return false;
+}
+
 // --- Newton's operator ----------------------------------------------------------------------------------------------
 
 // For two solutions, or one and the middle z_0 = (x_0, y_0),  f(z) - f(z_0) = A (z - z_0)  with rows of
@@ -911,12 +1014,10 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
   inverse = matrix.partialPivLu().inverse();
   if (!inverse.allFinite()) return Finding::open;
 
-  CoordinateBox around(n_);
   std::vector<double> reach(n_);
   for (int i = 0; i < n_; ++i) {
     const double half = std::max(box[i].upper() - x[i], x[i] - box[i].lower());
     reach[i] = 1.1 * half + 1e-12;
-    around[i] = Interval(x[i]) + Interval(-reach[i], reach[i]);
   }
   // f at the middle.
   std::vector<Interval> f(size, Interval(0));
@@ -934,82 +1035,102 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
       if (k >= 0 && k < m_) f[plain_.jacobian_column()[e]] += jacobian_[e] * Interval(y[k]);
     }
   }
-  // The matrices over the box.
-  std::vector<Interval> a(static_cast<std::size_t>(size) * size, Interval(0));
-  const auto entry = [&](int i, int j) -> Interval& { return a[static_cast<std::size_t>(i) * size + j]; };
-  mechanism_.place(around.data(), pose_.data());
-  mechanism_.jacobian(pose_.data(), jacobian_.data());
-  for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-    const int k = equation_[plain_.jacobian_row()[e]];
-    if (k < 0 || k >= m_) continue;
-    const int i = plain_.jacobian_column()[e];
-    entry(first + k, i) += jacobian_[e];
-    if (!square) entry(i, first + k) += jacobian_[e];
-  }
-  if (!square) {
-    std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
-    for (int k = 0; k < m_; ++k) multipliers_[rows_[k]] = Interval(y[k]);
-    mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
-    for (std::size_t e = 0; e < tangent_.size(); ++e) {
-      const int i = plain_.tangent_row()[e];
-      const int j = plain_.tangent_column()[e];
-      entry(i, j) += tangent_[e];
-      if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];
-    }
-  }
-  std::vector<double> contraction(static_cast<std::size_t>(size) * size);
-  std::vector<double> first_step(size);
-  std::vector<Interval> row(size);
-  for (int i = 0; i < size; ++i) {
-    std::fill(row.begin(), row.end(), Interval(0));
-    Interval step(0);
-    for (int k = 0; k < size; ++k) {
-      const double factor = inverse(i, k);
-      if (factor == 0) continue;
-      add_product(step, factor, f[k]);
-      for (int j = 0; j < size; ++j) add_product(row[j], factor, a[static_cast<std::size_t>(k) * size + j]);
-    }
-    row[i] -= Interval(1);
-    first_step[i] = step.magnitude();
-    for (int j = 0; j < size; ++j) contraction[static_cast<std::size_t>(i) * size + j] = row[j].magnitude();
-  }
-  // Weights near the dominant direction of C.
-  const auto times = [&](const std::vector<double>& v, bool with_step) {
-    std::vector<double> product(size);
-    for (int i = 0; i < size; ++i) {
-      double sum = with_step ? first_step[i] : 0.0;
-      for (int j = 0; j < size; ++j) sum += contraction[static_cast<std::size_t>(i) * size + j] * v[j];
-      product[i] = sum;
-    }
-    return product;
-  };
-  std::vector<double> weight(size, 1.0);
-  for (int step = 0; step < 4; ++step) {
-    const std::vector<double> next = times(weight, false);
-    double most = 0.0;
-    for (const double v : next) most = std::max(most, v);
-    if (!(most > 0) || !std::isfinite(most)) break;
-    for (int i = 0; i < size; ++i) weight[i] = next[i] / most + 1e-3 * weight[i] + 1e-12;
-  }
-  double norm = 0.0;
-  double scale = 0.0;
-  const std::vector<double> grown = times(weight, false);
-  for (int i = 0; i < size; ++i) {
-    const double ratio = grown[i] / weight[i];
-    if (!(ratio < 1)) return Finding::open;
-    norm = std::max(norm, ratio);
-    scale = std::max(scale, first_step[i] / weight[i]);
-  }
-  const double bound = (Interval(scale) / (Interval(1) - Interval(norm))).upper();
+  // The operator over all within reach of the middle: bounds of the distance of solutions, and whether there is one.
+  // False where it is no contraction.
+  CoordinateBox around(n_);
   std::vector<double> u(size);
-  for (int i = 0; i < size; ++i) u[i] = bound * weight[i];
-  bool exists = true;
-  for (int sweep = 0; sweep < 3; ++sweep) {
-    bool within = true;
-    for (int i = 0; i < n_; ++i) within = within && u[i] < reach[i];
-    exists = within;
-    const std::vector<double> next = times(u, true);
-    for (int i = 0; i < size; ++i) u[i] = std::min(u[i], next[i]);
+  bool exists = false;
+  const auto apply = [&] {
+    for (int i = 0; i < n_; ++i) around[i] = Interval(x[i]) + Interval(-reach[i], reach[i]);
+    std::vector<Interval> a(static_cast<std::size_t>(size) * size, Interval(0));
+    const auto entry = [&](int i, int j) -> Interval& { return a[static_cast<std::size_t>(i) * size + j]; };
+    mechanism_.place(around.data(), pose_.data());
+    mechanism_.jacobian(pose_.data(), jacobian_.data());
+    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+      const int k = equation_[plain_.jacobian_row()[e]];
+      if (k < 0 || k >= m_) continue;
+      const int i = plain_.jacobian_column()[e];
+      entry(first + k, i) += jacobian_[e];
+      if (!square) entry(i, first + k) += jacobian_[e];
+    }
+    if (!square) {
+      std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
+      for (int k = 0; k < m_; ++k) multipliers_[rows_[k]] = Interval(y[k]);
+      mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+      for (std::size_t e = 0; e < tangent_.size(); ++e) {
+        const int i = plain_.tangent_row()[e];
+        const int j = plain_.tangent_column()[e];
+        entry(i, j) += tangent_[e];
+        if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];
+      }
+    }
+    std::vector<double> contraction(static_cast<std::size_t>(size) * size);
+    std::vector<double> first_step(size);
+    std::vector<Interval> row(size);
+    for (int i = 0; i < size; ++i) {
+      std::fill(row.begin(), row.end(), Interval(0));
+      Interval step(0);
+      for (int k = 0; k < size; ++k) {
+        const double factor = inverse(i, k);
+        if (factor == 0) continue;
+        add_product(step, factor, f[k]);
+        for (int j = 0; j < size; ++j) add_product(row[j], factor, a[static_cast<std::size_t>(k) * size + j]);
+      }
+      row[i] -= Interval(1);
+      first_step[i] = step.magnitude();
+      for (int j = 0; j < size; ++j) contraction[static_cast<std::size_t>(i) * size + j] = row[j].magnitude();
+    }
+    // Weights near the dominant direction of C.
+    const auto times = [&](const std::vector<double>& v, bool with_step) {
+      std::vector<double> product(size);
+      for (int i = 0; i < size; ++i) {
+        double sum = with_step ? first_step[i] : 0.0;
+        for (int j = 0; j < size; ++j) sum += contraction[static_cast<std::size_t>(i) * size + j] * v[j];
+        product[i] = sum;
+      }
+      return product;
+    };
+    std::vector<double> weight(size, 1.0);
+    for (int step = 0; step < 4; ++step) {
+      const std::vector<double> next = times(weight, false);
+      double most = 0.0;
+      for (const double v : next) most = std::max(most, v);
+      if (!(most > 0) || !std::isfinite(most)) break;
+      for (int i = 0; i < size; ++i) weight[i] = next[i] / most + 1e-3 * weight[i] + 1e-12;
+    }
+    double norm = 0.0;
+    double scale = 0.0;
+    const std::vector<double> grown = times(weight, false);
+    for (int i = 0; i < size; ++i) {
+      const double ratio = grown[i] / weight[i];
+      if (!(ratio < 1)) return false;
+      norm = std::max(norm, ratio);
+      scale = std::max(scale, first_step[i] / weight[i]);
+    }
+    const double bound = (Interval(scale) / (Interval(1) - Interval(norm))).upper();
+    for (int i = 0; i < size; ++i) u[i] = bound * weight[i];
+    for (int sweep = 0; sweep < 3; ++sweep) {
+      bool within = true;
+      for (int i = 0; i < n_; ++i) within = within && u[i] < reach[i];
+      exists = within;
+      const std::vector<double> next = times(u, true);
+      for (int i = 0; i < size; ++i) u[i] = std::min(u[i], next[i]);
+    }
+    return true;
+  };
+  if (!apply()) return Finding::open;
+  // What is left by rounding may reach further than a box that was narrowed as far as that.
+  for (int k = 0; k < most_inflations && !exists; ++k) {
+    const std::vector<double> before = u;
+    bool is_little = true;
+    for (int i = 0; i < n_; ++i) {
+      is_little = is_little && u[i] < std::max(near ? little_further * reach[i] : 0.0, always_further);
+      reach[i] = std::max(reach[i], 2.0 * u[i]);
+    }
+    if (is_little && apply()) continue;
+    u = before;
+    exists = false;
+    break;
   }
   out = box;
   for (int i = 0; i < n_; ++i) {
@@ -1076,9 +1197,13 @@ void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
 BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
   Verdict out;
   out.finding = Finding::empty;
+  bool has_motions = false;
   for (int round = 0; round < 4; ++round) {
+    has_motions = false;
     const double before = widest(box);
-    if (!contract(box)) return out;
+    bool is_empty = false;
+    const bool by_rows = !has_free_ && contract_by_rows(box, is_empty);
+    if (is_empty || (!by_rows && !contract(box))) return out;
     // Stops that are not active bound their measures.
     if (plain_.stops() > 0) {
       mechanism_.place(box.data(), pose_.data());
@@ -1091,11 +1216,11 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     if (follows_ && !shoot(box)) return out;
     if (!(widest(box) < too_wide_for_rows)) break;
     bool regular = true;
-    if (m_ > 0) {
+    if (m_ > 0 && !by_rows) {
       evaluate(box);
       regular = choose_dependent();
       if (regular && !contract_rows(box)) return out;
-    } else {
+    } else if (m_ == 0) {
       free_columns_.resize(n_);
       for (int i = 0; i < n_; ++i) free_columns_[i] = i;
     }
@@ -1104,6 +1229,7 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
       mechanism_.negative_force(box.data(), pose_.data(), force_.data());
       const bool moves = regular && m_ < n_ && motions(box);
       if (moves && !balance_possible(box)) return out;
+      has_motions = moves && !distances_.empty() && widest(box) < narrow_for_elements;
       if (!moves || (m_ > 0 && least_pivot_ < small_pivot)) {
         evaluate(box);
         mechanism_.negative_force(box.data(), pose_.data(), force_.data());
@@ -1123,6 +1249,7 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     }
     if (!(widest(box) < 0.6 * before)) break;
   }
+  if (has_motions && is_refused_by_elements(box)) return out;
   out.finding = Finding::open;
   split(box, out);
   return out;

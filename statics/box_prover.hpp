@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <set>
 #include <vector>
 
 #include "model/mechanism.hpp"
@@ -70,6 +72,10 @@ class BoxProver {
   /// many as there are freedoms, at most one; else `open`.
   Verdict examine_closed_poses(CoordinateBox& box);
 
+  /// Elements of the scene, of those that push their points apart, that have no length somewhere in a box that was
+  /// found empty: their force has no direction there and the energy a peak, which is no equilibrium.
+  const std::set<int>& peaks() const { return peaks_; }
+
   /// Narrows the box by closures, and by the equations of balance of coordinates that are in no closure. False if it is
   /// empty.
   bool contract(CoordinateBox& box, bool balance = true);
@@ -84,6 +90,7 @@ class BoxProver {
       Planar<Interval> direction;
     };
     std::vector<Along> lengths{};
+    Interval direction{};  // of the constant
   };
   using Loop = std::vector<Group>;
   struct Gap {
@@ -95,6 +102,14 @@ class BoxProver {
   struct Step {
     int row, gives;
     std::size_t entry;  // of the stiffness
+  };
+
+  // A force element along the distance of two points, and everything else.
+  struct Distance {
+    int element;
+    Law law;
+    PhasorSum<Interval> between;
+    std::unique_ptr<Mechanism<Interval>> rest{};
   };
 
   std::vector<char> driving();
@@ -109,24 +124,32 @@ class BoxProver {
 
   void evaluate(const CoordinateBox& box);
   bool choose_dependent();
+  bool contract_by_rows(CoordinateBox& box, bool& is_empty);
   bool contract_rows(CoordinateBox& box);
   bool motions(CoordinateBox& box);
   bool balance_possible(CoordinateBox& box);
   bool balance_possible(const Winding& winding, Interval& rounds) const;
   bool solve_transposed(std::vector<Interval>& y) const;
   Finding near_singular(const CoordinateBox& box);
+  bool is_refused_by_elements(const CoordinateBox& box);
+  void find_levers(Distance& on, const CoordinateBox& box);
+  bool is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull);
   Finding newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
   void split(const CoordinateBox& box, Verdict& verdict) const;
 
+  const StaticModel& model_;
   const Mechanism<double>& plain_;
   MergedMechanism mechanism_;
+  std::vector<Distance> distances_;
+  std::set<int> peaks_;
   std::vector<StopState> stops_;
   std::vector<int> rows_;       // constraint rows that hold; the first m_ are taken for independent
   std::vector<double> bounds_;  // their values
   std::vector<int> equation_;   // per constraint row, or -1
   int n_ = 0, m_ = 0, angles_ = 0;
   std::vector<Loop> loops_;
-  std::vector<char> is_free_;           // coordinates in no row
+  std::vector<char> is_free_;  // coordinates in no row
+  bool has_free_ = false;
   std::vector<char> drives_;            // coordinates that all others follow from
   std::vector<Step> steps_;             // how, where it is by balance
   std::vector<int> parameters_;         // coordinates that no step gives
@@ -137,10 +160,12 @@ class BoxProver {
   // Workspace.
   std::vector<Planar<Interval>> pose_;
   std::vector<Interval> jacobian_, constraint_, force_, tangent_, multipliers_;
-  std::vector<Interval> dense_;      // m x n
-  std::vector<Interval> product_;    // R dense
-  std::vector<Interval> stiffness_;  // n x n
-  std::vector<Interval> left_;       // (m + 1) x n: what elimination leaves of the Jacobian and the force
+  std::vector<Interval> dense_;           // m x n
+  std::vector<Interval> product_;         // R dense
+  std::vector<Interval> stiffness_;       // n x n
+  std::vector<Planar<Interval>> levers_;  // of an element, by freedom
+  std::vector<Interval> along_;           // forces of everything else, by freedom
+  std::vector<Interval> left_;            // (m + 1) x n: what elimination leaves of the Jacobian and the force
   std::vector<double> middle_, inverse_;
   std::vector<int> dependent_, free_columns_;
   double least_pivot_ = 0.0;

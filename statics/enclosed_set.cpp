@@ -109,6 +109,7 @@ class Search {
   }
 
   std::vector<std::vector<double>> found;
+  std::set<int> peaks;
   long boxes = 0;
 
   bool stopped() const { return stopped_; }
@@ -121,6 +122,7 @@ class Search {
   struct Chunk {
     std::vector<Task> waiting{}, left{}, locked{};
     std::vector<std::vector<double>> found{};
+    std::set<int> peaks{};
     long boxes = 0;
     double decided = 0.0;
   };
@@ -139,6 +141,7 @@ class Search {
       std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));
       std::move(chunk.locked.begin(), chunk.locked.end(), std::back_inserter(locked_));
       std::move(chunk.waiting.begin(), chunk.waiting.end(), std::back_inserter(waiting_));
+      peaks.insert(chunk.peaks.begin(), chunk.peaks.end());
       boxes += chunk.boxes;
       decided_ += chunk.decided;
       allowance_.use(chunk.boxes);
@@ -186,6 +189,7 @@ class Search {
       chunk.waiting.push_back(std::move(other));
       chunk.waiting.push_back(std::move(task));
     }
+    chunk.peaks = prover.peaks();
   }
 
   // Now and then: time, interrupt and progress, with the share that this chunk has decided.
@@ -507,6 +511,31 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
   return out;
 }
 
+// That an element may have no length in the box, if one may.
+std::string element_without_length(const StaticModel& model, const UndecidedBox& box) {
+  CoordinateBox place;
+  for (std::size_t i = 0; i < box.lower.size(); ++i) place.emplace_back(box.lower[i], box.upper[i]);
+  if (!(widest(place) < narrow_for_rounds)) return "";
+  const Scene scene = model.scaled_scene();
+  const solvers::RoundingUp up;
+  const Mechanism<Interval> mechanism(scene, model.layout(), Purpose::statics);
+  std::vector<Planar<Interval>> pose(static_cast<std::size_t>(mechanism.pose_size()));
+  mechanism.place(place.data(), pose.data());
+  for (const Element& element : scene.elements) {
+    if (element.on.kind != Measure::Kind::distance || !stores_energy(element.law)) continue;
+    if (spring_without_free_length(element) != nullptr) continue;
+    const PointRef a = element.on.a;
+    const PointRef b = element.on.b;
+    const PhasorSum<Interval> between(mechanism.phasors(),
+                                      model.layout().path(a.body, scene.local(a), b.body, scene.local(b)));
+    const Planar<Interval> d = between.at(pose.data());
+    if (d.x.excludes_zero() || d.y.excludes_zero()) continue;
+    return std::string(element.family()) + " \"" + element.name +
+           "\" may have no length in it, where its force has no direction";
+  }
+  return "";
+}
+
 // What can be said of a box in which nothing is decided.
 void describe(const StaticModel& model, bool stopped, const AllEquilibriaOptions& options, UndecidedBox& box) {
   if (stopped) {
@@ -517,7 +546,9 @@ void describe(const StaticModel& model, bool stopped, const AllEquilibriaOptions
   for (std::size_t i = 0; i < middle.size(); ++i) middle[i] += 0.5 * (box.upper[i] - box.lower[i]);
   const Certificate certificate = certify(model, middle);
   box.neutral = certificate.outcome == Outcome::neutral;
+  const std::string without = element_without_length(model, box);
   box.why = box.neutral            ? neutral_curve
+            : !without.empty()     ? without
             : certificate.singular ? "the closures lose rank in it"
                                    : "equilibria in it are degenerate, or too near to each other";
 }
@@ -653,11 +684,13 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   out.applies = true;
   const double share = 1.0 / static_cast<double>(cases.size());
   bool finished = true;
+  std::set<int> peaks;
   for (std::size_t c = 0; c < cases.size(); ++c) {
     Search search(model, cases[c], repeated, options, allowance, share * static_cast<double>(c), share);
     search.run(parts);
     out.found.insert(out.found.end(), search.found.begin(), search.found.end());
     out.boxes += search.boxes;
+    peaks.insert(search.peaks.begin(), search.peaks.end());
     out.decided += share * search.decided();
     out.interrupted = out.interrupted || (search.stopped() && allowance.interrupted());
     for (UndecidedBox& box : search.stopped() ? around(search.left()) : joined(model, turns, search.left())) {
@@ -673,6 +706,7 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
       break;
     }
   }
+  out.peaks.assign(peaks.begin(), peaks.end());
   if (!finished) {
     out.applies = false;
     out.why_not =

@@ -17,6 +17,7 @@ struct EnclosedSet {
   std::vector<std::vector<double>> found{};  ///< scaled coordinates of solutions, each proved to be the only one near
   std::vector<UndecidedBox> undecided{};     ///< outside these, `singular` and `found` there are none
   std::vector<UndecidedBox> singular{};      ///< as EquilibriumSet::singular
+  std::vector<int> peaks{};                  ///< elements without length, as BoxProver::peaks()
   std::string within{};                      ///< range of the proof, half a sentence; empty if it is the whole
   /// Where it is given, nothing is said of equilibria in which an angle whose turns count is further from the start,
   /// rad.

@@ -1,0 +1,212 @@
+// Sets of equilibria that are hard to prove complete, against closed forms: springs without length, stiff springs,
+// folds, and three freedoms with springs.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "statics/all_equilibria.hpp"
+#include "tests/support/known_answers.hpp"
+
+namespace poise::complete_sets_test {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+EquilibriumSet set_of(const std::string& text) {
+  return all_equilibria(StaticModel(parse_scene(text, "scene.toml")), {.starts = 50, .settling = false});
+}
+
+/// Where the first body is, m.
+Vec2 place(const std::string& text, const Equilibrium& equilibrium) {
+  return StaticModel(parse_scene(text, "scene.toml")).poses(equilibrium.x)[1].origin;
+}
+
+// --- springs without length ----------------------------------------------------------------------------------------
+
+/// Two springs of k = 10 N/m and 1.2 m from (-1, 0) and (1, 0) to a point P, which F pulls.
+std::string truss(double fx, double fy) {
+  return fmt::format(R"(
+[ground]
+points = {{ A = [-1, 0], B = [1, 0] }}
+[body.P]
+points = {{ P = [0, 0] }}
+[[force]]
+at = "P.P"
+vector = [{}, {}]
+[[spring]]
+name = "a"
+points = ["ground.A", "P.P"]
+stiffness = 10
+free_length = 1.2
+[[spring]]
+name = "b"
+points = ["ground.B", "P.P"]
+stiffness = 10
+free_length = 1.2
+)",
+                     fx, fy);
+}
+
+// At a pin one spring has no length, and would have to push with what the other one, 2 m long, and the load leave: at
+// least 8 - 3 N, at most 8 + 3, and it pushes with 12.
+TEST(CompleteSets, ATrussWhoseApexMeetsAPin) {
+  for (const Vec2 load : {Vec2{0, -1}, Vec2{0.7, -2}, Vec2{-2, 1.5}, Vec2{0.3, 0.1}}) {
+    const std::string text = truss(load.x, load.y);
+    const EquilibriumSet set = set_of(text);
+    EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+    EXPECT_TRUE(contains(set.statement,
+                         "where spring \"a\" has no length its force has no direction, and that is no "
+                         "equilibrium"))
+        << set.statement;
+    EXPECT_TRUE(contains(set.statement, "where spring \"b\" has no length")) << set.statement;
+    // Index: the field points inwards far away, and each pin is a peak, of index 1.
+    int sum = 2;
+    for (const Equilibrium& e : set.equilibria) {
+      const Vec2 q = place(text, e);
+      Vec2 force = load;
+      for (const double pin : {-1.0, 1.0}) {
+        const Vec2 d{q.x - pin, q.y};
+        force = force - 10 * (norm(d) - 1.2) / norm(d) * d;
+      }
+      EXPECT_LT(norm(force), 1e-11);
+      sum += e.certificate.unstable_directions % 2 == 0 ? 1 : -1;
+    }
+    EXPECT_EQ(sum, 1) << set.statement;
+  }
+}
+
+// The springs of the truss would hold any force up to 12 N at a pin if they pulled.
+TEST(CompleteSets, AnElementThatPullsItsPointsTogetherIsNamed) {
+  const EquilibriumSet set = set_of(R"(
+[ground]
+points = { A = [0, 0] }
+[body.P]
+points = { P = [0, 0] }
+[[force]]
+at = "P.P"
+vector = [0, -1]
+[[constant_force]]
+name = "band"
+points = ["ground.A", "P.P"]
+force = 5
+[[spring]]
+name = "soft"
+points = ["ground.A", "P.P"]
+stiffness = 1
+free_length = 0
+)");
+  EXPECT_TRUE(set.equilibria.empty());
+  ASSERT_EQ(set.undecided.size(), 1U) << set.statement;
+  EXPECT_TRUE(contains(set.undecided[0].why, "constant force \"band\" may have no length in it"))
+      << set.undecided[0].why;
+}
+
+// --- stiff springs -------------------------------------------------------------------------------------------------
+
+// A weight w on a spring k: at L + w/k below its end, stable, and L - w/k above.
+TEST(CompleteSets, AWeightOnAStiffSpringThatTurnsFreely) {
+  for (const double k : {1e2, 1e4, 1e6, 1e8, 1e10}) {
+    SCOPED_TRACE(k);
+    const std::string text = fmt::format(R"(
+gravity = [0, -10]
+[ground]
+points = {{ A = [0, 0] }}
+[body.P]
+points = {{ P = [0, 0] }}
+mass = 0.1
+[[spring]]
+name = "k"
+points = ["ground.A", "P.P"]
+stiffness = {}
+free_length = 0.7
+)",
+                                         k);
+    const EquilibriumSet set = set_of(text);
+    EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+    ASSERT_EQ(set.equilibria.size(), 2U) << set.statement;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const Vec2 q = place(text, set.equilibria[e]);
+      const double side = e == 0 ? -1.0 : 1.0;
+      EXPECT_NEAR(q.x, 0.0, 1e-12);
+      EXPECT_NEAR(q.y, side * 0.7 - 1.0 / k, 1e-12);
+      EXPECT_EQ(set.equilibria[e].certificate.unstable_directions, static_cast<int>(e));
+    }
+  }
+}
+
+// --- folds ---------------------------------------------------------------------------------------------------------
+
+// The toggle of the data sets next to its limit load, of which only the first 16 digits are in a double.
+TEST(CompleteSets, FoldsThatAreNear) {
+  constexpr double limit = 42.9143257312246876869530451065;
+  for (const double below : {1e-3, 1e-6, 1e-8, 1e-10, 1e-12, -1e-12, -1e-9, -1e-6}) {
+    SCOPED_TRACE(below);
+    Scene scene = read_scene(test::dataset("von_mises_toggle.toml"));
+    scene.forces[0].vector.y = -limit * (1.0 - below);
+    const EquilibriumSet set = all_equilibria(StaticModel(scene), {.starts = 50, .settling = false});
+    EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+    ASSERT_EQ(set.equilibria.size(), below > 0 ? 3U : 1U) << set.statement;
+    if (below < 0) continue;
+    // V = 1000 (r - L)^2 + P h: at the fold V''' = 6000 L h / r^5 (b^2 = 1), and the heights are h -+ sqrt(2 dP /
+    // V''').
+    constexpr double height = 0.277880091075164758518;
+    const double r = std::hypot(1.0, height);
+    const double third = 2000 * 3 * 1.118033988749894848 * height / std::pow(r, 5);
+    const double apart = 2 * std::sqrt(2 * limit * below / third);
+    std::vector<double> heights;
+    for (const Equilibrium& e : set.equilibria) heights.push_back(e.x[0] * StaticModel(scene).scales().length);
+    std::sort(heights.begin(), heights.end());
+    EXPECT_NEAR(heights[2] - heights[1], apart, 0.02 * apart);
+  }
+}
+
+// --- three freedoms ------------------------------------------------------------------------------------------------
+
+// Three links and springs to the ground, which can all be without length.
+TEST(CompleteSets, ThreeLinksOnTwoSprings) {
+  const std::string text = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0], A = [1.1, 0.6], B = [-0.7, 0.9] }
+[body.l0]
+points = { a = [0, 0], b = [0.8, 0] }
+mass = 1
+center = [0.4, 0]
+[body.l1]
+points = { a = [0, 0], b = [0.6, 0] }
+mass = 1.5
+center = [0.3, 0]
+[body.l2]
+points = { a = [0, 0], b = [0.7, 0] }
+mass = 0.8
+center = [0.35, 0]
+[[pin]]
+points = ["ground.O", "l0.a"]
+[[pin]]
+points = ["l0.b", "l1.a"]
+[[pin]]
+points = ["l1.b", "l2.a"]
+[[spring]]
+name = "A"
+points = ["ground.A", "l2.b"]
+stiffness = 40
+free_length = 0.5
+[[spring]]
+name = "B"
+points = ["ground.B", "l1.b"]
+stiffness = 25
+free_length = 0.4
+)";
+  const EquilibriumSet set = set_of(text);
+  EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+  EXPECT_LT(set.boxes, 100'000);
+  for (const Equilibrium& e : set.equilibria) EXPECT_EQ(e.certificate.outcome, Outcome::proved);
+}
+
+}  // namespace
+}  // namespace poise::complete_sets_test
