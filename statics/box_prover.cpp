@@ -16,8 +16,6 @@ constexpr int most_sweeps = 4;
 constexpr double little = 0.05;        // a sweep that narrows no interval by this share is the last one
 constexpr double narrow_enough = 0.7;  // rad or sizes: widest box to which Newton's operator is applied
 constexpr double too_wide_for_rows = 2.0;
-constexpr double narrow_for_rows = 0.1;      // rad or sizes: boxes below are narrowed by all rows together
-constexpr double contracting = 0.5;          // of these where |R J_o - I| is no more
 constexpr double narrow_for_elements = 0.3;  // rad or sizes
 constexpr int most_inflations = 2;           // of a box in which Newton's operator finds no solution
 constexpr double little_further = 16.0;      // times its size, if its middle is refined
@@ -128,7 +126,6 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
   for (std::size_t e = 0; e < plain_.jacobian_row().size(); ++e) {
     if (equation_[plain_.jacobian_row()[e]] >= 0) is_free_[plain_.jacobian_column()[e]] = 0;
   }
-  has_free_ = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
   unit_.resize(angles_);
   pose_.resize(mechanism_.pose_size());
   jacobian_.resize(plain_.jacobian_row().size());
@@ -446,31 +443,11 @@ bool BoxProver::shoot(CoordinateBox& box) {
   return true;
 }
 
-// In small boxes the rows narrow all that loops one by one can, at a part of the cost. Whether they do; `is_empty`
-// where they leave nothing.
-bool BoxProver::contract_by_rows(CoordinateBox& box, bool& is_empty) {
-  is_empty = false;
-  if (!(widest(box) < narrow_for_rows) || m_ == 0) return false;
-  evaluate(box);
-  if (!choose_dependent()) return false;
-  for (int k = 0; k < m_; ++k) {
-    double sum = 0.0;
-    for (int l = 0; l < m_; ++l) {
-      const Interval& entry = product_[static_cast<std::size_t>(k) * n_ + dependent_[l]];
-      sum += k == l ? (entry - Interval(1)).magnitude() : entry.magnitude();
-    }
-    if (!(sum < contracting)) return false;
-  }
-  gap_ = {};
-  follows_ = false;
-  is_empty = !contract_rows(box);
-  return true;
-}
-
 bool BoxProver::contract(CoordinateBox& box, bool balance) {
   gap_ = {};
   follows_ = false;
   for (int k = 0; k < angles_; ++k) turn(k, box);
+  const bool any_free = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     const CoordinateBox before = box;
     for (const Loop& loop : loops_) {
@@ -482,7 +459,7 @@ bool BoxProver::contract(CoordinateBox& box, bool balance) {
         }
       }
     }
-    if (balance && has_free_ && !contract_balance(box)) return false;
+    if (balance && any_free && !contract_balance(box)) return false;
     bool more = false;
     for (int i = 0; i < n_; ++i) {
       if (box[i].width() < (1 - little) * before[i].width() && before[i].width() > 1e-12) more = true;
@@ -1201,9 +1178,7 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
   for (int round = 0; round < 4; ++round) {
     has_motions = false;
     const double before = widest(box);
-    bool is_empty = false;
-    const bool by_rows = !has_free_ && contract_by_rows(box, is_empty);
-    if (is_empty || (!by_rows && !contract(box))) return out;
+    if (!contract(box)) return out;
     // Stops that are not active bound their measures.
     if (plain_.stops() > 0) {
       mechanism_.place(box.data(), pose_.data());
@@ -1216,11 +1191,11 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     if (follows_ && !shoot(box)) return out;
     if (!(widest(box) < too_wide_for_rows)) break;
     bool regular = true;
-    if (m_ > 0 && !by_rows) {
+    if (m_ > 0) {
       evaluate(box);
       regular = choose_dependent();
       if (regular && !contract_rows(box)) return out;
-    } else if (m_ == 0) {
+    } else {
       free_columns_.resize(n_);
       for (int i = 0; i < n_; ++i) free_columns_[i] = i;
     }

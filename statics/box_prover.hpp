@@ -124,7 +124,6 @@ class BoxProver {
 
   void evaluate(const CoordinateBox& box);
   bool choose_dependent();
-  bool contract_by_rows(CoordinateBox& box, bool& is_empty);
   bool contract_rows(CoordinateBox& box);
   bool motions(CoordinateBox& box);
   bool balance_possible(CoordinateBox& box);
@@ -148,8 +147,7 @@ class BoxProver {
   std::vector<int> equation_;   // per constraint row, or -1
   int n_ = 0, m_ = 0, angles_ = 0;
   std::vector<Loop> loops_;
-  std::vector<char> is_free_;  // coordinates in no row
-  bool has_free_ = false;
+  std::vector<char> is_free_;           // coordinates in no row
   std::vector<char> drives_;            // coordinates that all others follow from
   std::vector<Step> steps_;             // how, where it is by balance
   std::vector<int> parameters_;         // coordinates that no step gives
