@@ -23,13 +23,14 @@ if(POISE_BUILD_APP)
     set(MPI_CXX_SKIP_MPICXX ON)
     find_package(MPI 3.1 QUIET COMPONENTS CXX)                                      # apt: libopenmpi-dev openmpi-bin
   endif()
-  pkg_check_modules(HttpLib REQUIRED IMPORTED_TARGET cpp-httplib)                   # apt: libcpp-httplib-dev
   find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
 endif()
 if(POISE_BUILD_APP OR POISE_BUILD_BENCHMARKS)
   find_package(nlohmann_json 3.11 REQUIRED)                                         # apt: nlohmann-json3-dev
 endif()
 if(POISE_BUILD_TESTS)
+  # Clients of the server of `poise view`.
+  pkg_check_modules(HttpLib REQUIRED IMPORTED_TARGET cpp-httplib)                   # apt: libcpp-httplib-dev
   find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
   # Looked for when tests run, which skip what it checks without it.                 # apt oracles: phcpack
   # The same: the browser that tests of pages run in.                                # apt browser: chromium chromium-driver

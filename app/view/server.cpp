@@ -1,22 +1,29 @@
 #include "app/view/server.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <mutex>
+#include <list>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <httplib.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/view/http_request.hpp"
 #include "model/input_error.hpp"
 
 extern char** environ;  // NOLINT(readability-identifier-naming): of POSIX
@@ -24,8 +31,9 @@ extern char** environ;  // NOLINT(readability-identifier-naming): of POSIX
 namespace poise::app {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr const char* host = "127.0.0.1";
-constexpr int threads = 4;  // one request at a time is answered, the others are read and refused meanwhile
 
 std::string random_token() {
   std::array<std::uint8_t, 16> bytes{};
@@ -56,8 +64,7 @@ class Limiter {
   explicit Limiter(double rate) : rate_(rate), left_(rate) {}
 
   bool allow() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     left_ = std::min(rate_, left_ + rate_ * std::chrono::duration<double>(now - last_).count());
     last_ = now;
     if (left_ < 1.0) return false;
@@ -67,131 +74,285 @@ class Limiter {
 
  private:
   double rate_, left_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-  std::mutex mutex_;
+  Clock::time_point last_ = Clock::now();
 };
 
 constexpr const char* html_type = "text/html; charset=utf-8";
 constexpr const char* json_type = "application/json; charset=utf-8";
 constexpr const char* plain_type = "text/plain; charset=utf-8";
 
+const char* reason(int status) {
+  switch (status) {
+    case 200:
+      return "OK";
+    case 400:
+      return "Bad Request";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 411:
+      return "Length Required";
+    case 413:
+      return "Content Too Large";
+    case 429:
+      return "Too Many Requests";
+    case 431:
+      return "Request Header Fields Too Large";
+    case 505:
+      return "HTTP Version Not Supported";
+    default:
+      return "Internal Server Error";
+  }
+}
+
+struct Response {
+  int status = 200;
+  const char* type = plain_type;
+  std::string content{}, more_headers{};
+};
+
+std::string written(const Response& response, bool keeps_connection) {
+  return fmt::format(
+      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: {}\r\nCache-Control: no-store\r\n"
+      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nX-Frame-Options: DENY\r\n"
+      "Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n{}\r\n{}",
+      response.status, reason(response.status), response.type, response.content.size(),
+      keeps_connection ? "keep-alive" : "close", response.more_headers, response.content);
+}
+
+/// A file descriptor that is closed with it.
+class Socket {
+ public:
+  explicit Socket(int number) : number_(number) {}
+  ~Socket() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// A socket that listens on a port of this machine, 0 for any; negative where there is none. The port can be had again
+/// at once, but not by two programs, of which one could take what is meant for the other.
+int listening(int port) {
+  const int number = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (number < 0) return -1;
+  const int yes = 1;
+  ::setsockopt(number, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::bind(number, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&  // NOLINT
+      ::listen(number, SOMAXCONN) == 0) {
+    return number;
+  }
+  ::close(number);
+  return -1;
+}
+
+int port_of(int number) {
+  sockaddr_in address{};
+  socklen_t length = sizeof address;
+  if (::getsockname(number, reinterpret_cast<sockaddr*>(&address), &length) != 0) return -1;  // NOLINT
+  return ntohs(address.sin_port);
+}
+
+struct Connection {
+  explicit Connection(int number) : socket(number) {}
+
+  /// Takes in what has come, without waiting. False where the other side has ended.
+  bool receive() {
+    std::array<char, 1 << 16U> part{};
+    const ssize_t got = ::recv(socket.number(), part.data(), part.size(), 0);
+    if (got < 0) return errno == EAGAIN || errno == EINTR;
+    in.append(part.data(), static_cast<std::size_t>(got));
+    return got > 0;
+  }
+
+  /// Hands on what can be taken, without waiting. False where the other side has ended.
+  bool send() {
+    if (out.empty()) return true;
+    const ssize_t sent = ::send(socket.number(), out.data() + sent_bytes, out.size() - sent_bytes, MSG_NOSIGNAL);
+    if (sent < 0) return errno == EAGAIN || errno == EINTR;
+    sent_bytes += static_cast<std::size_t>(sent);
+    if (sent > 0) since = Clock::now();
+    if (sent_bytes == out.size()) {
+      out.clear();
+      sent_bytes = 0;
+      // What still comes is read before it is closed: otherwise the other side could lose the answer.
+      if (ends) ::shutdown(socket.number(), SHUT_WR);
+    }
+    return true;
+  }
+
+  Socket socket;
+  std::string in, out;
+  std::size_t sent_bytes = 0;              // of out
+  Clock::time_point since = Clock::now();  // when it came, was answered, or took a part of its answer
+  bool is_known = false;                   // it has sent a request with the token
+  bool wants_more = true;                  // in holds no whole request
+  bool ends = false;                       // after its answer: what still comes is thrown away
+};
+
 }  // namespace
 
 class LocalServer::Server {
  public:
   Server(Answers answers, int port, double most_in_a_second)
-      : answers_(std::move(answers)), token_(random_token()), limiter_(most_in_a_second) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // httplib deletes it
-    server_.set_tcp_nodelay(true);
-    server_.set_keep_alive_max_count(1'000'000);
-    // For so long Ctrl-C waits for connections that a browser keeps open.
-    server_.set_keep_alive_timeout(1);
-    server_.set_read_timeout(10);
-    server_.set_write_timeout(10);
-    server_.set_payload_max_length(largest_body);
-    server_.set_default_headers({{"Cache-Control", "no-store"},
-                                 {"X-Content-Type-Options", "nosniff"},
-                                 {"Referrer-Policy", "no-referrer"},
-                                 {"X-Frame-Options", "DENY"},
-                                 {"Cross-Origin-Opener-Policy", "same-origin"},
-                                 {"Cross-Origin-Resource-Policy", "same-origin"}});
-    // A port can be had again at once, but not by two programs, of which one could take what is meant for the other.
-    server_.set_socket_options([](socket_t socket) {
-      const int yes = 1;
-      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-    });
-    port_ = port == 0 ? server_.bind_to_any_port(host) : (server_.bind_to_port(host, port) ? port : -1);
-    if (port_ < 0) {
+      : answers_(std::move(answers)), token_(random_token()), listener_(listening(port)), limiter_(most_in_a_second) {
+    if (listener_.number() < 0) {
       throw InputError(port == 0 ? std::string("--port: no port of 127.0.0.1 is free")
                                  : fmt::format("--port: cannot listen on port {} of 127.0.0.1, which another program "
                                                "may use; expected a free one, or leave the option out",
                                                port));
     }
-    address_ = fmt::format("http://{}:{}/{}/", host, port_, token_);
-    add_routes();
+    port_ = port_of(listener_.number());
+    base_ = "/" + token_ + "/";
+    address_ = fmt::format("http://{}:{}{}", host, port_, base_);
   }
 
   const std::string& address() const { return address_; }
 
   void run(const std::atomic<bool>& interrupt) {
-    std::atomic<bool> ended = false;
-    std::thread watch([&] {
-      while (!interrupt && !ended) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      while (!server_.is_running() && !ended) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      server_.stop();
-    });
-    server_.listen_after_bind();
-    ended = true;
-    watch.join();
+    while (!interrupt) {
+      wait();
+      accept_some();
+      for (auto at = connections_.begin(); at != connections_.end() && !interrupt;) {
+        at = serve(*at) ? std::next(at) : connections_.erase(at);
+      }
+    }
   }
 
  private:
-  using Request = httplib::Request;
-  using Response = httplib::Response;
-
-  // Nothing is said to a request that comes from elsewhere, but that it is refused.
-  static httplib::Server::HandlerResponse refuse(Response& response, int status, const char* why) {
-    response.status = status;
-    response.set_content(why, plain_type);
-    return httplib::Server::HandlerResponse::Handled;
+  /// Until something comes, can be sent, or some ms have gone.
+  void wait() {
+    constexpr int longest_ms = 50;  // Ctrl-C is noticed then
+    waiting_.assign(1, {listener_.number(), POLLIN, 0});
+    bool has_request = false;
+    for (const Connection& one : connections_) {
+      waiting_.push_back({one.socket.number(), static_cast<short>(one.out.empty() ? POLLIN : POLLOUT), 0});
+      has_request = has_request || (one.out.empty() && !one.wants_more && !one.ends);
+    }
+    ::poll(waiting_.data(), waiting_.size(), has_request ? 0 : longest_ms);
   }
+
+  void accept_some() {
+    constexpr int most_at_once = 32;  // then those that are there are served
+    for (int k = 0; k < most_at_once; ++k) {
+      const int number = ::accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+      if (number < 0) return;
+      const int yes = 1;
+      ::setsockopt(number, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+      if (connections_.size() >= most_connections) drop_one();
+      connections_.emplace_back(number);
+    }
+  }
+
+  /// Newer connections stand behind older ones.
+  void drop_one() {
+    auto dropped =
+        std::find_if(connections_.begin(), connections_.end(), [](const Connection& one) { return !one.is_known; });
+    if (dropped == connections_.end()) {
+      dropped = std::min_element(connections_.begin(), connections_.end(),
+                                 [](const Connection& a, const Connection& b) { return a.since < b.since; });
+    }
+    connections_.erase(dropped);
+  }
+
+  /// Goes on with a connection as far as it goes without waiting. False where it is at its end.
+  bool serve(Connection& connection) {
+    if (!connection.out.empty()) {
+      if (!connection.send()) return false;
+    } else if (connection.ends) {
+      if (!connection.receive()) return false;
+      connection.in.clear();
+    } else {
+      if (connection.wants_more && !connection.receive()) return false;
+      read(connection);
+    }
+    // A page keeps its connection for the next request.
+    const bool rests = connection.is_known && !connection.ends && connection.in.empty() && connection.out.empty();
+    return rests || Clock::now() - connection.since < longest_wait;
+  }
+
+  /// Answers the request that has come, if one has come whole. One that is refused is not read to its end.
+  void read(Connection& connection) {
+    const HttpHead head = read_head(connection.in);
+    connection.wants_more = head.refused == 0 && head.length == 0;
+    if (connection.wants_more) return;
+    const HttpRequest& request = head.request;
+    Response response = head.refused != 0 ? refusal(head.refused, head.why) : screen(request);
+    if (response.status == 200) {
+      connection.is_known = true;
+      connection.wants_more = connection.in.size() - head.length < request.body_length;
+      if (connection.wants_more) return;
+      response = answer(request, connection.in.substr(head.length, request.body_length));
+      connection.in.erase(0, head.length + request.body_length);
+      connection.wants_more = connection.in.empty();
+    } else {
+      connection.is_known = false;
+    }
+    connection.ends = !(connection.is_known && request.keeps_connection);
+    connection.out = written(response, !connection.ends);
+    connection.since = Clock::now();
+  }
+
+  static Response refusal(int status, const char* why) { return {.status = status, .content = why}; }
 
   bool is_own(const std::string& authority) const {
     return authority == fmt::format("{}:{}", host, port_) || authority == fmt::format("localhost:{}", port_);
   }
 
-  httplib::Server::HandlerResponse screen(const Request& request, Response& response) {
-    if (!limiter_.allow()) return refuse(response, 429, "too many requests\n");
-    if (request.remote_addr != host) return refuse(response, 403, "refused\n");
-    if (!is_own(request.get_header_value("Host"))) return refuse(response, 403, "refused\n");
-    const std::string origin = request.get_header_value("Origin");
+  /// Nothing is said to a request that comes from elsewhere, but that it is refused.
+  Response screen(const HttpRequest& request) const {
+    if (!is_own(request.header("host"))) return refusal(403, "refused\n");
+    const std::string origin = request.header("origin");
     const std::string scheme = "http://";
-    if (!origin.empty() && !(origin.rfind(scheme, 0) == 0 && is_own(origin.substr(scheme.size())))) {
-      return refuse(response, 403, "refused\n");
+    if (!origin.empty() && !(origin.starts_with(scheme) && is_own(origin.substr(scheme.size())))) {
+      return refusal(403, "refused\n");
     }
-    const std::string site = request.get_header_value("Sec-Fetch-Site");
-    if (!site.empty() && site != "same-origin" && site != "none") return refuse(response, 403, "refused\n");
-    if (!same_text(request.path.substr(0, token_.size() + 2), "/" + token_ + "/")) {
-      return refuse(response, 404, "not found\n");
-    }
-    return httplib::Server::HandlerResponse::Unhandled;
+    const std::string site = request.header("sec-fetch-site");
+    if (!site.empty() && site != "same-origin" && site != "none") return refusal(403, "refused\n");
+    if (!same_text(request.path.substr(0, base_.size()), base_)) return refusal(404, "not found\n");
+    return {};
   }
 
-  template <class Answer>
-  std::string one_at_a_time(Answer answer) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return answer();
+  Response answer(const HttpRequest& request, const std::string& body) {
+    if (!limiter_.allow()) return refusal(429, "too many requests\n");
+    const std::string what = request.method + " " + request.path.substr(base_.size());
+    try {
+      if (what == "GET ") return {.type = html_type, .content = answers_.page()};
+      if (what == "POST do") return {.type = json_type, .content = answers_.act(body)};
+      if (what == "GET poll") return {.type = json_type, .content = answers_.poll(revision_in(request.query))};
+      if (what == "GET page") {
+        return {.type = html_type,
+                .content = answers_.shared(),
+                .more_headers = "Content-Disposition: attachment; filename=\"mechanism.html\"\r\n"};
+      }
+    } catch (const std::exception&) {
+      return refusal(500, "an error of Poise\n");
+    }
+    return refusal(404, "not found\n");
   }
 
-  void add_routes() {
-    server_.set_pre_routing_handler(
-        [this](const Request& request, Response& response) { return screen(request, response); });
-    server_.set_exception_handler([](const Request&, Response& response, const std::exception_ptr&) {
-      refuse(response, 500, "an error of Poise\n");
-    });
-    const std::string base = "/" + token_ + "/";
-    server_.Get(base, [this](const Request&, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.page(); }), html_type);
-    });
-    server_.Post(base + "do", [this](const Request& request, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.act(request.body); }), json_type);
-    });
-    server_.Get(base + "poll", [this](const Request& request, Response& response) {
-      response.set_content(one_at_a_time([&] { return answers_.poll(request.get_param_value("revision")); }),
-                           json_type);
-    });
-    server_.Get(base + "page", [this](const Request&, Response& response) {
-      response.set_header("Content-Disposition", "attachment; filename=\"mechanism.html\"");
-      response.set_content(one_at_a_time([&] { return answers_.shared(); }), html_type);
-    });
+  static std::string revision_in(const std::string& query) {
+    const std::string key = "revision=";
+    return query.starts_with(key) ? query.substr(key.size()) : "";
   }
 
   Answers answers_;
-  std::string token_, address_;
+  std::string token_, base_, address_;
+  Socket listener_;
   int port_ = 0;
   Limiter limiter_;
-  std::mutex mutex_;
-  httplib::Server server_;
+  std::list<Connection> connections_;
+  std::vector<pollfd> waiting_;
 };
 
 LocalServer::LocalServer(Answers answers, int port, double most_in_a_second)

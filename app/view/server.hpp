@@ -1,13 +1,15 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
 
 namespace poise::app {
 
-/// What a LocalServer answers. They are called by one thread at a time.
+/// What a LocalServer answers, in the thread that runs it.
 struct Answers {
   std::function<std::string()> page;                    ///< HTML
   std::function<std::string(const std::string&)> act;   ///< JSON to a request in JSON
@@ -18,11 +20,16 @@ struct Answers {
 /// A server for one page on this machine. It listens on 127.0.0.1 alone and serves nothing but `Answers`: no file of
 /// the disk has an address. Every address begins with a random token of 128 bits; others are not found. Requests whose
 /// Host or Origin is another than this server (pages of other sites, names that are bound to this machine), bodies
-/// above 1 MB and more than so many requests in a second are refused.
+/// above HttpRequest::largest_body, bodies in chunks, and more than so many requests in a second are refused.
+///
+/// One thread serves all connections and waits for none. Who does not know the token can neither use up the requests of
+/// a second nor keep the page from being served: where there are too many connections, the oldest without a request
+/// that had the token is closed first, and one that has not sent a request within `longest_wait` is closed.
 class LocalServer {
  public:
   static constexpr int most_per_second = 500;
-  static constexpr int largest_body = 1 << 20;
+  static constexpr std::size_t most_connections = 100;
+  static constexpr std::chrono::seconds longest_wait{10};
 
   /// Port 0: one that is free. Throws InputError naming --port where it cannot be had.
   LocalServer(Answers answers, int port, double most_in_a_second = most_per_second);

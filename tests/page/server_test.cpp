@@ -8,10 +8,16 @@
 #include <regex>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include "app/view/http_request.hpp"
 #include "model/input_error.hpp"
 
 namespace poise::app::server_test {
@@ -97,12 +103,119 @@ TEST(LocalServer, RefusesPagesOfOtherSites) {
   EXPECT_EQ(server.status(server.base(), {{"Origin", own}, {"Sec-Fetch-Site", "same-origin"}}), 200);
 }
 
-TEST(LocalServer, LimitsRequests) {
+/// A connection that says what it is told to, byte for byte.
+class Raw {
+ public:
+  explicit Raw(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);  // NOLINT
+  }
+  ~Raw() { ::close(socket_); }
+  Raw(const Raw&) = delete;
+  Raw& operator=(const Raw&) = delete;
+
+  void say(const std::string& text) const {
+    // A server that has had enough ends the connection.
+    EXPECT_NE(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), 0);
+  }
+  /// All that comes until the server ends.
+  std::string heard() const {
+    std::string out;
+    char part[4096];
+    for (ssize_t got = 0; (got = ::recv(socket_, part, sizeof part, 0)) > 0;)
+      out.append(part, static_cast<std::size_t>(got));
+    return out;
+  }
+
+ private:
+  int socket_;
+};
+
+std::string head_of(const Running& server, const std::string& line, const std::string& more) {
+  return line + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) + "\r\n" + more + "\r\n";
+}
+
+TEST(LocalServer, RefusesLargeBodiesAndThoseOfUnknownLength) {
   const Running server;
   httplib::Client client = server.client();
-  const std::string large(static_cast<std::size_t>(LocalServer::largest_body) + 1, 'x');
-  const httplib::Result refused = client.Post((server.base() + "do").c_str(), large, "application/json");
+  const std::string address = server.base() + "do", large(HttpRequest::largest_body + 1, 'x');
+  const httplib::Result refused = client.Post(address.c_str(), large, "application/json");
   EXPECT_TRUE(!refused || refused->status == 413);
+  EXPECT_EQ(client.Post(address.c_str(), large.substr(1), "application/json")->body, "acted on " + large.substr(1));
+  const Raw chunked(server.port());
+  chunked.say(head_of(server, "POST " + address, "Transfer-Encoding: chunked\r\n") + "2\r\n{}\r\n0\r\n\r\n");
+  EXPECT_EQ(chunked.heard().substr(0, 12), "HTTP/1.1 411");
+  const Raw both(server.port());
+  both.say(head_of(server, "POST " + address, "Content-Length: 2\r\nTransfer-Encoding: chunked\r\n") + "{}");
+  EXPECT_EQ(both.heard().substr(0, 12), "HTTP/1.1 411");
+}
+
+TEST(LocalServer, RefusesWhatIsNoRequest) {
+  const Running server;
+  const std::string address = server.base() + "do";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"\r\n\r\n", "400"},
+      {"GET\r\n\r\n", "400"},
+      {"GET  HTTP/1.1\r\n\r\n", "400"},
+      {"GET http://127.0.0.1/ HTTP/1.1\r\n\r\n", "400"},
+      {"GET /\x01 HTTP/1.1\r\n\r\n", "400"},
+      {"GET / HTTP/2\r\n\r\n", "505"},
+      {"GET / HTTP/1.1\r\nHost 127.0.0.1\r\n\r\n", "400"},
+      {"GET / HTTP/1.1\r\nHost: a\r\n b\r\n\r\n", "400"},
+      {"GET / HTTP/1.1\r\nHost: a\r\nhost: b\r\n\r\n", "400"},
+      {head_of(server, "POST " + address, ""), "411"},
+      {head_of(server, "POST " + address, "Content-Length: -1\r\n"), "400"},
+      {head_of(server, "POST " + address, "Content-Length: 2x\r\n"), "400"},
+      {head_of(server, "POST " + address, "Content-Length: 99999999999999999999999\r\n"), "413"},
+      {head_of(server, "DELETE " + address, "Content-Length: 0\r\nConnection: close\r\n"), "404"},
+      {"GET / HTTP/1.1\r\nX: " + std::string(HttpRequest::largest_head, 'x'), "431"}};
+  for (const auto& [text, status] : cases) {
+    const Raw connection(server.port());
+    connection.say(text);
+    EXPECT_EQ(connection.heard().substr(0, 12), "HTTP/1.1 " + status) << text.substr(0, 100);
+  }
+  EXPECT_EQ(server.status(server.base()), 200);
+}
+
+TEST(LocalServer, AnswersRequestsThatComeTogetherOrInPieces) {
+  const Running server;
+  const std::string one = head_of(server, "POST " + server.base() + "do", "Content-Length: 3\r\n") + "one";
+  const std::string two = head_of(server, "GET " + server.base() + "poll?revision=2", "Connection: close\r\n");
+  for (const std::size_t piece : {std::size_t{1}, std::size_t{7}, (one + two).size()}) {
+    const Raw connection(server.port());
+    const std::string text = one + two;
+    for (std::size_t at = 0; at < text.size(); at += piece) connection.say(text.substr(at, piece));
+    const std::string heard = connection.heard();
+    const std::size_t first = heard.find("acted on one"), second = heard.find("polled 2");
+    EXPECT_TRUE(first < second && second != std::string::npos) << heard;
+  }
+}
+
+// Who does not know the token must not be able to keep the page from being served.
+TEST(LocalServer, ServesThePageBesideSlowAndManyConnections) {
+  const Running server;
+  httplib::Client page = server.client();
+  page.set_keep_alive(true);
+  page.set_read_timeout(5);
+  EXPECT_EQ(page.Get(server.base().c_str())->status, 200);
+  std::vector<std::unique_ptr<Raw>> slow;
+  for (std::size_t k = 0; k < 3 * LocalServer::most_connections; ++k) {
+    slow.push_back(std::make_unique<Raw>(server.port()));
+    slow.back()->say(k % 2 == 0 ? "GET /" : head_of(server, "POST /none/do", "Content-Length: 1000000\r\n"));
+    if (k % 50 == 0) {
+      EXPECT_EQ(page.Get((server.base() + "poll?revision=1").c_str())->body, "polled 1");
+    }
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(server.status(server.base()), 200) << "a new connection of the page";
+  EXPECT_EQ(page.Get((server.base() + "poll?revision=1").c_str())->body, "polled 1");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(4));
+}
+
+TEST(LocalServer, LimitsRequests) {
   const Running slow(2.0);
   httplib::Client hasty = slow.client();
   int too_many = 0;
@@ -111,6 +224,10 @@ TEST(LocalServer, LimitsRequests) {
     too_many += result && result->status == 429;
   }
   EXPECT_GT(too_many, 3);
+  // What is refused for lack of the token takes none of them away.
+  const Running other(2.0);
+  for (int k = 0; k < 20; ++k) EXPECT_EQ(other.status("/none/"), 404);
+  EXPECT_EQ(other.status(other.base()), 200);
 }
 
 // A browser keeps its connection for the next request; the program must not wait for it as long as it likes.
