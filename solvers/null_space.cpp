@@ -78,7 +78,7 @@ class NullSpace final : public Kkt {
     for (auto* v : {&jacobian_, &dependence_}) v->resize(m * n);
     for (auto* v : {&tangent_, &product_, &reduced_, &metric_, &factors_}) v->resize(n * n);
     for (auto* v : {&normal_, &right_, &primary_, &step_}) v->resize(n);
-    inverse_.resize(m * m);
+    inverse_.resize(std::min(m, n) * std::min(m, n));  // of rank x rank at most
     for (auto* v : {&order_, &place_, &permutation_}) v->resize(n);
     for (auto* v : {&rows_, &pivot_}) v->resize(m);
     used_.reserve(jacobian_pattern_.size());
