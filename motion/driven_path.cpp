@@ -17,7 +17,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // All in rad or mechanism sizes.
-constexpr double longest_move = 0.05;        // of any coordinate in one step
 constexpr double longest_correction = 1e-4;  // of the predicted pose: a bound that keeps the path on its branch
 constexpr double closed_within = 1e-12;
 constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
@@ -294,21 +293,23 @@ std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const Path
 }
 
 std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
-                                          const std::function<bool()>& stopped) const {
+                                          int most_steps, const std::function<bool()>& stopped) const {
   std::size_t next_sample = 0;
   for (; next_sample < samples.size() && samples[next_sample] <= begin.at; ++next_sample) visitor.sample(begin);
   std::optional<PathPose> before;
   PathPose here = std::move(begin);
   double h = 1.0;
+  int tried = 0;
   int overtime = 0;  // steps beyond the end, to detect a singular pose just before it
   while (here.at < end_of_way ||
          (before && here.closeness < before->closeness && here.closeness < 0.05 && overtime++ < 3)) {
-    if (stopped()) return PathEnd{here};
+    if (stopped()) return PathEnd{.pose = here};
     h = std::min(h, longest_move / largest(here.v));
     if (here.at < end_of_way) h = std::min(h, 1.0 - here.at);
     std::optional<PathPose> next;
     int around = 0;  // attempts to step across a singular pose instead of onto it
     while (!next) {
+      if (tried++ == most_steps) return PathEnd{.pose = here, .out_of_steps = true};
       const VectorXd predicted = here.x + h * here.v + 0.5 * h * h * here.a;
       VectorXd x = predicted;
       for (const int d : closure_.driven()) x[d] = here.x[d] + h * here.v[d];
@@ -333,7 +334,7 @@ std::optional<PathEnd> DrivenPath::follow(PathPose begin, const std::vector<doub
     if (!next) {
       if (here.at >= end_of_way) break;
       std::optional<PathPose> turning = turning_point(here);
-      return PathEnd{turning ? std::move(*turning) : here};
+      return PathEnd{.pose = turning ? std::move(*turning) : here};
     }
     if (next->at >= end_of_way && next->at < 1.0) next->at = 1.0;
     std::optional<PathEnd> met;

@@ -54,7 +54,8 @@ struct PathPose {
 struct PathEnd {
   PathPose pose;
   int stop = -1;  ///< the stop that is reached there; -1: the closures have no solution beyond, or it was interrupted
-  bool at_max = false;  ///< which limit of the stop
+  bool at_max = false;        ///< which limit of the stop
+  bool out_of_steps = false;  ///< as many as allowed were tried
 };
 
 /// Follows  d(t) = d0 + t (d1 - d0),  t = 0 .. 1, from a closed pose at t = 0.
@@ -62,6 +63,9 @@ class DrivenPath {
  public:
   /// Closeness below which derivatives are not computed at the pose itself.
   static constexpr double singular_below = 1e-5;
+
+  /// Farthest that a coordinate moves in one step, rad or mechanism sizes.
+  static constexpr double longest_move = 0.05;
 
   struct Visitor {
     std::function<void(const PathPose&)> sample;  ///< at each of the parameters asked for
@@ -77,9 +81,9 @@ class DrivenPath {
   /// Returns nothing if t = 1 was reached. Otherwise the last pose of the path, with the derivatives of the last
   /// regular pose and its own singular vectors; or the pose at the first stop that the path would pass by more than
   /// StopRoom::rounding, found to rounding, with all its derivatives. A stop that `begin` has passed already is ignored
-  /// until the path has returned within it.
+  /// until the path has returned within it. At most so many steps are tried, so that every path ends.
   std::optional<PathEnd> follow(PathPose begin, const std::vector<double>& samples, const Visitor& visitor,
-                                const std::function<bool()>& stopped) const;
+                                int most_steps, const std::function<bool()>& stopped) const;
 
  private:
   PathPose interpolated(const PathPose& from, const PathPose& to, double at) const;

@@ -187,6 +187,8 @@ class Sweep {
       ahead[k] = d.scaled(ranges_[k].from) - start[d.coordinate];
       along[k] = (ranges_[k].to - ranges_[k].from) / d.unit;
     }
+    expect_within_reach(ahead, "from the start to its range");
+    expect_within_reach(along, "over its range");
     standing_ = along.isZero(0.0);
     if (standing_) along[0] = 1.0 / driven_[0].unit;
     direction_ = along;
@@ -197,13 +199,13 @@ class Sweep {
       begin.reset();
       const std::optional<PathEnd> last = path.follow(
           from, {1.0}, {[&](const PathPose& pose) { begin = pose; }, [&](const PathPose& p) { note(p, true); }},
-          [&] { return stopped(); });
+          options_.most_steps, [&] { return stopped(); });
       if (last && last->stop >= 0) {
         throw InputError(fmt::format("{}drive \"{}\": {}, on the way from the start; expected a value within the stops",
                                      where(model_.scene()), ranges_.front().name, words(*last)));
       }
       if (!begin) {
-        give_up(last->pose, true);
+        give_up(*last, true);
         return std::nullopt;
       }
     }
@@ -221,6 +223,21 @@ class Sweep {
     return begin;
   }
 
+  // A way that would take more steps than are tried is refused before the first.
+  void expect_within_reach(const VectorXd& way, const char* which) const {
+    const double farthest = options_.most_steps * DrivenPath::longest_move;
+    for (std::size_t k = 0; k < driven_.size(); ++k) {
+      const double far = std::abs(way[static_cast<Eigen::Index>(k)]);
+      if (far < farthest) continue;
+      const bool is_angle = result_.is_angle[result_.drive_coordinates[k]];
+      throw InputError(
+          fmt::format("{}drive \"{}\": expected to be driven by less than {} {}, found {}; change [start] or "
+                      "the range",
+                      where(model_.scene()), ranges_[k].name, in_units(farthest * driven_[k].unit, is_angle), which,
+                      in_units(far * driven_[k].unit, is_angle)));
+    }
+  }
+
   void traverse(const PathPose& begin) {
     const DrivenPath path(closure_, direction_);
     if (standing_) {
@@ -232,11 +249,11 @@ class Sweep {
     for (int k = 0; k <= options_.steps; ++k) samples.push_back(static_cast<double>(k) / options_.steps);
     const std::optional<PathEnd> last = path.follow(
         begin, samples, {[&](const PathPose& p) { add_sample(p); }, [&](const PathPose& p) { note(p, false); }},
-        [&] { return stopped(); });
+        options_.most_steps, [&] { return stopped(); });
     result_.complete = !last.has_value();
     if (!last) return;
     if (last->stop < 0) {
-      give_up(last->pose, false);
+      give_up(*last, false);
       return;
     }
     const double sampled = *(std::upper_bound(samples.begin(), samples.end(), last->pose.at) - 1);
@@ -305,9 +322,14 @@ class Sweep {
     list.push_back(std::move(found));
   }
 
-  void give_up(const PathPose& last, bool before_range) {
+  void give_up(const PathEnd& end, bool before_range) {
+    const PathPose& last = end.pose;
     if (stopped()) {
       result_.why = "interrupted";
+      return;
+    }
+    if (end.out_of_steps) {
+      result_.why = fmt::format("after {} steps it is at {}", options_.most_steps, drive_words(last.x));
       return;
     }
     result_.why =

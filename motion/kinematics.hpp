@@ -24,7 +24,10 @@ Drive find_drive(const Scene& scene, const std::string& name);
 std::size_t first_moving(const std::vector<DriveRange>& ranges);
 
 struct SweepOptions {
-  int steps = 72;     ///< equal parts of the range: steps + 1 samples; one if no range has a length
+  int steps = 72;  ///< equal parts of the range: steps + 1 samples; one if no range has a length
+  /// Steps that are tried at most from the start to the range, and over the range. A way that needs more in any case is
+  /// refused before the first.
+  int most_steps = 200'000;
   double rate = 1.0;  ///< of the first drive that moves, towards its end, rad/s or m/s; the others keep pace with it
   const std::atomic<bool>* interrupt = nullptr;
 };
@@ -81,8 +84,8 @@ struct KinematicsResult {
 /// stop of the scene would be passed, with one more sample at the stop.
 ///
 /// Throws InputError if the drives leave a degree of freedom, naming what else must be driven, if they contradict each
-/// other, if a name is unknown, if the start cannot be assembled or is itself singular, and if a stop, named, would be
-/// passed on the way from the start to the range.
+/// other, if a name is unknown, if a way is farther than its steps can lead, if the start cannot be assembled or is
+/// itself singular, and if a stop, named, would be passed on the way from the start to the range.
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options = {});
 
 }  // namespace poise

@@ -372,5 +372,34 @@ TEST(Kinematics, CanBeInterrupted) {
   EXPECT_EQ(result.why, "interrupted");
 }
 
+// The way is followed step by step from the assembled start: beyond 2^53 rad no step moves it.
+TEST(Kinematics, RefusesAWayThatItsStepsCannotLead) {
+  const auto message = [](const Scene& scene, const DriveRange& range) -> std::string {
+    try {
+      sweep(scene, {range});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Scene scene = four_bar(1, 3, 3, 4, 0.5, 0.6, 1.5);
+  EXPECT_NE(message(scene, {"crank", 0.5, 1e6}).find("driven by less than 10000 rad over its range"),
+            std::string::npos);
+  SceneBuilder arm("arm.toml");
+  test::add_link(arm, "arm", 1.0);
+  arm.ground_point("O", {0, 0}).pin("ground.O", "arm.a").start("arm", 9007199254740993.0);
+  EXPECT_NE(message(arm.build(), {"arm", 0.0, 0.5}).find("driven by less than 10000 rad from the start to its range"),
+            std::string::npos);
+}
+
+TEST(Kinematics, SaysWhereItIsWhenItsStepsAreUsedUp) {
+  SweepOptions options;
+  options.most_steps = 130;  // 6.5 rad at the most, were every step as long as it may be
+  const KinematicsResult result = sweep(four_bar(1, 3, 3, 4, 0.5, 0.6, 1.5), {{"crank", 0.5, 0.5 + 2 * pi}}, options);
+  EXPECT_FALSE(result.complete);
+  EXPECT_EQ(result.why.find("after 130 steps it is at crank = "), 0U) << result.why;
+  EXPECT_GT(result.samples.size(), 10U);
+}
+
 }  // namespace
 }  // namespace poise::kinematics_test
