@@ -976,7 +976,7 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
     for (int i = 0; i < n_; ++i) {
       x[i] += z[i];
       most = std::max(most, std::abs(z[i]));
-      near = near && std::abs(x[i] - x_start[i]) <= 0.75 * box[i].width() + 1e-12;
+      near = near && std::abs(x[i] - x_start[i]) <= 0.75 * box[i].width() + always_further;
     }
     if (!square) {
       for (int k = 0; k < m_; ++k) y[k] += z[n_ + k];
@@ -1097,11 +1097,11 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
   };
   if (!apply()) return Finding::open;
   // What is left by rounding may reach further than a box that was narrowed as far as that.
-  for (int k = 0; k < most_inflations && !exists; ++k) {
+  for (int k = 0; k < most_inflations && !exists && near; ++k) {
     const std::vector<double> before = u;
     bool is_little = true;
     for (int i = 0; i < n_; ++i) {
-      is_little = is_little && u[i] < std::max(near ? little_further * reach[i] : 0.0, always_further);
+      is_little = is_little && u[i] < std::max(little_further * reach[i], always_further);
       reach[i] = std::max(reach[i], 2.0 * u[i]);
     }
     if (is_little && apply()) continue;
