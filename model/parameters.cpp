@@ -11,6 +11,7 @@
 #include "model/dependent_number.hpp"
 #include "model/gas_struts.hpp"
 #include "model/nearest_name.hpp"
+#include "model/parameter_values.hpp"
 
 namespace poise {
 namespace {
@@ -446,6 +447,13 @@ std::optional<double> value_at(const Scene& scene, const ParameterPlace& place) 
     if (row.place == place) value = number.get(&item);
   });
   return value;
+}
+
+std::vector<std::optional<double>> parameter_values(const Scene& scene) {
+  std::vector<std::optional<double>> values;
+  visit_numbers(scene,
+                [&](const ParameterRow&, auto& item, const Number& number) { values.push_back(number.get(&item)); });
+  return values;
 }
 
 void set_value_at(Scene& scene, const ParameterPlace& place, double si) {

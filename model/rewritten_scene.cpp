@@ -1,7 +1,6 @@
 #include "model/rewritten_scene.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 #include "model/number_spots.hpp"
+#include "model/parameter_values.hpp"
 #include "model/parameters.hpp"
 #include "model/toml_reader.hpp"
 #include "model/toml_text.hpp"
@@ -31,7 +31,15 @@ class Rewriter {
         wanted_(wanted),
         old_(parse_scene(text, file)),
         document_(parse_toml(text, file)),
-        spots_(document_, old_) {
+        spots_(document_, old_),
+        rows_(parameter_table(old_)),
+        old_values_(parameter_values(old_)),
+        wanted_values_(parameter_values(wanted)) {
+    const std::vector<ParameterRow> rows = parameter_table(wanted);
+    if (!std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end(),
+                    [](const ParameterRow& a, const ParameterRow& b) { return a.place == b.place; })) {
+      fail();
+    }
     lines_.push_back(0);
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '\n') lines_.push_back(i + 1);
@@ -39,13 +47,10 @@ class Rewriter {
   }
 
   std::string run() {
-    const std::vector<ParameterRow> rows = parameter_table(old_);
-    if (rows.size() != parameter_table(wanted_).size()) fail();
-    for (const ParameterRow& row : rows) {
-      const std::optional<double> value = value_at(wanted_, row.place);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
       // What follows from other numbers follows from those that are written.
-      if (dependent_number(old_, row.place) != nullptr || ends_with_curve(row.place)) continue;
-      if (value && value != value_at(old_, row.place)) write(row);
+      if (dependent_number(old_, rows_[i].place) != nullptr || ends_with_curve(rows_[i].place)) continue;
+      if (wanted_values_[i] && wanted_values_[i] != old_values_[i]) write(i);
     }
     for (const auto& [place, numbers] : additions_) add(place, numbers);
     std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.from < b.from; });
@@ -61,9 +66,9 @@ class Rewriter {
   /// That the text has the numbers wanted. Rounding to the unit of the file and back is all that may differ.
   void check() const {
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
-    for (const ParameterRow& row : parameter_table(old_)) {
-      const std::optional<double> value = value_at(wanted_, row.place);
-      const std::optional<double> read = value_at(old_, row.place);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const ParameterRow& row = rows_[i];
+      const std::optional<double>&value = wanted_values_[i], &read = old_values_[i];
       if (!value || value == read || (read && std::abs(*value - *read) <= rounding * std::abs(*value))) continue;
       if (const DependentNumber* const dependent = dependent_number(wanted_, row.place)) {
         if (row.place.owner == Owner::start) continue;  // a guess stays one
@@ -123,12 +128,14 @@ class Rewriter {
     return near;
   }
 
-  void write(const ParameterRow& row) {
+  void write(std::size_t place) {
+    const ParameterRow& row = rows_[place];
     const NumberSpot spot = spots_.of(row);
     if (spot.table == nullptr && spot.header.empty()) return;  // none of the text, which check() says
     const double unit = row.dimension.unit(wanted_.units);
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
     const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };
+    const std::string own = number(wanted_values_[place]);
     if (row.place.owner == Owner::force) {
       const Vec2& vector = wanted_.forces[static_cast<std::size_t>(row.place.item)].vector;
       if (node == nullptr) fail();
@@ -138,22 +145,17 @@ class Rewriter {
       const toml::array* const points = node != nullptr ? node->as_array() : nullptr;
       const auto point = static_cast<std::size_t>(spot.point);
       if (points == nullptr || point >= points->size()) fail();
-      replace(*points->get(point), spot.component, number(value_at(wanted_, row.place)));
-      if (spot.twin >= 0)
-        replace(*points->get(static_cast<std::size_t>(spot.twin)), spot.component,
-                number(value_at(wanted_, row.place)));
+      replace(*points->get(point), spot.component, own);
+      if (spot.twin >= 0) replace(*points->get(static_cast<std::size_t>(spot.twin)), spot.component, own);
     } else if (node != nullptr) {
-      replace(*node, spot.component, number(value_at(wanted_, row.place)));
+      replace(*node, spot.component, own);
     } else if (spot.component < 0) {
-      additions_[{spot.header, spot.table}][spot.key] = number(value_at(wanted_, row.place));
+      additions_[{spot.header, spot.table}][spot.key] = own;
     } else {
-      std::array<std::string, 2> components;
-      for (int c = 0; c < 2; ++c) {
-        ParameterPlace place = row.place;
-        place.number += c - spot.component;
-        components[static_cast<std::size_t>(c)] = number(value_at(wanted_, place));
-      }
-      additions_[{spot.header, spot.table}][spot.key] = fmt::format("[{}, {}]", components[0], components[1]);
+      // The two components of a vector are rows that follow each other.
+      const std::size_t first = place - static_cast<std::size_t>(spot.component);
+      additions_[{spot.header, spot.table}][spot.key] =
+          fmt::format("[{}, {}]", number(wanted_values_.at(first)), number(wanted_values_.at(first + 1)));
     }
   }
 
@@ -283,6 +285,8 @@ class Rewriter {
   Scene old_;
   toml::table document_;
   NumberSpots spots_;
+  std::vector<ParameterRow> rows_;  // of the text, and of the scene that is wanted
+  std::vector<std::optional<double>> old_values_, wanted_values_;
   std::vector<std::size_t> lines_;  // offsets of their first characters
   std::map<TablePlace, Numbers> additions_;
   std::vector<Edit> edits_;
