@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "app/terminal/output_file.hpp"
+#include "tests/app/run_poise.hpp"
+
 namespace poise::app::interrupt_test {
 namespace {
 
@@ -25,6 +28,38 @@ TEST(InterruptDeathTest, FirstSignalSetsTheFlagAndTheSecondEndsTheProgram) {
         std::raise(SIGINT);
       },
       ::testing::KilledBySignal(SIGINT), "");
+}
+
+// A file with a temporary name stays behind for nobody, whenever the program is ended.
+TEST(InterruptDeathTest, SignalsThatEndTheProgramRemoveTemporaryFiles) {
+  ::testing::FLAGS_gtest_death_test_style = "fast";  // the folder is to be the same
+  const app_tests::TempFolder folder;
+  const auto prepared = [&] {
+    OutputFile file(folder.path("out.json"), "--json");
+    file.prepare("half of it");
+    return file;
+  };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    EXPECT_EXIT(
+        {
+          const OutputFile file = prepared();
+          if (folder.names().size() != 1) std::_Exit(1);
+          std::raise(signal);
+        },
+        ::testing::KilledBySignal(signal), "");
+    EXPECT_TRUE(folder.names().empty()) << signal;
+  }
+  // The first Ctrl-C lets a command end by itself, the second one does not.
+  EXPECT_EXIT(
+      {
+        watch_for_interrupt();
+        const OutputFile file = prepared();
+        std::raise(SIGINT);
+        if (folder.names().size() != 1) std::_Exit(1);
+        std::raise(SIGINT);
+      },
+      ::testing::KilledBySignal(SIGINT), "");
+  EXPECT_TRUE(folder.names().empty());
 }
 
 }  // namespace

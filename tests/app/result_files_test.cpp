@@ -239,6 +239,22 @@ TEST(ResultFiles, LinkStaysALinkAndItsTargetIsReplaced) {
   EXPECT_EQ(json::parse(contents(folder.path("target.json")))["status"], "confirmed");
 }
 
+TEST(ResultFiles, LinkToNothingLeadsToANewFile) {
+  const TempFolder folder;
+  const std::string scene = folder.write("a.toml", pendulum);
+  fs::create_symlink("second.json", folder.path("first.json"));
+  fs::create_symlink("target.json", folder.path("second.json"));
+  EXPECT_EQ(run_poise({"solve", scene, "--json", folder.path("first.json").string()}).exit_code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder.path("first.json")));
+  EXPECT_EQ(json::parse(contents(folder.path("target.json")))["status"], "confirmed");
+  fs::create_symlink("round.svg", folder.path("round.svg"));
+  const Outcome round = run_poise({"solve", scene, "--svg", folder.path("round.svg").string()});
+  EXPECT_EQ(round.exit_code, 2);
+  EXPECT_NE(round.err.find("links lead in a circle"), std::string::npos) << round.err;
+  fs::create_symlink("none/out.csv", folder.path("far.csv"));
+  EXPECT_EQ(run_poise({"loads", scene, "--csv", folder.path("far.csv").string()}).exit_code, 2);
+}
+
 TEST(ResultFiles, DeviceIsWrittenToAndNotReplaced) {
   const TempFolder folder;
   const Outcome run = run_poise({"solve", folder.write("a.toml", pendulum), "--json", "/dev/null"});
