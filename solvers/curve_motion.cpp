@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -52,6 +54,13 @@ class CurveMotion::Method {
       p.slope.resize(functions_);
     }
     left_ = &points_[0];
+    std::vector<std::vector<std::size_t>> bounds_of(problem.constraints() - equalities_);
+    for (std::size_t b = 0; b < bounds_.size(); ++b) bounds_of[bounds_[b].inequality].push_back(b);
+    const Pattern& pattern = problem.jacobian_pattern();
+    for (int e = 0; e < pattern.size(); ++e) {
+      if (pattern.row[e] < equalities_) continue;
+      for (const std::size_t b : bounds_of[pattern.row[e] - equalities_]) bound_entries_.emplace_back(e, b);
+    }
     result.x.resize(n_);
     error_.resize(functions_);
     bend_.resize(n_);
@@ -140,13 +149,9 @@ class CurveMotion::Method {
       p.slope[1 + b] = 0.0;
     }
     const Pattern& pattern = problem_.jacobian_pattern();
-    for (int e = 0; e < pattern.size(); ++e) {
-      if (pattern.row[e] < equalities_) continue;
-      for (std::size_t b = 0; b < bounds_.size(); ++b) {
-        if (bounds_[b].inequality != pattern.row[e] - equalities_) continue;
-        const double by = bounds_[b].sign * bounds_[b].threshold.slope(p.at.constraint[pattern.row[e]]);
-        p.slope[1 + b] += by * p.at.jacobian[e] * p.t[pattern.column[e]];
-      }
+    for (const auto& [e, b] : bound_entries_) {
+      const double by = bounds_[b].sign * bounds_[b].threshold.slope(p.at.constraint[pattern.row[e]]);
+      p.slope[1 + b] += by * p.at.jacobian[e] * p.t[pattern.column[e]];
     }
   }
 
@@ -564,6 +569,7 @@ class CurveMotion::Method {
   std::unique_ptr<Kkt> kkt_;
   std::vector<char> active_;
   std::vector<Limit> bounds_;
+  std::vector<std::pair<int, std::size_t>> bound_entries_;  // entries of the Jacobian, each with a bound of its row
   std::vector<double> gap_, step_, field_, y_, tangent_, measures_, side_, start_, bend_, error_;
   int functions_ = 1;
   Point points_[7];
