@@ -22,6 +22,12 @@ namespace {
 constexpr std::string_view blanks = " \t";
 constexpr std::size_t largest_file = std::size_t{4} << 30U;
 
+/// Tables are read more than once, their header first: a pipe would be empty by then.
+std::string text_of_table(const std::filesystem::path& file) {
+  expect_regular_file(file);
+  return read_text_file(file, largest_file);
+}
+
 std::string_view trimmed(std::string_view cell) {
   const std::size_t first = cell.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
@@ -195,7 +201,7 @@ const std::vector<double>& CsvTable::column(const std::string& name) const {
 }
 
 std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
-  const std::string text = read_text_file(file, largest_file), name = file.string();
+  const std::string text = text_of_table(file), name = file.string();
   CsvRows rows(name, text);
   expect_header(rows);
   return {rows.cells().begin(), rows.cells().end()};
@@ -203,7 +209,7 @@ std::vector<std::string> read_csv_header(const std::filesystem::path& file) {
 
 CsvTable read_csv(const std::filesystem::path& file, const std::vector<std::string>& columns,
                   const std::vector<std::string>& words, const std::vector<std::string>& gaps) {
-  const std::string text = read_text_file(file, largest_file);
+  const std::string text = text_of_table(file);
   CsvTable table;
   table.file = file.string();
   CsvRows rows(table.file, text);

@@ -40,4 +40,12 @@ std::string read_text_file(const std::filesystem::path& file, std::size_t most_b
   return text;
 }
 
+void expect_regular_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return;
+  throw InputError(file.string() + ": expected a file, found " +
+                   (std::filesystem::is_directory(status) ? "a folder" : "a device or a pipe") + "; check the path");
+}
+
 }  // namespace poise

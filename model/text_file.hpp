@@ -10,4 +10,7 @@ namespace poise {
 /// where it is larger or, like most files that are no text, contains a NUL byte.
 std::string read_text_file(const std::filesystem::path& file, std::size_t most_bytes = std::size_t{64} << 20U);
 
+/// Throws InputError for a folder, a device or a pipe, which would wait for a writer. What is not there passes.
+void expect_regular_file(const std::filesystem::path& file);
+
 }  // namespace poise

@@ -152,7 +152,7 @@ TrackedEquilibrium::TrackedEquilibrium(Scene scene, const TrackedOptions& option
 
 void TrackedEquilibrium::restore(Scene scene) {
   Found found;
-  found.model = std::make_unique<StaticModel>(scene);
+  found.model = std::make_shared<const StaticModel>(scene);
   SolveOptions solving;
   solving.certificate = options_.certificate;
   solving.interrupt = options_.interrupt;
@@ -179,7 +179,7 @@ void TrackedEquilibrium::take(Scene scene, std::optional<Hand> hand, Found found
 // `within`: rad or mechanism sizes.
 TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPoses& poses, double within) const {
   Found out;
-  out.model = std::make_unique<StaticModel>(started_at(std::move(held), poses));
+  out.model = std::make_shared<const StaticModel>(started_at(std::move(held), poses));
   SolveOptions solving;
   solving.seek = Seek::any;
   solving.safeguards.restarts = solving.safeguards.load_stepping = false;
@@ -209,7 +209,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPos
 TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene held, std::vector<BodyPoses> carried, bool falls,
                                                            const std::string& why, Transition& transition) const {
   Found out;
-  out.model = std::make_unique<StaticModel>(started_at(std::move(held), carried.back()));
+  out.model = std::make_shared<const StaticModel>(started_at(std::move(held), carried.back()));
   const BodyPoses first = carried.front(), released = carried.back();
   Settling rest = settle(*out.model, out.model->start(), {.course = true, .interrupt = options_.interrupt});
   if (rest.end == Settling::End::not_closed) {
@@ -332,19 +332,12 @@ Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
   if (along.empty() || !before.equilibrium.found()) {
     throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
   }
-  Scene scene = scene_;
-  std::optional<Hand> hand = std::exchange(hand_, Hand{point, along});
-  std::swap(model_, before.model);
-  std::swap(equilibrium_, before.equilibrium);
-  scene_ = started_at(scene_, there);
+  TrackedEquilibrium now = *this;
+  take(started_at(scene_, there), Hand{point, along}, std::move(before));
   try {
     return drag(point, place);
   } catch (const InputError&) {
-    scene_ = std::move(scene);
-    hand_ = std::move(hand);
-    model_ = std::move(before.model);
-    equilibrium_ = std::move(before.equilibrium);
-    movable_ = there;
+    *this = std::move(now);
     throw;
   }
 }

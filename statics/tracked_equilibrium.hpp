@@ -62,7 +62,8 @@ struct TrackedOptions {
 ///   minimise |P(x) - T|^2  on  c(x) = 0,  stops kept,
 /// with the other freedoms, where there are any, in equilibrium.
 ///
-/// Every function gives the strong guarantee: it throws InputError, with everything as before, or succeeds.
+/// Every function gives the strong guarantee: it throws InputError, with everything as before, or succeeds. Copies
+/// share the model, which does not change.
 class TrackedEquilibrium {
  public:
   /// Settles from the start of the scene as solve() does. Throws InputError as solve().
@@ -104,7 +105,7 @@ class TrackedEquilibrium {
     std::vector<Vec2> along;  ///< unit vectors, m in the world: the directions that are held
   };
   struct Found {
-    std::unique_ptr<StaticModel> model;
+    std::shared_ptr<const StaticModel> model;
     Equilibrium equilibrium;
   };
 
@@ -131,7 +132,7 @@ class TrackedEquilibrium {
   Scene scene_;
   std::optional<Hand> hand_;
   std::optional<BodyPoses> movable_;  // where the hand could move its point last
-  std::unique_ptr<StaticModel> model_;
+  std::shared_ptr<const StaticModel> model_;
   Equilibrium equilibrium_;
 };
 

@@ -38,13 +38,13 @@ std::string answer_poll(ViewSession& session, const std::string& revision) {
 
 int run_view(const ViewRequest& request, const Palette&) {
   expect_between("--port", request.port, 0, 65535);
-  ViewSession session(request.scene);
+  const std::atomic<bool>& interrupt = watch_for_interrupt();
+  ViewSession session(request.scene, &interrupt);
   LocalServer server({.page = [&] { return html_page(session.page()); },
                       .act = [&](const std::string& body) { return answer(session, body); },
                       .poll = [&](const std::string& revision) { return answer_poll(session, revision); },
                       .shared = [&] { return session.report(); }},
                      request.port);
-  const std::atomic<bool>& interrupt = watch_for_interrupt();
   const bool opened = !request.no_browser && open_in_browser(server.address());
   print(
       fmt::format("{} is shown at\n  {}\n{}Ctrl-C ends it.\n", one_line(request.scene), server.address(),

@@ -125,7 +125,7 @@ class LiveView {
     // What the text was when it was the file's: the program writes the position into it in its own digits.
     this.file_text = page.view.saved || page.view.undo === 0 ? page.view.text : null;
     const ask = (request, options) => this.ask(request, options);
-    this.program = new Program({
+    this.program = new Program(this.state.revision, {
       answer: (answer, wish) => this.answer(answer, wish),
       poll: (answer) => this.polled(answer),
       gone: (is_gone) => this.gone(is_gone),
@@ -276,6 +276,7 @@ class LiveView {
     clearTimeout(this.patience);
     this.computing.hidden = true;
     if (answer.error) {
+      if (answer.revision > this.state.revision) this.askAboutOthers();
       this.failed(answer.error, wish);
       return;
     }

@@ -19,9 +19,11 @@ function posted(address, body) {
   });
 }
 
-/// Sends requests, and tells of what comes back: `told` has answer(answer, wish), poll(answer), gone(is_gone).
+/// Sends requests, and tells of what comes back: `told` has answer(answer, wish), poll(answer), gone(is_gone). Each carries
+/// the revision of the state that the page shows, so that nothing changes what another window has changed meanwhile.
 export class Program {
-  constructor(told) {
+  constructor(revision, told) {
+    this.revision = revision;
     Object.assign(this, {told, waiting: [], current: null, paused: false, gone: false});
     Object.assign(this, {sent: 0, timer: 0, silent_since: null, others_had: 0});
   }
@@ -61,8 +63,9 @@ export class Program {
   async send(wish) {
     this.current = wish;
     this.sent = performance.now();
-    const answer = await this.fetched(wish.request);
+    const answer = await this.fetched({...wish.request, revision: this.revision});
     this.current = null;
+    if (!answer.error) this.revision = answer.revision;
     this.told.answer(answer, wish);
     this.pump();
   }

@@ -20,7 +20,10 @@
 #include "app/terminal/output_file.hpp"
 #include "app/view/parked_items.hpp"
 #include "model/dependent_number.hpp"
+#include "model/named_files.hpp"
 #include "model/nearest_name.hpp"
+#include "model/one_line.hpp"
+#include "model/parameter_values.hpp"
 #include "model/parameters.hpp"
 #include "model/rewritten_scene.hpp"
 #include "model/text_file.hpp"
@@ -170,32 +173,92 @@ bool starts_alike(const Scene& given, const Scene& other) {
 
 }  // namespace
 
-ViewSession::ViewSession(std::filesystem::path file) : file_(std::move(file)) {
-  on_disk_ = text_ = read_text_file(file_);
-  scene_ = parse_scene(text_, file_.string());
-  tracked_ = std::make_unique<TrackedEquilibrium>(scene_);
-  screen_ = std::make_unique<Screen>(*tracked_);
+ViewSession::ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt)
+    : file_(std::move(file)), interrupt_(interrupt), now_(opened()) {
   sync();
-  saved_text_ = present_text();
+  now_.saved_text = present_text();
   look_for_others();
 }
 
+ViewSession::State ViewSession::opened() {
+  const std::string text = text_on_disk();
+  allow_files_of(text);
+  Scene scene = read(text);
+  TrackedOptions options;
+  options.interrupt = interrupt_;
+  TrackedEquilibrium tracked(scene, options);
+  auto screen = std::make_shared<Screen>(tracked);
+  return {.on_disk = text,
+          .text = text,
+          .scene = std::move(scene),
+          .tracked = std::move(tracked),
+          .screen = std::move(screen)};
+}
+
+/// Throws InputError for what is no file: it is looked at again and again, and a pipe would wait for a writer.
+std::string ViewSession::text_on_disk() const {
+  expect_regular_file(file_);
+  return read_text_file(file_);
+}
+
+/// Whoever wrote the scene's file may have it read any other.
+void ViewSession::allow_files_of(const std::string& text) {
+  for (NamedFile& one : named_files(text, file_.string())) allowed_files_.insert(std::move(one.name));
+}
+
+/// Reads a text that came from the page, which may name files of the scene's folder and those that the scene on disk
+/// names.
+Scene ViewSession::read(const std::string& text) const {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(file_).parent_path());
+  for (const NamedFile& one : named_files(text, file_.string())) {
+    if (allowed_files_.contains(one.name)) continue;
+    std::error_code failed;
+    const fs::path path = fs::weakly_canonical(folder / one.name, failed);
+    const bool is_within =
+        !failed && std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+    if (!is_within) {
+      throw InputError(
+          fmt::format("{}:{}: file: expected a file in the folder of the scene, found \"{}\"; write others "
+                      "into the scene's file on disk",
+                      file_.string(), one.line, one_line(one.name)));
+    }
+  }
+  return parse_scene(text, file_.string());
+}
+
+/// A request that was made for another state than the present one would change what whoever sent it has not seen.
+void ViewSession::expect_present(const json& request) const {
+  const auto revision = request.find("revision");
+  if (revision == request.end()) {
+    throw InputError(
+        fmt::format("revision: expected that of the state which the request is for, now {}", now_.revision));
+  }
+  if (!revision->is_number_integer() || *revision != now_.revision) {
+    throw InputError("the mechanism was changed elsewhere meanwhile, in another window perhaps; nothing was done");
+  }
+}
+
+std::shared_ptr<const ViewSession::Snapshot> ViewSession::snapshot() const {
+  return std::make_shared<const Snapshot>(Snapshot{now_.text, now_.scene, now_.off});
+}
+
 /// Without the items that are switched off.
-Scene ViewSession::effective(Scene scene) const { return without_items(std::move(scene), off_); }
+Scene ViewSession::effective(Scene scene) const { return without_items(std::move(scene), now_.off); }
 
 /// Takes the present position over into the scene with all items.
-void ViewSession::sync() { scene_.start = tracked_->scene().start; }
+void ViewSession::sync() { now_.scene.start = now_.tracked.scene().start; }
 
 void ViewSession::look_for_others() {
-  if (tracked_->hand() || searched_ == revision_) return;
-  searched_ = revision_;
-  others_.look_for(tracked_->scene(), revision_);
+  if (now_.tracked.hand() || searched_ == now_.revision) return;
+  searched_ = now_.revision;
+  others_.look_for(now_.tracked.scene(), now_.revision);
 }
 
 std::string ViewSession::present_text() const {
-  const std::string text = rewritten_scene(text_, file_.string(), scene_);
+  const std::string text = rewritten_scene(now_.text, file_.string(), now_.scene);
   // Numbers that were added move lines.
-  return off_.empty() ? text : parked(text, parse_scene(text, file_.string()), off_);
+  return now_.off.empty() ? text : parked(text, read(text), now_.off);
 }
 
 /// Throws InputError where the text cannot leave out what is switched off.
@@ -204,41 +267,42 @@ void ViewSession::expect_parked() const {
     return scene.elements.size() + scene.stops.size() + scene.forces.size() + scene.torques.size();
   };
   try {
-    if (count(parse_scene(present_text(), file_.string())) == count(effective(scene_))) return;
+    if (count(read(present_text())) == count(effective(now_.scene))) return;
   } catch (const InputError&) {
   }
   throw InputError("it has no table on lines of its own in the scene file; take it out of the text");
 }
 
-void ViewSession::remember(Snapshot before) {
-  redo_.clear();
-  undo_.push_back(std::move(before));
-  if (undo_.size() > most_steps_back) undo_.erase(undo_.begin());
+void ViewSession::remember(std::shared_ptr<const Snapshot> before) {
+  now_.redo.clear();
+  now_.undo.push_back(std::move(before));
+  if (now_.undo.size() > most_steps_back) now_.undo.erase(now_.undo.begin());
 }
 
 /// From the last of `from` to which `to` then leads back.
-void ViewSession::go_back(const std::string& what, std::vector<Snapshot>& from, std::vector<Snapshot>& to) {
+void ViewSession::go_back(const std::string& what, Snapshots& from, Snapshots& to) {
   if (from.empty()) throw InputError(fmt::format("there is nothing to {}", what));
-  tracked_->restore(without_items(from.back().scene, from.back().off));
-  to.push_back(snapshot());
-  text_ = std::move(from.back().text);
-  scene_ = std::move(from.back().scene);
-  off_ = std::move(from.back().off);
+  const std::shared_ptr<const Snapshot> last = from.back();
   from.pop_back();
+  to.push_back(snapshot());
+  now_.tracked.restore(without_items(last->scene, last->off));
+  now_.text = last->text;
+  now_.scene = last->scene;
+  now_.off = last->off;
   sync();
 }
 
 /// Takes over a scene with all items, whose numbers or items may have changed.
 Transition ViewSession::take(Scene scene) {
-  Transition out = tracked_->change(effective(scene));
-  scene_ = std::move(scene);
+  Transition out = now_.tracked.change(effective(scene));
+  now_.scene = std::move(scene);
   sync();
   return out;
 }
 
 PointRef ViewSession::point_called(const std::string& name) const {
   std::vector<std::string> names;
-  const Scene& scene = tracked_->scene();
+  const Scene& scene = now_.tracked.scene();
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
     const Body& body = scene.bodies[static_cast<std::size_t>(b)];
     for (int p = 0; p < static_cast<int>(body.points.size()); ++p) {
@@ -252,88 +316,83 @@ PointRef ViewSession::point_called(const std::string& name) const {
 Transition ViewSession::do_drag(const json& request) {
   const PointRef point = point_called(request.at("point").get<std::string>());
   if (point.body == 0) throw InputError("a point of the ground cannot be dragged along");
-  Transition out = tracked_->drag(point, screen_->world(px_of(request)));
+  Transition out = now_.tracked.drag(point, now_.screen->world(px_of(request)));
   sync();
   return out;
 }
 
 void ViewSession::expect_free(const ParameterPlace& place) const {
-  for (const ParameterRow& row : parameter_table(scene_)) {
-    if (row.place == place) check_is_free(scene_, row);
+  for (const ParameterRow& row : parameter_table(now_.scene)) {
+    if (row.place == place) check_is_free(now_.scene, row);
   }
 }
 
 Transition ViewSession::do_ground(const json& request) {
   const PointRef point = point_called("ground." + request.at("point").get<std::string>());
-  Scene wanted = scene_;
+  Scene wanted = now_.scene;
   for (const int component : {0, 1}) expect_free({Owner::point, 0, point.point, component});
-  wanted.bodies[0].points[static_cast<std::size_t>(point.point)].at = screen_->world(px_of(request));
+  wanted.bodies[0].points[static_cast<std::size_t>(point.point)].at = now_.screen->world(px_of(request));
   return take(std::move(wanted));
 }
 
 Transition ViewSession::do_load(const json& request) {
   const std::string name = request.at("name").get<std::string>();
-  Scene wanted = scene_;
+  Scene wanted = now_.scene;
   const auto load =
       std::find_if(wanted.forces.begin(), wanted.forces.end(), [&](const Force& force) { return force.name == name; });
   if (load == wanted.forces.end()) throw InputError(fmt::format("load: expected one of the scene, found \"{}\"", name));
   expect_free({Owner::force, static_cast<int>(load - wanted.forces.begin())});
-  load->vector = screen_->pulled(name, px_of(request));
+  load->vector = now_.screen->pulled(name, px_of(request));
   if (load->follows >= 0) {
-    load->vector = load->vector * conj(unit(tracked_->poses()[static_cast<std::size_t>(load->follows)].angle));
+    load->vector = load->vector * conj(unit(now_.tracked.poses()[static_cast<std::size_t>(load->follows)].angle));
   }
   return take(std::move(wanted));
 }
 
 Transition ViewSession::do_set(const json& request) {
-  Scene wanted = scene_;
+  Scene wanted = now_.scene;
   set_value(wanted, request.at("path").get<std::string>(), request.at("value").get<double>());
   return take(std::move(wanted));
 }
 
 Transition ViewSession::do_switch(const json& request) {
   const std::string item = request.at("item").get<std::string>();
-  const std::vector<SwitchedItem> known = items_of(scene_);
+  const std::vector<SwitchedItem> known = items_of(now_.scene);
   if (std::none_of(known.begin(), known.end(), [&](const SwitchedItem& one) { return one.item == item; })) {
     throw InputError(fmt::format("item: expected one of the scene, found \"{}\"", item));
   }
-  std::set<std::string> off = off_;
   if (request.at("on").get<bool>())
-    off.erase(item);
+    now_.off.erase(item);
   else
-    off.insert(item);
-  std::swap(off_, off);
-  try {
-    expect_parked();
-    return take(scene_);
-  } catch (...) {
-    std::swap(off_, off);
-    throw;
-  }
+    now_.off.insert(item);
+  expect_parked();
+  return take(now_.scene);
 }
 
 Transition ViewSession::do_text(const std::string& text) {
-  Scene scene = parse_scene(text, file_.string());
+  Scene scene = read(text);
   Transition out;
-  if (starts_alike(scene, scene_)) {
-    out = tracked_->change(scene);
+  if (starts_alike(scene, now_.scene)) {
+    out = now_.tracked.change(scene);
   } else {
-    tracked_->restore(scene);
+    now_.tracked.restore(scene);
     out.kind = Transition::Kind::settled;
     out.why = "released from the start that the scene gives";
   }
-  text_ = text;
-  scene_ = std::move(scene);
-  off_.clear();
+  now_.text = text;
+  now_.scene = std::move(scene);
+  now_.off.clear();
   sync();
   return out;
 }
 
 Transition ViewSession::do_go(const json& request) {
   const std::optional<OtherEquilibria::Found> found = others_.found();
-  const auto number = request.at("number").get<std::size_t>();
-  if (!found || number >= found->poses.size()) throw InputError("that equilibrium is not known any more");
-  tracked_->stay_at(found->poses[number]);
+  const json& number = request.at("number");
+  if (!number.is_number_unsigned()) throw InputError("number: expected that of an equilibrium, 0, 1, ...");
+  const auto at = number.get<std::size_t>();
+  if (!found || at >= found->poses.size()) throw InputError("that equilibrium is not known any more");
+  now_.tracked.stay_at(found->poses[at]);
   sync();
   Transition out;
   out.kind = Transition::Kind::settled;
@@ -343,88 +402,104 @@ Transition ViewSession::do_go(const json& request) {
 
 void ViewSession::do_save(const json& request) {
   const bool anyway = request.value("anyway", false);
+  expect_regular_file(file_);
   std::error_code unknown;
-  if (!anyway && std::filesystem::exists(file_, unknown) && read_text_file(file_) != on_disk_) {
+  if (!anyway && std::filesystem::exists(file_, unknown) && text_on_disk() != now_.on_disk) {
     throw InputError("changed on disk: the file is no longer as it was read; reload it, or save all the same");
   }
   const std::string text = present_text();
+  now_.on_disk = now_.text = text;
+  now_.scene = read(text);
+  now_.off.clear();
+  now_.tracked.restore(now_.scene);
+  sync();
+  now_.saved_text = present_text();
   OutputFile out(file_, "save");
   out.prepare(text);
   out.commit();
-  on_disk_ = text_ = text;
-  scene_ = parse_scene(text_, file_.string());
-  off_.clear();
-  tracked_->restore(scene_);
-  sync();
-  saved_text_ = present_text();
+}
+
+Transition ViewSession::carry_out(const std::string& what, const json& request) {
+  if (what == "drag") return do_drag(request);
+  if (what == "ground") return do_ground(request);
+  if (what == "load") return do_load(request);
+  if (what == "set") return do_set(request);
+  if (what == "switch") return do_switch(request);
+  if (what == "text") return do_text(request.at("text").get<std::string>());
+  if (what == "go") return do_go(request);
+  Transition out;
+  if (what == "release") {
+    out = now_.tracked.release();
+    sync();
+  } else if (what == "reload") {
+    const std::string text = text_on_disk();
+    allow_files_of(text);
+    out = do_text(text);
+    now_.on_disk = text;
+    now_.saved_text = present_text();
+  } else if (what == "undo") {
+    go_back(what, now_.undo, now_.redo);
+  } else if (what == "redo") {
+    go_back(what, now_.redo, now_.undo);
+  } else if (what == "save") {
+    do_save(request);
+  } else if (what != "look") {
+    throw InputError(fmt::format("unknown request \"{}\"", one_line(what)));
+  }
+  return out;
+}
+
+/// The state in JSON with its drawing.
+std::string ViewSession::answered(const std::string& what, const json& request, json& out) {
+  if (what != "look") expect_present(request);
+  // What a slider or an arrow does in one go is one step for undo.
+  const std::string gesture = what == "set"      ? "set " + request.value("path", "")
+                              : what == "load"   ? "load " + request.value("name", "")
+                              : what == "ground" ? "ground " + request.value("point", "")
+                                                 : what;
+  const bool goes_on = request.value("goes_on", false);
+  const Parts parts = goes_on || what == "drag" ? Parts::moving : Parts::all;
+  const bool is_step = changes_scene(what) && !(now_.in_gesture && gesture == now_.gesture);
+  const std::shared_ptr<const Snapshot> before = is_step ? snapshot() : nullptr;
+  const Transition transition = carry_out(what, request);
+  if (before) remember(before);
+  if (what != "look") {
+    now_.gesture = gesture;
+    now_.in_gesture = goes_on;
+    ++now_.revision;
+  }
+  out = shown(transition, parts);
+  std::string drawing = drawing_json(now_.screen->drawing(now_.tracked, transition, what == "load"));
+  out["handles"] = handles();
+  if (parts == Parts::all) look_for_others();
+  return drawing;
 }
 
 std::string ViewSession::act(const json& request) {
   const auto begin = std::chrono::steady_clock::now();
+  const State before = now_;
+  const auto go_back_to_before = [&] {
+    now_ = before;
+    // Places that the page sends next are those of the drawing that it has.
+    now_.screen->drawing(now_.tracked, {}, now_.in_gesture);
+  };
   json out;
   std::string drawing, what;
+  const auto refuse = [&](const std::string& why, const std::optional<int>& line) {
+    go_back_to_before();
+    out = {{"error", {{"text", why}, {"of", what}, {"line", line ? json(*line) : json(nullptr)}}},
+           {"revision", now_.revision}};
+  };
   try {
     what = request.value("do", "");
-    Transition transition;
-    // What a slider or an arrow does in one go is one step for undo.
-    const std::string gesture = what == "set"      ? "set " + request.value("path", "")
-                                : what == "load"   ? "load " + request.value("name", "")
-                                : what == "ground" ? "ground " + request.value("point", "")
-                                                   : what;
-    const bool goes_on = request.value("goes_on", false);
-    const Parts parts = goes_on || what == "drag" ? Parts::moving : Parts::all;
-    const bool is_step = changes_scene(what) && !(in_gesture_ && gesture == gesture_);
-    const std::optional<Snapshot> before = is_step ? std::optional(snapshot()) : std::nullopt;
-    if (what == "drag") {
-      transition = do_drag(request);
-    } else if (what == "release") {
-      transition = tracked_->release();
-      sync();
-    } else if (what == "ground") {
-      transition = do_ground(request);
-    } else if (what == "load") {
-      transition = do_load(request);
-    } else if (what == "set") {
-      transition = do_set(request);
-    } else if (what == "switch") {
-      transition = do_switch(request);
-    } else if (what == "text") {
-      transition = do_text(request.at("text").get<std::string>());
-    } else if (what == "reload") {
-      const std::string text = read_text_file(file_);
-      transition = do_text(text);
-      on_disk_ = text;
-      saved_text_ = present_text();
-    } else if (what == "go") {
-      transition = do_go(request);
-    } else if (what == "undo") {
-      go_back(what, undo_, redo_);
-    } else if (what == "redo") {
-      go_back(what, redo_, undo_);
-    } else if (what == "save") {
-      do_save(request);
-    } else if (what != "look") {
-      throw InputError(fmt::format("unknown request \"{}\"", what));
-    }
-    if (before) remember(*before);
-    if (what != "look") {
-      gesture_ = gesture;
-      in_gesture_ = goes_on;
-      ++revision_;
-    }
-    out = shown(transition, parts);
-    drawing = drawing_json(screen_->drawing(*tracked_, transition, what == "load"));
-    out["handles"] = handles();
-    if (parts == Parts::all) look_for_others();
+    drawing = answered(what, request, out);
   } catch (const InputError& error) {
-    const std::string message = error.what();
-    const std::optional<int> line = line_in(message, file_.string());
-    out = {{"error", {{"text", message}, {"of", what}, {"line", line ? json(*line) : json(nullptr)}}},
-           {"revision", revision_}};
+    refuse(error.what(), line_in(error.what(), file_.string()));
   } catch (const json::exception&) {
-    out = {{"error",
-            {{"text", "the request lacks something, or has it in another form"}, {"of", what}, {"line", nullptr}}},
-           {"revision", revision_}};
+    refuse("the request lacks something, or has it in another form", std::nullopt);
+  } catch (...) {
+    go_back_to_before();
+    throw;
   }
   out["server_ms"] = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return with_drawing(out, drawing);
@@ -432,57 +507,60 @@ std::string ViewSession::act(const json& request) {
 
 json ViewSession::page() {
   Result nothing;
-  nothing.title = scene_.title.empty() ? file_.filename().string() : scene_.title;
-  nothing.source = scene_.source;
+  nothing.title = now_.scene.title.empty() ? file_.filename().string() : now_.scene.title;
+  nothing.source = now_.scene.source;
   json out = page_document(nothing, {.command = "view", .line = "poise view " + file_.string()}, {});
   out["result"] = nullptr;
   json& view = out["view"] = shown({}, Parts::all);
-  view["drawing"] = json::parse(drawing_json(screen_->drawing(*tracked_, {}, false)));
+  view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.tracked, {}, false)));
   view["handles"] = handles();
   return out;
 }
 
 json ViewSession::shown(const Transition& transition, Parts parts) {
-  if (parts == Parts::all && !tracked_->hand() && !screen_->shows(*tracked_))
-    screen_ = std::make_unique<Screen>(*tracked_);
+  if (parts == Parts::all && !now_.tracked.hand() && !now_.screen->shows(now_.tracked))
+    now_.screen = std::make_shared<Screen>(now_.tracked);
   Answer answer;
-  answer.equilibrium = tracked_->equilibrium();
-  answer.readings = read_off(tracked_->model(), answer.equilibrium.x);
-  json out = report_json(solve_result(tracked_->model(), answer, {}));
-  out["revision"] = revision_;
+  answer.equilibrium = now_.tracked.equilibrium();
+  answer.readings = read_off(now_.tracked.model(), answer.equilibrium.x);
+  json out = report_json(solve_result(now_.tracked.model(), answer, {}));
+  out["revision"] = now_.revision;
   out["transition"] = {{"kind", to_string(transition.kind)}, {"why", transition.why}, {"passed", transition.passed}};
   out["hand"] = hand();
-  out["undo"] = undo_.size();
-  out["redo"] = redo_.size();
+  out["undo"] = now_.undo.size();
+  out["redo"] = now_.redo.size();
   if (parts == Parts::moving) return out;
   out["numbers"] = numbers();
   out["switches"] = switches();
   out["text"] = present_text();
   out["file"] = file_.filename().string();
-  out["saved"] = out["text"] == saved_text_;
+  out["saved"] = out["text"] == now_.saved_text;
   return out;
 }
 
 json ViewSession::numbers() const {
   static const std::vector<std::string> order = {"numbers", "loads",      "gravity", "springs", "dampers",
                                                  "stops",   "dimensions", "masses",  "others"};
-  const double size = tracked_->model().scales().length;
+  const double size = now_.tracked.model().scales().length;
   std::map<std::string, std::vector<json>> groups;
-  for (const ParameterRow& row : parameter_table(scene_)) {
+  const std::vector<ParameterRow> rows = parameter_table(now_.scene);
+  const std::vector<std::optional<double>> values = parameter_values(now_.scene);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const ParameterRow& row = rows[i];
+    const std::optional<double>& si = values[i];
     if (!counts_in_statics(row.place.owner)) continue;
-    const std::optional<double> si = value_at(scene_, row.place);
     // What follows from a named number moves with its slider.
-    if (!si || !std::isfinite(*si) || dependent_number(scene_, row.place) != nullptr) continue;
-    const double unit = row.dimension.unit(scene_.units);
+    if (!si || !std::isfinite(*si) || dependent_number(now_.scene, row.place) != nullptr) continue;
+    const double unit = row.dimension.unit(now_.scene.units);
     const auto [low, high] = slider(row, *si, size);
     const std::string path = row.path.text();
-    groups[group_of(row, scene_)].push_back({{"path", path},
-                                             {"group", group_of(row, scene_)},
-                                             {"name", path.substr(path.find('.') + 1)},
-                                             {"value", *si / unit},
-                                             {"unit", row.dimension.unit_name(scene_.units)},
-                                             {"low", low / unit},
-                                             {"high", high / unit}});
+    groups[group_of(row, now_.scene)].push_back({{"path", path},
+                                                 {"group", group_of(row, now_.scene)},
+                                                 {"name", path.substr(path.find('.') + 1)},
+                                                 {"value", *si / unit},
+                                                 {"unit", row.dimension.unit_name(now_.scene.units)},
+                                                 {"low", low / unit},
+                                                 {"high", high / unit}});
   }
   json out = json::array();
   for (const std::string& group : order) {
@@ -493,26 +571,26 @@ json ViewSession::numbers() const {
 
 json ViewSession::switches() const {
   json out = json::array();
-  for (const SwitchedItem& one : items_of(scene_)) {
-    out.push_back({{"item", one.item}, {"group", one.group}, {"name", one.name}, {"on", !off_.contains(one.item)}});
+  for (const SwitchedItem& one : items_of(now_.scene)) {
+    out.push_back({{"item", one.item}, {"group", one.group}, {"name", one.name}, {"on", !now_.off.contains(one.item)}});
   }
   return out;
 }
 
 json ViewSession::handles() const {
-  const Scene& scene = tracked_->scene();
-  const BodyPoses poses = tracked_->poses();
+  const Scene& scene = now_.tracked.scene();
+  const BodyPoses poses = now_.tracked.poses();
   json out = json::array();
   std::vector<Vec2> taken;
   const auto add = [&](const char* kind, const std::string& name, PointRef point) {
-    const Vec2 px = screen_->px(poses[static_cast<std::size_t>(point.body)].world(scene.local(point)));
+    const Vec2 px = now_.screen->px(poses[static_cast<std::size_t>(point.body)].world(scene.local(point)));
     // One handle for points that a joint keeps together.
     constexpr double same = 0.5;
     if (std::any_of(taken.begin(), taken.end(), [&](Vec2 other) { return norm(other - px) < same; })) return;
     taken.push_back(px);
     out.push_back({{"kind", kind}, {"name", name}, {"px", {px.x, px.y}}});
   };
-  if (tracked_->hand()) add("point", scene.name_of(*tracked_->hand()), *tracked_->hand());
+  if (now_.tracked.hand()) add("point", scene.name_of(*now_.tracked.hand()), *now_.tracked.hand());
   // Of the ground those points on which something rests or pulls.
   for (const PointRef& point : used_of_ground(scene))
     add("ground", scene.bodies[0].points[static_cast<std::size_t>(point.point)].name, point);
@@ -521,7 +599,7 @@ json ViewSession::handles() const {
       add("point", scene.name_of({b, p}), {b, p});
     }
   }
-  for (const Screen::LoadArrow& load : screen_->loads()) {
+  for (const Screen::LoadArrow& load : now_.screen->loads()) {
     out.push_back(
         {{"kind", "load"}, {"name", load.name}, {"px", {load.far.x, load.far.y}}, {"tail", {load.at.x, load.at.y}}});
   }
@@ -529,26 +607,26 @@ json ViewSession::handles() const {
 }
 
 json ViewSession::hand() const {
-  if (!tracked_->hand()) return nullptr;
-  const std::string name = tracked_->scene().name_of(*tracked_->hand());
-  const std::string text = with_unit(tracked_->model(), norm(tracked_->force_of_hand()), Quantity::force, 4);
+  if (!now_.tracked.hand()) return nullptr;
+  const std::string name = now_.tracked.scene().name_of(*now_.tracked.hand());
+  const std::string text = with_unit(now_.tracked.model(), norm(now_.tracked.force_of_hand()), Quantity::force, 4);
   return {{"point", name},
           {"force", text},
           {"text", fmt::format("held at {} with {}", name, text)},
-          {"stops", toml_of_hand(*tracked_)}};
+          {"stops", toml_of_hand(now_.tracked)}};
 }
 
 json ViewSession::others_json(const OtherEquilibria::Found& found) const {
   json out = {{"revision", found.revision},
               {"claim", to_string(found.set.claim)},
               {"statement", found.set.statement + "."},
-              {"drawing", json::parse(drawing_json(screen_->others(found)))},
+              {"drawing", json::parse(drawing_json(now_.screen->others(found)))},
               {"equilibria", json::array()}};
-  const BodyPoses now = tracked_->poses();
+  const BodyPoses now = now_.tracked.poses();
   for (std::size_t k = 0; k < found.poses.size(); ++k) {
     const Equilibrium& one = found.set.equilibria[k];
     const Stability stability = one.certificate.stability;
-    const std::string caption = fmt::format("{}: {}", k + 1, stability_and_energy(tracked_->model(), one));
+    const std::string caption = fmt::format("{}: {}", k + 1, stability_and_energy(now_.tracked.model(), one));
     out["equilibria"].push_back({{"caption", caption},
                                  {"tone", stability == Stability::stable ? "good" : "bad"},
                                  {"stable", stability == Stability::stable},
@@ -558,9 +636,9 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
 }
 
 json ViewSession::poll(long revision) {
-  json out = {{"revision", revision_}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
+  json out = {{"revision", now_.revision}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
   try {
-    if (read_text_file(file_) != on_disk_) out["file"] = "changed";
+    if (text_on_disk() != now_.on_disk) out["file"] = "changed";
   } catch (const InputError&) {
     out["file"] = "gone";
   }
@@ -570,10 +648,10 @@ json ViewSession::poll(long revision) {
 }
 
 std::string ViewSession::report() const {
-  Answer answer = measure(tracked_->model(), tracked_->equilibrium());
-  const Result result = solve_result(tracked_->model(), answer, {});
-  return html_page(
-      page_document(result, {.command = "solve", .line = "poise view " + file_.string()}, {Screen::figure(*tracked_)}));
+  Answer answer = measure(now_.tracked.model(), now_.tracked.equilibrium());
+  const Result result = solve_result(now_.tracked.model(), answer, {});
+  return html_page(page_document(result, {.command = "solve", .line = "poise view " + file_.string()},
+                                 {Screen::figure(now_.tracked)}));
 }
 
 }  // namespace poise::app

@@ -22,10 +22,11 @@ namespace poise::app {
 /// knows of HTTP; docs/view.md describes the requests.
 class ViewSession {
  public:
-  /// Reads the file and settles. Throws InputError.
-  explicit ViewSession(std::filesystem::path file);
+  /// Reads the file and settles. Throws InputError. `interrupt` ends what takes long.
+  explicit ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt = nullptr);
 
-  /// Carries out a request, and returns the state in JSON; or what is wrong with it, with nothing changed.
+  /// Carries out a request, and returns the state in JSON; or what is wrong with it, with nothing changed. A request
+  /// that changes something must carry the revision of the state that it was made for, and is refused for any other.
   std::string act(const nlohmann::json& request);
   /// The document of the page, with the whole state under "view".
   nlohmann::json page();
@@ -35,7 +36,7 @@ class ViewSession {
   /// The present state as a report for others.
   std::string report() const;
 
-  const TrackedEquilibrium& tracked() const { return *tracked_; }
+  const TrackedEquilibrium& tracked() const { return now_.tracked; }
 
  private:
   /// What undo goes back to.
@@ -44,16 +45,38 @@ class ViewSession {
     Scene scene;
     std::set<std::string> off;
   };
+  using Snapshots = std::vector<std::shared_ptr<const Snapshot>>;
+  /// All that a request may change.
+  struct State {
+    std::string on_disk;  ///< text of the file when it was last read or written
+    std::string text;     ///< the text that scene was read from; its numbers may have changed since
+    Scene scene;          ///< with all that is switched off
+    std::set<std::string> off{};
+    TrackedEquilibrium tracked;
+    Snapshots undo{}, redo{};
+    std::string saved_text{};  ///< what present_text() gives while nothing has changed since on_disk
+    std::string gesture{};     ///< of the requests that undo takes back together
+    bool in_gesture = false;   ///< the last request said that it goes on
+    long revision = 1;
+    std::shared_ptr<Screen> screen{};
+  };
   enum class Parts { moving, all };
 
+  State opened();
+  std::string text_on_disk() const;
+  void allow_files_of(const std::string& text);
+  Scene read(const std::string& text) const;
+  void expect_present(const nlohmann::json& request) const;
+  std::string answered(const std::string& what, const nlohmann::json& request, nlohmann::json& out);
+  Transition carry_out(const std::string& what, const nlohmann::json& request);
   Scene effective(Scene scene) const;
   void sync();
   void look_for_others();
   std::string present_text() const;
   void expect_parked() const;
-  Snapshot snapshot() const { return {text_, scene_, off_}; }
-  void remember(Snapshot before);
-  void go_back(const std::string& what, std::vector<Snapshot>& from, std::vector<Snapshot>& to);
+  std::shared_ptr<const Snapshot> snapshot() const;
+  void remember(std::shared_ptr<const Snapshot> before);
+  void go_back(const std::string& what, Snapshots& from, Snapshots& to);
   Transition take(Scene scene);
   PointRef point_called(const std::string& name) const;
   nlohmann::json shown(const Transition& transition, Parts parts);
@@ -75,17 +98,10 @@ class ViewSession {
   void do_save(const nlohmann::json& request);
 
   std::filesystem::path file_;
-  std::string on_disk_;  ///< text of the file when it was last read or written
-  std::string text_;     ///< the text that scene_ was read from; its numbers may have changed since
-  Scene scene_;          ///< with all that is switched off
-  std::set<std::string> off_;
-  std::unique_ptr<TrackedEquilibrium> tracked_;
-  std::vector<Snapshot> undo_, redo_;
-  std::string saved_text_;            ///< what present_text() gives while nothing has changed since on_disk_
-  std::string gesture_;               ///< of the requests that undo takes back together
-  bool in_gesture_ = false;           ///< the last request said that it goes on
-  long revision_ = 1, searched_ = 0;  ///< of the state, and of that whose other equilibria are looked for
-  std::unique_ptr<Screen> screen_;
+  std::set<std::string> allowed_files_;  ///< that the scene on disk names, as it names them
+  const std::atomic<bool>* interrupt_;
+  State now_;
+  long searched_ = 0;  ///< revision whose other equilibria are looked for
   OtherEquilibria others_;
 };
 

@@ -51,8 +51,10 @@ async function open({width = 1280, colorScheme = 'light', reducedMotion = 'no-pr
 }
 
 const data = (page) => page.evaluate(() => ({...document.body.dataset}));
-const ask = (page, request) =>
+const post = (page, request) =>
   page.evaluate(async (body) => (await fetch('do', {method: 'POST', body: JSON.stringify(body)})).json(), request);
+// As another window asks that shows the present state.
+const ask = async (page, request) => post(page, {...request, revision: (await post(page, {do: 'look'})).revision});
 
 const undoSteps = async (page) => (await ask(page, {do: 'look'})).undo;
 

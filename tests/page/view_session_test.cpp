@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "statics/named_equilibrium.hpp"
 #include "tests/app/run_poise.hpp"
@@ -22,7 +23,11 @@ using app_tests::dataset;
 using app_tests::TempFolder;
 using nlohmann::json;
 
-json asked(ViewSession& session, const json& request) { return json::parse(session.act(request)); }
+/// Asks as a page does that has seen the present state.
+json asked(ViewSession& session, json request) {
+  request["revision"] = session.poll(0)["revision"];
+  return json::parse(session.act(request));
+}
 
 json look(ViewSession& session) { return asked(session, {{"do", "look"}}); }
 
@@ -161,7 +166,11 @@ TEST(ViewSession, RequestsWithoutMeaningAreAnswered) {
                                       {{"do", "set"}, {"path", "point.rocker.C.x"}, {"value", 1e9}},
                                       {{"do", "switch"}, {"item", "spring.none"}, {"on", false}},
                                       {{"do", "load"}, {"name", "none"}, {"px", {1, 2}}},
+                                      {{"do", "ground"}, {"point", "A"}, {"px", {1e60, 1e60}}},
                                       {{"do", "go"}, {"number", 99}},
+                                      {{"do", "go"}, {"number", 1e30}},
+                                      {{"do", "go"}, {"number", -1}},
+                                      {{"do", "go"}, {"number", 0.5}},
                                       {{"do", "undo"}},
                                       {{"do", "redo"}},
                                       {{"do", "text"}, {"text", "\xff\xfe"}},
@@ -172,6 +181,102 @@ TEST(ViewSession, RequestsWithoutMeaningAreAnswered) {
     EXPECT_EQ(error_of(answer).find('\n'), std::string::npos);
   }
   EXPECT_EQ(look(session)["text"], text);
+}
+
+/// What the page is answered, but for the time that it took.
+json timeless(json answer) {
+  answer.erase("server_ms");
+  return answer;
+}
+
+// A point that was moved beyond what a file may hold was refused when it was in the scene already.
+TEST(ViewSession, ARefusedChangeChangesNothing) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", 26}});
+  const json before = timeless(look(session));
+  for (const json& request : std::vector<json>{{{"do", "ground"}, {"point", "A"}, {"px", {1e60, 0}}},
+                                               {{"do", "ground"}, {"point", "A"}, {"px", {0, -1e60}}},
+                                               {{"do", "load"}, {"name", "P"}, {"px", {1e300, 1e300}}},
+                                               {{"do", "text"}, {"text", "[ground]\npoints = { A = [0, 0] }\n"}},
+                                               {{"do", "drag"}, {"point", "arm.B"}, {"px", {1e300, 0}}}}) {
+    const json answer = asked(session, request);
+    if (error_of(answer).empty()) {
+      asked(session, {{"do", "release"}});
+      asked(session, {{"do", "undo"}});
+      continue;
+    }
+    EXPECT_EQ(timeless(look(session)), before) << request << " " << error_of(answer);
+  }
+}
+
+TEST(ViewSession, RefusesWhatIsForAnotherState) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  const json seen = look(session);
+  const json request = {{"do", "set"}, {"path", "load.P"}, {"value", 26}, {"revision", seen["revision"]}};
+  EXPECT_EQ(error_of(json::parse(session.act(request))), "");
+  // Another window has seen only what was before.
+  for (const json& late : std::vector<json>{request,
+                                            {{"do", "text"}, {"text", seen["text"]}, {"revision", seen["revision"]}},
+                                            {{"do", "save"}, {"revision", seen["revision"]}},
+                                            {{"do", "undo"}, {"revision", 1e30}},
+                                            {{"do", "undo"}, {"revision", "2"}}}) {
+    const json answer = json::parse(session.act(late));
+    EXPECT_NE(error_of(answer).find("changed elsewhere"), std::string::npos) << error_of(answer);
+    EXPECT_EQ(answer["revision"], 2);
+  }
+  EXPECT_NE(error_of(json::parse(session.act({{"do", "undo"}}))).find("revision: expected"), std::string::npos);
+  EXPECT_EQ(look(session)["revision"], 2);
+}
+
+// Pages may have the program read the files of the scene's folder, and those that whoever wrote the scene named.
+TEST(ViewSession, ReadsFilesOfItsFolderAlone) {
+  const TempFolder folder;
+  const std::string points = "x,F\n0,0\n1,10\n2,30\n";
+  folder.write("inside.csv", points);
+  const TempFolder elsewhere;
+  const std::string outside = elsewhere.write("outside.csv", points), named = elsewhere.write("named.csv", points);
+  std::filesystem::create_symlink(outside, folder.path("link.csv"));
+  const auto scene = [](const std::string& file) {
+    return "[ground]\npoints = { A = [0, 0], B = [3, 0] }\n[body.arm]\npoints = { A = [0, 0], C = [1, 0] }\n"
+           "[[pin]]\npoints = [\"ground.A\", \"arm.A\"]\n[[spring]]\nname = \"s\"\n"
+           "points = [\"ground.B\", \"arm.C\"]\nforce = { file = \"" +
+           file + "\" }\n[start]\narm = 1\n";
+  };
+  ViewSession session(folder.write("scene.toml", scene(named)));
+  EXPECT_EQ(error_of(asked(session, {{"do", "text"}, {"text", scene("inside.csv")}})), "");
+  EXPECT_EQ(error_of(asked(session, {{"do", "text"}, {"text", scene(named)}})), "");
+  const std::string present = look(session)["text"];
+  for (const std::string& file :
+       {outside, "../" + std::filesystem::path(outside).parent_path().filename().string() + "/outside.csv",
+        std::string("link.csv"), std::string("/etc/passwd"), std::string("/dev/zero")}) {
+    const json answer = asked(session, {{"do", "text"}, {"text", scene(file)}});
+    EXPECT_NE(error_of(answer).find("expected a file in the folder of the scene"), std::string::npos)
+        << error_of(answer);
+    EXPECT_TRUE(answer["error"]["line"].is_number()) << file;
+  }
+  EXPECT_EQ(look(session)["text"], present);
+}
+
+// A pipe would wait for a writer.
+TEST(ViewSession, OpensNoPipe) {
+  const OwnScene own("four_bar_gravity");
+  const std::string pipe = own.folder.path("pipe.toml");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(ViewSession{pipe}, InputError);
+  ViewSession session(own.file);
+  std::filesystem::rename(pipe, own.file);
+  EXPECT_EQ(session.poll(0)["file"], "gone");
+  for (const json& request :
+       std::vector<json>{{{"do", "save"}}, {{"do", "save"}, {"anyway", true}}, {{"do", "reload"}}}) {
+    EXPECT_NE(error_of(asked(session, request)).find("a device or a pipe"), std::string::npos) << request;
+  }
+  const std::string curve =
+      "[[spring]]\nname = \"s\"\npoints = [\"ground.A\", \"rocker.C\"]\nforce = { file = \"curve.csv\" }\n";
+  ASSERT_EQ(::mkfifo(own.folder.path("curve.csv").c_str(), 0600), 0);
+  const json answer = asked(session, {{"do", "text"}, {"text", look(session)["text"].get<std::string>() + curve}});
+  EXPECT_NE(error_of(answer).find("a device or a pipe"), std::string::npos) << error_of(answer);
 }
 
 TEST(ViewSession, SwitchesSpringsOffAndOn) {
