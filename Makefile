@@ -1,6 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | campaign | sanitize | mutants | bench | benchmarks | figures | docs | lint | lint-all | format
-#        compile-time | install PREFIX=/usr/local | setup | clean
+#   make run | test | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
+#        format | compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -14,8 +14,8 @@ BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
-.PHONY: run test campaign sanitize mutants bench benchmarks figures docs lint lint-all lint-setup format compile-time install setup \
-  configure app all clean
+.PHONY: run test campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
+  compile-time install setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -41,6 +41,14 @@ sanitize:
 mutants: all
 	cmake -D source_dir=$(CURDIR) -D build_dir=$(CURDIR)/$(BUILD) -D generator=Ninja -D compiler=$(or $(CXX),c++) \
 	  -D jobs=$(JOBS) -D "only=$(ONLY)" -P tests/mutants/run.cmake
+
+# Hands damaged inputs to the readers (libFuzzer, clang), SECONDS to each of TARGETS; needs half an hour to build.
+SECONDS ?= 3600
+fuzz: setup
+	cmake/setup.sh fuzz
+	cmake --preset fuzz
+	cmake --build --preset fuzz -j $(JOBS)
+	tests/fuzz/run.sh build-fuzz $(SECONDS) '$(TARGETS)'
 
 bench: benchmarks
 	$(BUILD)/benchmarks/poise_ratios
@@ -108,4 +116,4 @@ compile-time:
 	cmake/compile_time.sh $(BUILD)
 
 clean:
-	rm -rf build build-daily build-debug build-lint
+	rm -rf build build-daily build-debug build-lint build-fuzz

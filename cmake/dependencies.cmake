@@ -2,6 +2,7 @@
 
 # Tools: # apt: cmake ninja-build g++ pkg-config gnuplot-nox
 # Tools of `make lint`: # apt lint: clang-format clang-tidy
+# Those of `make fuzz`: # apt fuzz: clang libclang-rt-14-dev
 
 find_package(PkgConfig REQUIRED)
 
