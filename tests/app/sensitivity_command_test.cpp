@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,43 @@ TEST(SensitivityCommand, RanksNumbersInTheUnitsOfTheScene) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "1 mm of spring.rubber.free_length moves force.rubber by -400 N")) << run.out;
   EXPECT_TRUE(contains(run.out, "no derivative by load.P: it is the load itself")) << run.out;
+}
+
+// A torque of zero matters as much as one of 5 N m on the same arm.
+TEST(SensitivityCommand, RanksNumbersThatAreZeroByTheLargestOfTheirKind) {
+  const TempFolder folder;
+  const std::string scene = folder.write("scene.toml", R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0] }
+mass = 1
+center = [1, 0]
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[torque]]
+name = "u"
+on = "arm"
+value = 5
+[[torque]]
+name = "t"
+on = "arm"
+value = 0
+[start]
+arm = -1.2
+)");
+  const std::string file = folder.path("s.json").string();
+  const Outcome run = run_poise({"sensitivity", scene, "--of", "arm", "--json", file});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::map<std::string, double> effect;
+  const json found = json::parse(contents(file));
+  for (const json& number : found["quantities"][0]["numbers"]) {
+    if (!number["effect"].is_null()) effect[number["number"]] = number["effect"];
+  }
+  // cos(arm) = 1/2 with sin(arm) < 0, so that 10 sin(arm) d arm + d torque = 0.
+  EXPECT_NEAR(effect.at("load.u"), 5e-3 / (10 * std::sqrt(0.75)), 1e-12);
+  EXPECT_NEAR(effect.at("load.t"), effect.at("load.u"), 1e-15);
 }
 
 TEST(SensitivityCommand, WritesEveryDerivativeAsData) {

@@ -28,6 +28,20 @@ bool is(const Dimension& a, const Dimension& b) {
   return a.mass == b.mass && a.force == b.force && a.length == b.length && a.angle == b.angle && a.time == b.time;
 }
 
+/// What a number is ranked by a thousandth of: the size of the mechanism for a length, a radian for an angle, else the
+/// number itself, or, of one that is zero, the largest of its kind, or its unit where all are zero.
+double size_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sensitivities& found,
+               const Units& units) {
+  if (is(s.dimension, dimension::length)) return found.size;
+  if (is(s.dimension, dimension::angle)) return 1.0;
+  if (s.value != 0.0) return std::abs(s.value);
+  double largest = 0.0;
+  for (const Sensitivity& other : quantity.by) {
+    if (is(other.dimension, s.dimension)) largest = std::max(largest, std::abs(other.value));
+  }
+  return largest > 0.0 ? largest : s.dimension.unit(units);
+}
+
 EffectRow row_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sensitivities& found,
                  const Units& units) {
   EffectRow row;
@@ -38,10 +52,7 @@ EffectRow row_of(const Sensitivity& s, const QuantitySensitivity& quantity, cons
   row.value = s.value / s.dimension.unit(units);
   if (!s.why.empty()) return row;
   row.derivative = s.derivative / slope.unit(units);
-  const double own = is(s.dimension, dimension::length)  ? found.size
-                     : is(s.dimension, dimension::angle) ? 1.0
-                                                         : std::abs(s.value);
-  row.effect = s.derivative * ranked_part * own / quantity.of.dimension.unit(units);
+  row.effect = s.derivative * ranked_part * size_of(s, quantity, found, units) / quantity.of.dimension.unit(units);
   return row;
 }
 
@@ -153,10 +164,12 @@ Result sensitivity_result(const Scene& scene, const Sensitivities& found, int to
   out.content.data("why", found.why.empty() ? Value() : Value(found.why));
   out.content.data("length_change", found.why.empty() ? Value(step) : Value());
   if (found.why.empty()) {
-    out.content.fact("ranked by",
-                     fmt::format("the effect of {} {} more of a length (a thousandth of the mechanism's size), "
-                                 "1 mrad more of an angle, 0.1 % more of any other number",
-                                 significant(step, 3), dimension::length.unit_name(units)));
+    out.content.fact(
+        "ranked by",
+        fmt::format("the effect of {} {} more of a length (a thousandth of the mechanism's size), "
+                    "1 mrad more of an angle, 0.1 % more of any other number (where that is 0, of the largest of its "
+                    "kind)",
+                    significant(step, 3), dimension::length.unit_name(units)));
   }
   Branch& quantities = out.content.array("quantities");
   std::vector<std::string> names, numbers, number_units, derivative_units;
