@@ -41,6 +41,7 @@ class DampedMotion::Method {
         trial_(problem.make_evaluation()),
         active_(rows_, 0),
         upper_(rows_, 0),
+        idle_(rows_, 0),
         switch_now_(problem.switches().size()),
         switch_next_(problem.switches().size()),
         measures_(problem.switches().size()) {
@@ -92,6 +93,7 @@ class DampedMotion::Method {
     result.rounding_decides = false;
     std::fill(active_.begin(), active_.end(), 0);
     std::fill(active_.begin(), active_.begin() + equalities_, 1);
+    std::fill(idle_.begin(), idle_.end(), 0);
     growth_ = growth_most_ = 1.0;
     error_ = worst_error_ = 0.0;
     scale_ = 0.0;
@@ -157,7 +159,7 @@ class DampedMotion::Method {
   // out that pull, one by one, and those are taken in again into which the motion would go.
   bool choose_bounds() {
     for (int r = equalities_; r < rows_; ++r) {
-      if (active_[r] == 0 && distance(now_, r, &upper_[r]) <= options_.touching) active_[r] = 1;
+      if (active_[r] == 0 && idle_[r] == 0 && distance(now_, r, &upper_[r]) <= options_.touching) active_[r] = 1;
     }
     for (int k = 0; k < 4 * rows_ + 4; ++k) {
       if (!set_velocity(now_, velocity_, y_)) return false;
@@ -182,8 +184,25 @@ class DampedMotion::Method {
       }
       if (worst < 0) return true;
       active_[worst] = 1;
+      idle_[worst] = 0;
     }
     return true;
+  }
+
+  // Bounds that repeat others at `now` and press on nothing: they may part from these on the way, so that all together
+  // would hold what only touches them. False where there are none.
+  bool release_idle() {
+    if (!set_velocity(now_, velocity_, y_) || !kkt_->redundant()) return false;
+    bool any = false;
+    for (int r = equalities_; r < rows_; ++r) {
+      if (active_[r] == 0 || y_[r] != 0.0 || problem_.lower()[r - equalities_] == problem_.upper()[r - equalities_]) {
+        continue;
+      }
+      active_[r] = 0;
+      idle_[r] = 1;
+      any = true;
+    }
+    return any && choose_bounds();
   }
 
   // --- the motion
@@ -204,11 +223,12 @@ class DampedMotion::Method {
       if (h == 0.0) {
         h = first = 0.1 * options_.longest_step / largest(velocity_);
       }
-      if (!step(h)) {
+      if (!step(h) || h < least_step * first) {
         if (interrupted()) return Arrival::interrupted;
-        return Arrival::singular;
+        if (!release_idle()) return Arrival::singular;
+        h = 0.0;
+        continue;
       }
-      if (h < least_step * first) return Arrival::singular;
       double far = 0.0;
       for (int i = 0; i < n_; ++i) far = std::max(far, std::abs(now_.x[i] - start_[i]));
       if (far > options_.run_away) return Arrival::runs_away;
@@ -640,6 +660,7 @@ class DampedMotion::Method {
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, next_, trial_;
   std::vector<char> active_, upper_;
+  std::vector<char> idle_;  // bounds that are touched and left out, because others of the same direction hold
   std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_column_;
   std::vector<double> y_, y_next_, y_trial_, gap_;
   std::vector<double> tangent_, resistance_, values_, first_tangent_, first_resistance_;

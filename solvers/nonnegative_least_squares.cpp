@@ -60,4 +60,30 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
   return x;
 }
 
+std::vector<bool> zeros_of_least_norm(const Eigen::MatrixXd& e, const Eigen::VectorXd& feasible,
+                                      const Eigen::MatrixXd& c_matrix, const Eigen::VectorXd& c) {
+  const Eigen::Index n = feasible.size();
+  std::vector<bool> zero(static_cast<std::size_t>(n), false);
+  const Eigen::MatrixXd free = null_space<double>(e, known_to::solution);
+  const Eigen::Index k = free.cols();
+  const double size = n > 0 ? feasible.maxCoeff() : 0.0;
+  if (k == 0 || size <= 0.0) {
+    for (Eigen::Index j = 0; j < n; ++j) zero[static_cast<std::size_t>(j)] = feasible[j] <= 0.0;
+    return zero;
+  }
+  // Forces over their size, so that constraints and right sides are of one scale.
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(std::max(c_matrix.rows(), k + 1), k + 1);
+  moved.topLeftCorner(c_matrix.rows(), k) = c_matrix * free;
+  moved.col(k).head(c_matrix.rows()) = (c_matrix * feasible + c) / size;
+  const Eigen::MatrixXd factors = triangular_factor(moved);
+  const Eigen::MatrixXd r = factors.topLeftCorner(k, k);
+  const Eigen::MatrixXd directions = r.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
+  Eigen::MatrixXd system(k + 1, n);
+  system.topRows(k) = directions;
+  system.row(k) = (directions.transpose() * factors.col(k).head(k) - feasible / size).transpose();
+  const Eigen::VectorXd multipliers = nonnegative_least_squares(system, Eigen::VectorXd::Unit(k + 1, k));
+  for (Eigen::Index j = 0; j < n; ++j) zero[static_cast<std::size_t>(j)] = multipliers[j] > 0.0;
+  return zero;
+}
+
 }  // namespace poise::solvers

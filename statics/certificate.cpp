@@ -73,6 +73,8 @@ class Certifier {
     std::optional<std::size_t> first_relieved;  // of those on the same side, if the dependent stop pushes more and more
   };
   Sharing sharing(const Finding& finding, const std::vector<ActiveStop>& active, const ActiveStop& dependent) const;
+  std::optional<std::size_t> relieved_by(const Finding& finding, const std::vector<ActiveStop>& active,
+                                         const ActiveStop& overrun) const;
   // Stops at their limit of which it is undecided whether they push.
   struct Touched {
     std::vector<ActiveStop> weak;
@@ -83,6 +85,7 @@ class Certifier {
   Certificate conclude(const Settled& settled) const;
   Certificate conclude_pieces(const std::vector<int>& springs) const;
   Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
+  Stability beside_stops(const Finding& loosest, const std::vector<ActiveStop>& weak) const;
   StabilityOnCones stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
                                       const std::vector<ActiveStop>& weak) const;
   void allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const;
@@ -361,6 +364,19 @@ Certifier::Sharing Certifier::sharing(const Finding& finding, const std::vector<
   return out;
 }
 
+// Of the active stops the one whose place an overrun stop takes, because no motion is left in which both could act, so
+// that all that act go on pushing; none where there is such a motion, or where all of them would push more.
+std::optional<std::size_t> Certifier::relieved_by(const Finding& finding, const std::vector<ActiveStop>& active,
+                                                  const ActiveStop& overrun) const {
+  KeptEquations with_it = finding.kept;
+  with_it.rows.push_back(m().stop_row(overrun.stop));
+  if (piece_.dependent_rows(with_it, SmoothPiece::nearly_dependent).size() ==
+      piece_.dependent_rows(finding.kept, SmoothPiece::nearly_dependent).size()) {
+    return std::nullopt;
+  }
+  return sharing(finding, active, overrun).first_relieved;
+}
+
 // Stops that would have to pull are left, those that are overrun become active, until neither is.
 Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
   Settled out;
@@ -372,20 +388,34 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
       out.consistent = out.finding.kind != Finding::Kind::none;
       return out;
     }
-    const std::vector<Ball> g = BalanceSystem(balls(), out.finding.kept).constraints(out.finding.solution.q);
+    std::vector<Ball> g = BalanceSystem(balls(), out.finding.kept).constraints(out.finding.solution.q);
     // Active stops that depend on others or on closures hold to rounding. One that is overrun takes the place of one on
     // its side; where there is none no motion is possible between it and the others, and all of them push either way.
+    const auto is_overrun = [&](const ActiveStop& a) {
+      const Ball over = beyond(g, a.stop, a.upper);
+      return !push_of(out.finding, a) && (a.both ? !over.contains_zero() : over > Ball(0));
+    };
+    std::vector<std::size_t> wedged;
+    for (bool grows = true; grows;) {
+      grows = false;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        if (!is_overrun(active[k]) || std::find(wedged.begin(), wedged.end(), k) != wedged.end()) continue;
+        const Sharing shared = sharing(out.finding, out.active, active[k]);
+        if (shared.first_relieved) continue;
+        wedged.push_back(k);
+        grows = true;
+        out.active[k].both = true;
+        for (const std::size_t other : shared.opposite) out.active[other].both = true;
+      }
+    }
     std::optional<std::size_t> relieved;
     std::vector<KeptEquations> others;
     for (std::size_t k = 0; k < active.size() && !relieved; ++k) {
       const ActiveStop& a = active[k];
-      const Ball over = beyond(g, a.stop, a.upper);
-      if (push_of(out.finding, a) || !(a.both ? !over.contains_zero() : over > Ball(0))) continue;
-      const Sharing shared = sharing(out.finding, active, a);
+      if (!is_overrun(a)) continue;
+      const Sharing shared = sharing(out.finding, out.active, a);
       relieved = shared.first_relieved;
-      out.active[k].both = true;
       for (const std::size_t other : shared.opposite) {
-        out.active[other].both = true;
         const std::size_t row = row_of(out.finding, active[other]);
         KeptEquations& exchanged = others.emplace_back(out.finding.kept);
         exchanged.rows[row] = m().stop_row(a.stop);
@@ -396,8 +426,11 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
       active.erase(active.begin() + static_cast<std::ptrdiff_t>(*relieved));
       continue;
     }
-    allow_for_rounding(out.finding, others);
-    if (out.finding.kind == Finding::Kind::none) return out;
+    if (!others.empty()) {
+      allow_for_rounding(out.finding, others);
+      if (out.finding.kind == Finding::Kind::none) return out;
+      g = BalanceSystem(balls(), out.finding.kept).constraints(out.finding.solution.q);
+    }
     const auto pulls = std::find_if(out.active.begin(), out.active.end(), [&](const ActiveStop& a) {
       const std::optional<Ball> push = push_of(out.finding, a);
       return !a.both && push && *push < Ball(0);
@@ -419,6 +452,8 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
     }
     out.consistent = !overrun;
     if (!overrun) return out;
+    const std::optional<std::size_t> makes_room = relieved_by(out.finding, out.active, *overrun);
+    if (makes_room) active.erase(active.begin() + static_cast<std::ptrdiff_t>(*makes_room));
     active.push_back(*overrun);
   }
   return out;
@@ -634,7 +669,11 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
   }
   if (falling == 0) {
     if (loosest->kind == Finding::Kind::neutral) {
-      out.stability = tightest->kind == Finding::Kind::neutral ? Stability::neutral : Stability::unknown;
+      // A single limit leaves one of two opposite directions to the loosest piece.
+      const bool is_free = tightest->kind == Finding::Kind::neutral || weak.size() + springs.size() == 1;
+      out.stability = is_free           ? Stability::neutral
+                      : springs.empty() ? beside_stops(*loosest, weak)
+                                        : Stability::unknown;
     }
   } else {
     // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
@@ -653,9 +692,30 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
     out.statement = "a stop or one-way spring is exactly at the limit of acting";
     out.statement += out.stability == Stability::stable     ? ": the energy grows on all sides"
                      : out.stability == Stability::unstable ? ": the energy falls on one side"
+                     : out.stability == Stability::neutral  ? ": along some motions the energy does not change"
                                                             : ", and stability was not decided";
   }
   return out;
+}
+
+// Of a neutral equilibrium that touches stops without force: neutral if it goes on beside all of them on one side,
+// stable if some of them are overrun on each side.
+Stability Certifier::beside_stops(const Finding& loosest, const std::vector<ActiveStop>& weak) const {
+  constexpr double aside = 1e-6;
+  if (loosest.neutral.size() != 1) return Stability::unknown;
+  int blocked = 0;
+  for (const double by : {aside, -aside}) {
+    std::vector<Ball> from = midpoints(loosest.solution.q);
+    from[static_cast<std::size_t>(loosest.neutral.front())] += Ball(by);
+    const SmoothPiece::Solution there = piece_.solve(loosest.kept, from, SmoothPiece::first_reach);
+    if (!there.proved) return Stability::unknown;
+    const std::vector<Ball> g = BalanceSystem(balls(), loosest.kept).constraints(there.q);
+    const auto is_left = [&](const ActiveStop& s) { return beyond(g, s.stop, s.upper) < Ball(0); };
+    const auto is_overrun = [&](const ActiveStop& s) { return beyond(g, s.stop, s.upper) > Ball(0); };
+    if (std::all_of(weak.begin(), weak.end(), is_left)) return Stability::neutral;
+    blocked += std::any_of(weak.begin(), weak.end(), is_overrun) ? 1 : 0;
+  }
+  return blocked == 2 ? Stability::stable : Stability::unknown;
 }
 
 // Springs at their free length have no force, and none in the reduced Hessian of the loosest piece.

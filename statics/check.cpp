@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -108,7 +109,7 @@ class EquilibriumCheck {
         };
         if (!is_in(*active_) && !is_in(sharing_))
           touching_.back() = 0;
-        else if (sharing_.empty() || touching_.back() == 0)
+        else if (touching_.back() == 0)
           touching_.back() = 2;
       }
       if (beyond <= out_.stop_violation) continue;
@@ -130,13 +131,7 @@ class EquilibriumCheck {
     out_.largest_force = bodies.largest_force;
     out_.reactions = std::move(bodies.reactions);
     out_.redundancy = bodies.redundancy;
-    for (const int s : sharing_) {
-      const std::string& name = scene_.stops[static_cast<std::size_t>(s)].name;
-      const bool shown = std::any_of(out_.reactions.begin(), out_.reactions.end(),
-                                     [&](const Reaction& r) { return r.of_stop && r.name == name; });
-      if (shown) continue;
-      out_.reactions.push_back(idle_reaction(scene_, poses_, s));
-    }
+    if (active_ != nullptr) add_idle_stops();
     for (const Element& e : scene_.elements) {
       out_.element_forces.push_back({.value = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value});
     }
@@ -159,7 +154,27 @@ class EquilibriumCheck {
       return;
     }
     out_.balanced = is_balanced(bodies, rounding);
+    if (!bodies.pulling.empty()) object(pulling_in_words(bodies.pulling));
+    out_.pulling = std::move(bodies.pulling);
     if (!out_.balanced) object(unbalanced_in_words(bodies));
+  }
+
+  // Gives stops that act and carry nothing in the set of reactions their places, among the others in the order of the
+  // scene.
+  void add_idle_stops() {
+    std::vector<Reaction> stops;
+    const auto first =
+        std::find_if(out_.reactions.begin(), out_.reactions.end(), [](const Reaction& r) { return r.of_stop; });
+    auto next = first;
+    for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
+      if (touching_[s] == 0) continue;
+      const bool carries =
+          next != out_.reactions.end() && next->name == scene_.stops[s].name && next->kind == scene_.stops[s].table;
+      stops.push_back(carries ? std::move(*next++) : idle_reaction(scene_, poses_, static_cast<int>(s)));
+    }
+    out_.reactions.erase(first, out_.reactions.end());
+    out_.reactions.insert(out_.reactions.end(), std::make_move_iterator(stops.begin()),
+                          std::make_move_iterator(stops.end()));
   }
 
   // A small imbalance that rounding of the positions causes is no objection; nor is any where all forces are no more
@@ -257,6 +272,21 @@ class EquilibriumCheck {
       if (value_of(scene_, e.on, poses_) <= no_length * size_ && force_at_rest(e.law, 0.0).value < 0.0) return &e;
     }
     return nullptr;
+  }
+
+  // "rope "a" and rope "b" would have to push, stop "c" would have to pull".
+  std::string pulling_in_words(const std::vector<int>& stops) const {
+    std::vector<std::string> pushing, pulling;
+    for (const int s : stops) {
+      const Stop& stop = scene_.stops[static_cast<std::size_t>(s)];
+      const bool is_length = stop.on.kind == Measure::Kind::distance || stop.on.kind == Measure::Kind::rope;
+      const bool holds_together = is_length && touching_[static_cast<std::size_t>(s)] > 0;
+      (holds_together ? pushing : pulling).push_back(fmt::format("{} \"{}\"", stop.family(), stop.name));
+    }
+    std::vector<std::string> parts;
+    if (!pushing.empty()) parts.push_back(fmt::format("{} would have to push", fmt::join(pushing, " and ")));
+    if (!pulling.empty()) parts.push_back(fmt::format("{} would have to pull", fmt::join(pulling, " and ")));
+    return fmt::format("{}", fmt::join(parts, ", "));
   }
 
   std::string unbalanced_in_words(const FreeBodies& bodies) const {

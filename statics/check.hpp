@@ -31,8 +31,10 @@ struct Reaction {
   /// A stop on a rope has those on its last contact, one on a sum (of a coupling, a cam) those on its first measure.
   Vec2 force{};
   double moment = 0.0;
-  double axial = 0.0;      ///< bars, stops on lengths: N, tension positive
-  bool determined = true;  ///< false: statically indeterminate, the set of minimum norm (moments over size)
+  double axial = 0.0;  ///< bars, stops on lengths: N, tension positive
+  /// False: statically indeterminate, the set of minimum norm (moments over size) in which one-sided stops push.
+  bool determined = true;
+  bool may_be_idle = false;  ///< a stop without which others that touch can carry its loads: it may be slack
   /// Proved distances of `force` (its length) and `axial`, N, and of `moment`, N m, from the exact ones; infinite where
   /// nothing is proved (statics/enclosed_reactions.hpp).
   double radius = std::numeric_limits<double>::infinity();
@@ -79,6 +81,8 @@ struct Check {
   bool is_equilibrium() const { return closed && balanced && stops_kept && keeps_contacts; }
   /// Why it is not an equilibrium, one sentence; empty if it is.
   std::string objection;
+  /// Stops (indices of Scene::stops) that would have to pull, so that they are left alone where a search goes on.
+  std::vector<int> pulling;
 };
 
 /// Checks the scaled coordinates x of a model by vector statics:
@@ -87,10 +91,11 @@ struct Check {
 /// balance    each body cut free under its loads and the reactions of its joints; the reactions are the least-squares
 ///            solution of all bodies' 3 equations, so what they cannot balance remains as imbalance
 ///
-/// `active`: the stops that act, both ways (indices of Scene::stops), for example those of a certificate; without it
-/// those that x touches; if one of them would have to pull, those that push in the non-negative least-squares solution.
+/// `active`: the stops that act (indices of Scene::stops), for example those of a certificate; without it those that x
+/// touches. On the side at which it touches, a stop pushes only: the reactions are those of balance() of
+/// statics/free_bodies.hpp, and where bodies could balance only if one pulled, that is the objection.
 ///
-/// `sharing`: stops at their limit that may take a part of the load of active ones; all of them then push only.
+/// `sharing`: stops at their limit that may take a part of the load of active ones.
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances = {},
             const std::vector<int>* active = nullptr, const std::vector<int>& sharing = {});
 

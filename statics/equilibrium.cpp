@@ -29,6 +29,7 @@ constexpr int most_unclaimed = 300;        // coordinates up to which the end of
 constexpr int most_in_dense_planes = 300;  // coordinates up to which neutral directions are computed
 constexpr int most_returns = 4;            // along these, to the start
 constexpr int most_displaced = 12;         // displaced starts, after a result that the check does not confirm
+constexpr double beside_pulling[] = {1e-3, 1e-2, 1e-1};  // rad or sizes, from stops that would have to pull
 // From where the mechanism settles to the equilibrium of a method, besides what rounding and the proof leave open.
 constexpr double settled_within = 1e-9;
 
@@ -260,6 +261,48 @@ Equilibrium solve_settled(const StaticModel& model, const std::vector<double>& x
   return out;
 }
 
+// x moved by a distance inwards from stops that would have to pull there.
+std::vector<double> beside(const StaticModel& model, std::vector<double> x, const std::vector<int>& stops, double by) {
+  const Mechanism<double>& m = model.mechanism();
+  std::vector<int> rows;
+  for (const int s : stops) rows.push_back(m.stop_row(s));
+  const DensePoint<double> point(m, x, rows);
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  Eigen::VectorXd inwards = Eigen::VectorXd::Zero(m.coordinates());
+  for (std::size_t k = 0; k < stops.size(); ++k) {
+    const double g = c[static_cast<std::size_t>(rows[k])];
+    const bool at_upper = std::abs(g - m.upper()[stops[k]]) < std::abs(g - m.lower()[stops[k]]);
+    const Eigen::VectorXd row = point.jacobian.row(static_cast<Eigen::Index>(k));
+    inwards += (at_upper ? -1.0 : 1.0) * row.normalized();
+  }
+  if (inwards.norm() > 0.0) inwards.normalize();
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += by * inwards[static_cast<Eigen::Index>(i)];
+  return x;
+}
+
+// A search that ended where stops would have to pull goes on without them: from places beside it in which they are not
+// touched.
+Equilibrium without_pulling_stops(const StaticModel& model, const SolveOptions& options, Equilibrium ended) {
+  const bool is_large = model.mechanism().coordinates() > most_unclaimed;
+  if (ended.found() || ended.status == Status::interrupted || ended.check.pulling.empty() || is_large) return ended;
+  for (const double by : beside_pulling) {
+    const std::vector<double> x = beside(model, ended.x, ended.check.pulling, by);
+    Equilibrium next =
+        options.seek == Seek::settle ? solve_settled(model, x, options) : search_and_check(model, x, options);
+    if (!next.found()) continue;
+    next.iterations += ended.iterations;
+    next.evaluations += ended.evaluations;
+    next.microseconds += ended.microseconds;
+    next.why += fmt::format("; from beside a place where {}", ended.check.objection);
+    if (next.settling) next.settling->in_doubt = true;
+    return next;
+  }
+  return ended;
+}
+
 bool is_proved_neutral(const Equilibrium& found) {
   return found.found() && found.certificate.outcome == Outcome::neutral;
 }
@@ -365,7 +408,9 @@ std::string to_string(Status status) {
 }
 
 Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options) {
-  if (options.seek == Seek::settle) return staying(model, x, options, solve_settled(model, x, options));
+  if (options.seek == Seek::settle) {
+    return staying(model, x, options, without_pulling_stops(model, options, solve_settled(model, x, options)));
+  }
   Equilibrium out = staying(model, x, options, search_and_check(model, x, options));
   const bool again = options.method == Method::virtual_work && options.safeguards.restarts;
   std::minstd_rand random(20220531);
@@ -381,7 +426,7 @@ Equilibrium solve(const StaticModel& model, const std::vector<double>& x, const 
     if (next.found()) next.why += "; from a displaced start, because the result from the given one was not confirmed";
     out = std::move(next);
   }
-  return out;
+  return without_pulling_stops(model, options, std::move(out));
 }
 
 Equilibrium solve(const StaticModel& model, const SolveOptions& options) {

@@ -80,14 +80,73 @@ class Statics {
   }
 
   // Some stop of the solution pulls where it can only push.
-  bool any_pulls() const { return pulls_; }
+  bool any_pulls() const { return !pulled_.empty(); }
 
-  // The sides of the stops that push in the non-negative least-squares solution, in which all that can act either way
-  // is free:  min |A_f f + A_s p + load|,  p >= 0.  With P the projection on what A_f cannot balance, p is that of
-  // min |P A_s p + P load|.
-  std::vector<int> pushing(std::vector<int> sides) {
+  // The sides of the stops that push in the set of least norm among those in which all of them push, and no other stop
+  // acts; where no set balances all forces, in the non-negative least-squares solution.
+  std::vector<int> pushing(const std::vector<int>& sides) {
+    const OneSided stops = one_sided(sides);
+    const Eigen::VectorXd push = solvers::nonnegative_least_squares(stops.balance, stops.load);
+    std::vector<bool> idle;
+    for (const double p : push) idle.push_back(p <= 0.0);
+    if (stops.balances(push)) {
+      idle = solvers::zeros_of_least_norm(stops.balance, push, stops.norm, stops.others);
+    } else {
+      note_pulling(stops);
+    }
+    return stops.without(idle, sides);
+  }
+
+  // The least-squares solution alone, should rounding leave one that pulls.
+  std::vector<int> pushing_somehow(const std::vector<int>& sides) {
+    const OneSided stops = one_sided(sides);
+    std::vector<bool> idle;
+    for (const double p : solvers::nonnegative_least_squares(stops.balance, stops.load)) idle.push_back(p <= 0.0);
+    return stops.without(idle, sides);
+  }
+
+  // Marks the reactions of stops without which the others that touch carry the loads too.
+  void mark_idle(const std::vector<int>& sides, FreeBodies& bodies) {
+    const auto is_undetermined = [](const Reaction& r) { return r.of_stop && !r.determined; };
+    if (std::none_of(bodies.reactions.begin(), bodies.reactions.end(), is_undetermined)) return;
+    const OneSided stops = one_sided(sides);
+    for (std::size_t k = 0; k < stops.index.size(); ++k) {
+      const Stop& stop = scene_.stops[static_cast<std::size_t>(stops.index[k])];
+      const auto reaction = std::find_if(bodies.reactions.begin(), bodies.reactions.end(), [&](const Reaction& r) {
+        return is_undetermined(r) && r.name == stop.name && r.kind == stop.table;
+      });
+      if (reaction == bodies.reactions.end()) continue;
+      Eigen::MatrixXd others = stops.balance;
+      others.col(static_cast<Eigen::Index>(k)).setZero();
+      OneSided without = stops;
+      without.balance = others;
+      reaction->may_be_idle = without.balances(solvers::nonnegative_least_squares(others, stops.load));
+    }
+  }
+
+ private:
+  // Stops that push on one side only, with p >= 0 their forces. All else that acts is free, f = -A_f^+ (A_s p + load),
+  // so that the bodies balance where  balance p = load  with what A_f cannot balance,  P A_s p = -P load,  and the
+  // whole set has the norm of  norm p + others.
+  struct OneSided {
+    std::vector<int> index;  // of Scene::stops
+    Eigen::MatrixXd balance, norm;
+    Eigen::VectorXd load, others;
+    double largest = 0.0;  // force
+
+    bool balances(const Eigen::VectorXd& p) const { return (balance * p - load).norm() <= no_pull * largest; }
+    std::vector<int> without(const std::vector<bool>& idle, std::vector<int> sides) const {
+      for (std::size_t k = 0; k < index.size(); ++k) {
+        if (idle[k]) sides[static_cast<std::size_t>(index[k])] = 0;
+      }
+      return sides;
+    }
+  };
+
+  OneSided one_sided(const std::vector<int>& sides) const {
+    OneSided out;
+    out.largest = out_.largest_force;
     const Equations equations = with_stops(sides);
-    std::vector<int> stops;
     std::vector<Eigen::VectorXd> columns;
     const auto is_one_sided = [&](const Equations::Unknown& u) {
       return std::abs(equations.items()[u.item].side) == 1;
@@ -97,28 +156,56 @@ class Statics {
       const Equations::Item& item = equations.items()[u.item];
       Eigen::VectorXd& column = columns.emplace_back(Eigen::VectorXd::Zero(load_.size()));
       equations.for_each_entry(u, [&](int row, double value) { column[row] -= item.side * value; });
-      stops.push_back(item.stop);
+      out.index.push_back(item.stop);
     }
     const Eigen::SparseMatrix<double> free =
         matrix(equations, [&](const Equations::Unknown& u) { return !is_one_sided(u); });
     MinimumNorm reactions(free);
     const auto count = static_cast<Eigen::Index>(columns.size());
-    // One row more than the load has, so that there are not fewer rows than columns.
-    Eigen::MatrixXd projected = Eigen::MatrixXd::Zero(std::max(load_.size(), count + 1), count + 1);
-    const auto project = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd { return v - free * reactions.solve(v); };
-    for (Eigen::Index k = 0; k < count; ++k) {
-      projected.col(k).head(load_.size()) = project(columns[static_cast<std::size_t>(k)]);
+    // One row more than needed, so that there are not fewer rows than columns.
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(std::max(load_.size(), count + 1), count + 1);
+    Eigen::MatrixXd carried = Eigen::MatrixXd::Zero(free.cols() + count + 1, count + 1);
+    carried.topLeftCorner(count, count).setIdentity();
+    for (Eigen::Index k = 0; k <= count; ++k) {
+      const Eigen::VectorXd column = k < count ? columns[static_cast<std::size_t>(k)] : Eigen::VectorXd(-load_);
+      const Eigen::VectorXd f = reactions.solve(column);
+      carried.col(k).segment(count, free.cols()) = f;
+      left.col(k).head(load_.size()) = column - free * f;
     }
-    projected.col(count).head(load_.size()) = project(-load_);
-    const Eigen::MatrixXd reduced = solvers::triangular_factor(projected);
-    const Eigen::VectorXd push = solvers::nonnegative_least_squares(reduced.leftCols(count), reduced.col(count));
-    for (Eigen::Index k = 0; k < count; ++k) {
-      if (push[k] <= 0.0) sides[static_cast<std::size_t>(stops[static_cast<std::size_t>(k)])] = 0;
-    }
-    return sides;
+    const Eigen::MatrixXd balance = solvers::triangular_factor(left), norm = solvers::triangular_factor(carried);
+    out.balance = balance.leftCols(count);
+    out.load = balance.col(count);
+    out.norm = norm.leftCols(count);
+    out.others = -norm.col(count);
+    return out;
   }
 
- private:
+  // Where only stops that pull could balance all forces: some of those of the set of least norm, of which none can be
+  // left out.
+  void note_pulling(const OneSided& stops) {
+    Eigen::MatrixXd both(stops.balance.rows(), 2 * stops.balance.cols());
+    both << stops.balance, Eigen::MatrixXd::Zero(stops.balance.rows(), stops.balance.cols());
+    const auto pulls = [&](std::size_t k) { return both.col(stops.balance.cols() + static_cast<Eigen::Index>(k)); };
+    const auto balances = [&] {
+      const Eigen::VectorXd p = solvers::nonnegative_least_squares(both, stops.load);
+      return (both * p - stops.load).norm() <= no_pull * stops.largest;
+    };
+    for (std::size_t k = 0; k < stops.index.size(); ++k) {
+      const bool pulled = std::find(pulled_.begin(), pulled_.end(), stops.index[k]) != pulled_.end();
+      if (pulled) pulls(k) = -stops.balance.col(static_cast<Eigen::Index>(k));
+    }
+    out_.pulling.clear();
+    if (!balances()) return;
+    for (std::size_t k = 0; k < stops.index.size(); ++k) {
+      if (pulls(k).isZero(0.0)) continue;
+      const Eigen::VectorXd column = pulls(k);
+      pulls(k).setZero();
+      if (balances()) continue;
+      pulls(k) = column;
+      out_.pulling.push_back(stops.index[k]);
+    }
+  }
+
   Equations with_stops(const std::vector<int>& sides) const {
     Equations out(scene_, poses_, size_);
     out.add_joints();
@@ -165,7 +252,7 @@ class Statics {
     out_.redundancy = std::max(out_.redundancy, self_stress.dimension);
     out_.largest_force = std::max(out_.largest_load, f.size() > 0 ? f.cwiseAbs().maxCoeff() : 0.0);
     out_.reactions = reactions_of(equations);
-    pulls_ = false;
+    pulled_.clear();
     found_signs_.assign(scene_.stops.size(), 0.0);
     for (Eigen::Index u = 0; u < f.size(); ++u) {
       const Equations::Unknown& unknown = equations.unknowns()[static_cast<std::size_t>(u)];
@@ -179,7 +266,7 @@ class Statics {
       if (item.stop >= 0 && separates(scene_.stops[static_cast<std::size_t>(item.stop)])) {
         found_signs_[static_cast<std::size_t>(item.stop)] = f[u] < 0 ? -1.0 : f[u] > 0 ? 1.0 : 0.0;
       }
-      if (std::abs(item.side) == 1 && item.side * f[u] > no_pull * out_.largest_force) pulls_ = true;
+      if (std::abs(item.side) == 1 && item.side * f[u] > no_pull * out_.largest_force) pulled_.push_back(item.stop);
     }
     out_.pressing.clear();
     for (std::size_t k = 0; k < out_.reactions.size(); ++k) {
@@ -205,7 +292,7 @@ class Statics {
   FreeBodies out_;
   std::set<std::pair<std::string, std::string>> undetermined_;  // kinds and names
   std::vector<double> signs_, found_signs_;  // per stop: of the efforts of teeth that push their wheels apart
-  bool pulls_ = false;
+  std::vector<int> pulled_;                 // stops of the last set found that pull where they can only push
 };
 
 }  // namespace
@@ -214,7 +301,10 @@ FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& pose
                    double size, const Additions& additions) {
   Statics statics(scene, poses, size, additions);
   FreeBodies out = statics.solve(touching);
-  return statics.any_pulls() ? statics.solve(statics.pushing(touching)) : out;
+  if (statics.any_pulls()) out = statics.solve(statics.pushing(touching));
+  if (statics.any_pulls()) out = statics.solve(statics.pushing_somehow(touching));
+  if (out.pulling.empty()) statics.mark_idle(touching, out);
+  return out;
 }
 
 Reaction idle_reaction(const Scene& scene, const std::vector<BodyPose<double>>& poses, int stop) {
@@ -222,6 +312,7 @@ Reaction idle_reaction(const Scene& scene, const std::vector<BodyPose<double>>& 
   equations.add_stop(stop, 2);
   Reaction out = reactions_of(equations).front();
   out.determined = false;
+  out.may_be_idle = true;
   return out;
 }
 

@@ -40,14 +40,18 @@ struct FreeBodies {
   std::vector<double> element_force;
   std::vector<Reaction> reactions;
   std::vector<int> pressing;  ///< active stops, indices into Scene::stops
+  /// Where the bodies could balance only if some stops pulled that can only push: such stops, of which none can be left
+  /// out. The reactions are then those of non-negative least squares, which do not balance.
+  std::vector<int> pulling;
   int redundancy = 0;
 };
 
 /// Finds the reactions and the imbalance. Poses may be measured from any point of the world, and additions are measured
 /// from there too; points of reactions are in the world. `touching`: stops whose reaction may act, one entry (+1 at
-/// max, -1 at min, 2 at both, 0 not touching) per stop. If the reaction of one has the wrong sign, those act that push
-/// in the solution of non-negative least squares; a stop at both sides may push either way, and so may a distance that
-/// is at most zero, which is a pin. Other stops on a distance of zero have no direction and carry nothing.
+/// max, -1 at min, 2 at both, 0 not touching) per stop. Of the sets of reactions that balance the bodies and in which
+/// stops at one side push, the one of least norm is reported, if there is any; a stop at both sides may push either
+/// way, and so may a distance that is at most zero, which is a pin. Other stops on a distance of zero have no direction
+/// and carry nothing.
 FreeBodies balance(const Scene& scene, const std::vector<BodyPose<double>>& poses, const std::vector<int>& touching,
                    double size, const Additions& additions = {});
 

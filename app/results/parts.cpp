@@ -296,10 +296,21 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
              each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), digits)
       .shown = any(is_axial);
   table.flags("determined", each(reactions, &Reaction::determined));
-  table.remarks(each(reactions, [](const Reaction& r) { return r.determined ? "" : "undetermined"; }), Tone::doubtful);
+  table.flags("may_be_idle", each(reactions, &Reaction::may_be_idle));
+  table.remarks(each(reactions,
+                     [](const Reaction& r) {
+                       return r.determined       ? ""
+                              : !r.may_be_idle   ? "undetermined"
+                              : r.kind == "rope" ? "undetermined, slack possible"
+                                                 : "undetermined, may carry nothing";
+                     }),
+                Tone::doubtful);
   if (redundancy > 0) {
     table.footnotes.push_back(count(redundancy, "state of self-stress", "states of self-stress") +
-                              ": statics does not determine the marked forces; shown are those of minimum norm");
+                              ": statics does not determine the marked forces; shown are those of minimum norm" +
+                              (any([](const Reaction& r) { return r.of_stop && !r.determined; })
+                                   ? " with which ropes pull and stops push"
+                                   : ""));
   }
   return table;
 }

@@ -88,5 +88,45 @@ TEST(NonnegativeLeastSquares, OfNothingIsNothing) {
             Eigen::VectorXd(Eigen::Vector2d::Zero()));
 }
 
+// With E x = e the gradient of |C x + c|^2 / 2 is E^T l + m, where m >= 0 is zero wherever x is not.
+TEST(ZerosOfLeastNorm, RandomSetsAreOptimal) {
+  Random random;
+  int zeros = 0;
+  for (int k = 0; k < test::cases(300, 3000); ++k) {
+    const Eigen::Index n = 2 + k % 7, rows = 1 + k % std::min<Eigen::Index>(3, n - 1);
+    const Eigen::MatrixXd e = random.matrix(rows, n), c_matrix = random.matrix(n + 2, n);
+    const Eigen::VectorXd c = 3 * random.matrix(n + 2, 1);
+    const Eigen::VectorXd some = random.matrix(n, 1).cwiseMax(0.0);
+    if (some.isZero()) continue;
+    const std::vector<bool> zero = zeros_of_least_norm(e, some, c_matrix, c);
+    // The least of those with these zeros: [C^T C  E^T; E 0], with x_j = 0 in place of some rows.
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n + rows, n + rows);
+    system.topLeftCorner(n, n) = c_matrix.transpose() * c_matrix;
+    system.topRightCorner(n, rows) = -e.transpose();
+    system.bottomLeftCorner(rows, n) = e;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(n + rows);
+    right.head(n) = -c_matrix.transpose() * c;
+    right.tail(rows) = e * some;
+    const Eigen::MatrixXd stationary = system.topRows(n);
+    const Eigen::VectorXd of = right.head(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      if (!zero[static_cast<std::size_t>(j)]) continue;
+      ++zeros;
+      system.row(j).setZero();
+      system(j, j) = 1.0;
+      right[j] = 0.0;
+    }
+    const Eigen::VectorXd found = minimum_norm_solution<double>(system, right);
+    EXPECT_LE((e * (found.head(n) - some)).norm(), 1e-9) << k;
+    const Eigen::VectorXd m = stationary * found - of;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      EXPECT_GE(found[j], -1e-9) << k;
+      EXPECT_GE(m[j], -1e-8) << k;
+      EXPECT_TRUE(zero[static_cast<std::size_t>(j)] || m[j] <= 1e-8) << k;
+    }
+  }
+  EXPECT_GT(zeros, 300);
+}
+
 }  // namespace
 }  // namespace poise::solvers::nonnegative_least_squares_test
