@@ -28,6 +28,10 @@ constexpr double comfortable_pivot = 1e-3;
 constexpr double good_pivot = 0.05;
 /// Margin of friction beyond which an event has passed: rounding at its start leaves less.
 constexpr double past = 1e-12;
+/// Within a step a margin is looked at more closely where it comes so near to zero.
+constexpr double close = 0.05;
+/// More than that many events of friction in one step are looked for among those that are left after the first.
+constexpr int most_events_of_step = 8;
 /// A border of a profile is reached at this distance of the argument.
 constexpr double just_before = 1e-13;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
@@ -126,6 +130,7 @@ class Simulation {
     const double accuracy = options_.accuracy / 1000;
     double t = 0.0;
     double h = first_step();
+    ahead_ = h;
     add_node(t);
     if (is_torn(t) || (friction_.acts() && !change_friction(t))) return;
     while (t < options_.duration) {
@@ -223,12 +228,25 @@ class Simulation {
       out_.gap_of = name_of_row(gap.row);
     }
     if (gap.size <= joints_closed_within + 2e3 * eps / (reduced_.pivot() + eps)) return false;
+    drop_node();
     stop(MotionStatus::torn,
          fmt::format("at t = {:.9g} s {} is open by {:.3g} of the mechanism's size, or rad: at the start its equation "
                      "repeats those of other joints and drives, but not beyond; the mechanism is mobile there only "
                      "infinitesimally, or its drives contradict each other",
                      t, out_.gap_of, gap.size));
     return true;
+  }
+
+  /// Takes the last node away, at which a joint is open.
+  void drop_node() {
+    Trajectory& path = out_.trajectory;
+    path.t.pop_back();
+    for (auto* values : {&path.q, &path.v, &path.a}) values->resize(path.nodes() * n_);
+    for (auto* values : {&path.q_p, &path.v_p, &path.a_p}) {
+      values->resize(path.nodes() * n_ * static_cast<std::size_t>(columns_));
+    }
+    for (auto* values : {&pivot_, &out_.kinetic, &out_.potential, &out_.work}) values->pop_back();
+    for (std::vector<double>& forces : out_.drive_force) forces.pop_back();
   }
 
   /// Goes on from a break of the inputs, where the motion's formula changes and its accelerations may jump.
@@ -241,8 +259,9 @@ class Simulation {
       give_up(system_->status, t);
       return false;
     }
-    if (!jumps) return true;
+    // What rests may begin to move where a drive or a load begins to change.
     if (friction_.acts()) return change_friction(t, false);
+    if (!jumps) return true;
     if (columns_ > 0) {
       follow_jumps(t);
       system_->rates(t, y_.data(), dydt_.data());
@@ -305,19 +324,74 @@ class Simulation {
   /// Shortens the step just made from t to the first event of friction in it. False if there is none.
   bool meets_event(double t) {
     const auto margin = [this] { return friction_.margin(reduced_); };
-    double after = taken_;
-    double margin_after = margin();
-    if (!(margin_after < -past)) {
-      const double dip = friction_.dip(reduced_, taken_);
-      if (dip == 0.0) return false;
+    bool met = false;
+    // Before an event there may be another one.
+    for (int k = 0; k < most_events_of_step; ++k) {
+      const double margin_at_end = margin();
+      double after = StickSlip::holds(reduced_) ? first_passing(t, margin_at_end) : 0.0;
+      if (after == 0.0 && margin_at_end < -past) {
+        shorten_to_zero(t, margin_, taken_, margin_at_end, margin);
+        met = true;
+        continue;
+      }
+      if (after == 0.0) after = friction_.dip(reduced_, taken_);
+      if (after == 0.0) break;
       const double whole = taken_;
-      after = dip;
-      margin_after = shortened_step(t, dip, margin);
-      if (std::isnan(margin_after)) shortened_step(t, whole, margin);
-      if (!(margin_after < -past)) return false;
+      const double margin_after = shortened_step(t, after, margin);
+      if (!(margin_after < -past)) {
+        shortened_step(t, whole, margin);
+        break;
+      }
+      shorten_to_zero(t, margin_, after, margin_after, margin);
+      met = true;
     }
-    shorten_to_zero(t, margin_, after, margin_after, margin);
-    return true;
+    if (met) margin();
+    return met;
+  }
+
+  /// Margin of friction a part x of the way through the step just made, at the state of the quintic through places,
+  /// rates and accelerations at both ends; NaN where that fails.
+  double margin_within(double t, double x) {
+    const auto f = static_cast<std::size_t>(reduced_.freedoms());
+    const double h = taken_;
+    within_.resize(2 * f);
+    for (std::size_t k = 0; k < f; ++k) {
+      const double v0 = h * y_[f + k], v1 = h * y_new_[f + k];
+      const double a0 = h * h * dydt_[f + k] / 2, a1 = h * h * dydt_new_[f + k] / 2;
+      const double far = y_new_[k] - y_[k] - v0 - a0, fast = v1 - v0 - 2 * a0, bends = a1 - a0;
+      const double c3 = 10 * far - 4 * fast + bends, c4 = -15 * far + 7 * fast - 2 * bends;
+      const double c5 = 6 * far - 3 * fast + bends;
+      within_[k] = y_[k] + x * (v0 + x * (a0 + x * (c3 + x * (c4 + x * c5))));
+      within_[f + k] = (v0 + x * (2 * a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
+    }
+    if (reduced_.place(t + x * h, within_.data()) != Reduced::Status::ok) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+    reduced_.move(within_.data() + f);
+    if (reduced_.accelerate() != Reduced::Status::ok) return std::numeric_limits<double>::quiet_NaN();
+    return friction_.margin(reduced_);
+  }
+
+  /// The time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does
+  /// not. Between the places looked at margins are parabolas, of which the lowest point is looked at.
+  double first_passing(double t, double margin_at_end) {
+    constexpr int places = 5;
+    double margins[places + 1] = {margin_};
+    double passed = 0.0;
+    for (int k = 1; k <= places && passed == 0.0; ++k) {
+      margins[k] = k == places ? margin_at_end : margin_within(t, static_cast<double>(k) / places);
+      if (margins[k] < -past && k < places) passed = static_cast<double>(k) / places;
+      if (k < 2 || passed > 0.0) continue;
+      const double before = margins[k - 2], low = margins[k - 1], after = margins[k];
+      const double bend = before - 2 * low + after;
+      if (!(low <= before && low <= after && bend > 0)) continue;
+      const double x = (k - 1 + (before - after) / (2 * bend)) / places;
+      const double least = low - (before - after) * (before - after) / (8 * bend);
+      if (least < close && margin_within(t, x) < -past) passed = x;
+    }
+    reduced_.expect(node_.data());
+    system_->rates(t + taken_, y_new_.data(), dydt_new_.data());
+    return passed * taken_;
   }
 
   struct Border {
@@ -419,7 +493,7 @@ class Simulation {
     const auto width = static_cast<std::size_t>(columns_);
     const double work = y_[static_cast<std::size_t>(2 * reduced_.freedoms())];
     const bool started = node > 0 && of_friction;
-    const StickSlip::Choice choice = friction_.choose(reduced_, t);
+    const StickSlip::Choice choice = friction_.choose(reduced_, t, ahead_);
     if (choice != StickSlip::Choice::made) {
       stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, words_of(choice)));
       return false;
@@ -474,6 +548,8 @@ class Simulation {
     if (reduced_.rank() > 0 && out_.trajectory.nodes() > piece_from_ + 2) {
       h = std::min(steered_step(out_.trajectory.t, pivot_, h), next_break(t) - t);
     }
+    // Forces of what is held follow loads and drives, whatever moves.
+    if (friction_.acts() && StickSlip::holds(reduced_)) h = std::min(h, shortest_period_ / 4);
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
@@ -605,10 +681,12 @@ class Simulation {
                     std::abs(y_[static_cast<std::size_t>(f + k)]) + h * acceleration_of(k));
   }
 
-  /// At the start of the step; with inputs also at its end, because they may begin to act on a mechanism at rest.
+  /// At the start of the step; with inputs and friction also at its end, because they may begin to act on a mechanism
+  /// at rest, and let it go.
   double acceleration_of(int k) const {
     const auto i = static_cast<std::size_t>(reduced_.freedoms() + k);
-    return inputs_.empty() ? std::abs(dydt_[i]) : std::max(std::abs(dydt_[i]), std::abs(dydt_new_[i]));
+    return inputs_.empty() && !friction_.acts() ? std::abs(dydt_[i])
+                                                : std::max(std::abs(dydt_[i]), std::abs(dydt_new_[i]));
   }
 
   double first_step() {
@@ -621,12 +699,17 @@ class Simulation {
         }
       }
     }
+    const auto follow = [&](double frequency) {
+      fastest = std::max(fastest, 6.3 * frequency);
+      shortest_period_ = std::min(shortest_period_, 1 / frequency);
+    };
     for (const Drive& d : model_.scaled_scene().drives) {
-      fastest = std::max({fastest, 6.3 * d.frequency, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
+      follow(d.frequency);
+      fastest = std::max({fastest, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
     }
     for (const MotionInput& input : inputs_) {
       const auto* const sine = input.function ? std::get_if<SineInTime>(&input.function->law) : nullptr;
-      if (sine != nullptr) fastest = std::max(fastest, 6.3 * sine->frequency);
+      if (sine != nullptr) follow(sine->frequency);
     }
     fastest_ = fastest;
     const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
@@ -879,9 +962,11 @@ class Simulation {
   double onward_ = 0.0;              // length of steps to go on with behind a border
   std::vector<double> held_by_;      // sensitivities of the values at which friction is held
   double fastest_ = 0.0;             // rate of change at the start, 1/s
-  std::vector<double> node_;         // coordinates at the last node
-  std::vector<double> pivot_;        // per node
-  std::vector<double> y_, dydt_, y_new_, dydt_new_, error_;
+  double ahead_ = 0.0;               // time in which choices of friction are told apart
+  double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
+  std::vector<double> node_;                                          // coordinates at the last node
+  std::vector<double> pivot_;                                         // per node
+  std::vector<double> y_, dydt_, y_new_, dydt_new_, error_, within_;
   std::unique_ptr<ReducedSystem> system_;
   std::unique_ptr<solvers::RungeKutta78> stepper_;
   Motion out_;

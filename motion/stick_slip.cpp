@@ -13,14 +13,21 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Rates below this part of the largest yet are zero: events are located far more closely.
-constexpr double no_rate_of_friction = 1e-9;
+/// Rates below this part of the largest yet are zero: events are located more closely.
+constexpr double no_rate_of_friction = 1e-11;
 /// Accelerations below this part of the largest of any choice are zero.
 constexpr double no_acceleration = 1e-9;
 /// A choice is consistent if forces and accelerations have the right sign but for this part.
 constexpr double consistent = 1e-6;
 /// What rounding may leave of a rate, as a part of the largest yet.
 constexpr double slip_rounding = 1e-12;
+/// And of the change of a rate in a short time, as a part of the fastest coordinate's.
+constexpr double rounding_of_rate = 20 * std::numeric_limits<double>::epsilon();
+/// A margin within this is not known by its sign: rounding of a state leaves less.
+constexpr double unsure = 1e-11;
+/// Choices are told apart after these parts of the time ahead: the shortest that shows a difference, before other
+/// events can.
+constexpr double parts_ahead[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
 constexpr double tiny = std::numeric_limits<double>::min();
 
 }  // namespace
@@ -105,7 +112,7 @@ double StickSlip::dip(const Reduced& motion, double h) {
     const double b = 3 * (to - from) - 2 * falls - rises;
     const double x = -falls / (b + std::sqrt(std::max(0.0, b * b - 3 * a * falls)));
     const double least = from + x * (falls + x * (b + x * a));
-    if (x > 0 && x < 1 && least < -slip_rounding * contact.speed) return x * h;
+    if (x > 0 && x < 1 && least < -slip_rounding * std::max(contact.speed, std::abs(to))) return x * h;
   }
   return 0.0;
 }
@@ -201,13 +208,107 @@ Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<doub
   return motion.accelerate();
 }
 
-StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
+Reduced::Status StickSlip::advance(Reduced& motion, double t, double h) {
+  const std::size_t f = motion.independent().size();
+  std::vector<double> start, sum(2 * f, 0.0), y(2 * f), slope(2 * f);
+  for (const int i : motion.independent()) start.push_back(motion.q()[i]);
+  for (const int i : motion.independent()) start.push_back(motion.v()[i]);
+  constexpr double reach[] = {0.5, 0.5, 1.0, 1.0}, share[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  y = start;
+  for (int stage = 0; stage < 4; ++stage) {
+    std::copy(y.begin() + static_cast<std::ptrdiff_t>(f), y.end(), slope.begin());
+    std::copy(motion.alpha(), motion.alpha() + f, slope.begin() + static_cast<std::ptrdiff_t>(f));
+    for (std::size_t k = 0; k < 2 * f; ++k) sum[k] += share[stage] * slope[k];
+    const std::vector<double>& along = stage < 3 ? slope : sum;
+    for (std::size_t k = 0; k < 2 * f; ++k) y[k] = start[k] + reach[stage] * h * along[k];
+    Reduced::Status status = motion.place(t + reach[stage] * h, y.data());
+    if (status != Reduced::Status::ok) return status;
+    motion.move(y.data() + f);
+    status = motion.accelerate();
+    if (status != Reduced::Status::ok) return status;
+  }
+  return Reduced::Status::ok;
+}
+
+/// The least margin of the contacts without rate a time h after the node: with the change of dg/dt over h times their
+/// largest acceleration, s times that, and of those held minus its size and the margin of their force. Negative
+/// infinity where what is held contradicts what is driven, NaN where the state cannot be had.
+double StickSlip::worst_after(Reduced& motion, const Node& node, const std::vector<int>& slides, double h) {
+  if (set(motion, node.t, node.q, node.v, slides) != Reduced::Status::ok) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const Reduced::Status status = advance(motion, node.t, h);
+  if (status == Reduced::Status::open) return -std::numeric_limits<double>::infinity();
+  if (status != Reduced::Status::ok) return std::numeric_limits<double>::quiet_NaN();
+  const Reduced::Opening opening = motion.fastest_opening();
+  if (opening.size > std::max(consistent * opening.terms, rounding_of_rate * node.fastest)) {
+    return -std::numeric_limits<double>::infinity();
+  }
+  double worst = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < node.still.size(); ++k) {
+    const Contact& contact = contacts_[node.still[k]];
+    const int s = slides[static_cast<std::size_t>(contact.element)];
+    const double gained = gain(contact, motion, node, k) / (h * node.largest[k]);
+    worst = std::min(worst, s == 0 ? std::min(margin_of(contact, motion), -std::abs(gained)) : s * gained);
+  }
+  return worst;
+}
+
+/// Of choices that agree at the node the one that does shortly after.
+const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node, std::vector<const Trial*> trials,
+                                              double ahead) {
+  for (const double part : parts_ahead) {
+    std::vector<const Trial*> left;
+    const Trial* least_wrong = trials.front();
+    double least = -std::numeric_limits<double>::infinity();
+    for (const Trial* trial : trials) {
+      const double worst = worst_after(motion, node, trial->slides, part * ahead);
+      if (!(worst < -unsure)) left.push_back(trial);
+      if (!(worst > least)) continue;
+      least = worst;
+      least_wrong = trial;
+    }
+    if (left.empty()) return least_wrong;
+    trials = std::move(left);
+    if (trials.size() == 1) return trials.front();
+  }
+  // What has just reached its bound slides on.
+  for (const Trial* trial : trials) {
+    const bool holds_on =
+        met_ != none && by_force_ && trial->slides[static_cast<std::size_t>(contacts_[met_].element)] == 0;
+    if (!holds_on) return trial;
+  }
+  return trials.front();
+}
+
+/// By how much the rate of the k-th contact without rate has changed since the node, 0 where that is rounding.
+double StickSlip::gain(const Contact& contact, const Reduced& motion, const Node& node, std::size_t k) {
+  const double out = rate(contact, motion) - node.rate[k];
+  return std::abs(out) > rounding_of_rate * node.fastest ? out : 0.0;
+}
+
+/// Whether no motion of the freedoms left changes the measure.
+bool StickSlip::is_carried(const Contact& contact, const Reduced& motion) {
+  std::vector<double> slope(static_cast<std::size_t>(motion.coordinates()), 0.0);
+  contact.on.add_gradient(place(contact.on, motion.q()), 1.0, slope.data());
+  for (int k = 0; k < motion.freedoms(); ++k) {
+    double change = 0.0, terms = 0.0;
+    for (std::size_t i = 0; i < slope.size(); ++i) {
+      change += slope[i] * motion.B(k)[i];
+      terms += std::abs(slope[i] * motion.B(k)[i]);
+    }
+    if (std::abs(change) > no_acceleration * terms) return false;
+  }
+  return true;
+}
+
+StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   const auto n = static_cast<std::size_t>(motion.coordinates());
-  const std::vector<double> q(motion.q(), motion.q() + n);
-  const std::vector<double> v(motion.v(), motion.v() + n);
+  Node node{t, {motion.q(), motion.q() + n}, {motion.v(), motion.v() + n}, {}, {}, {}};
+  for (const double one : node.v) node.fastest = std::max(node.fastest, std::abs(one));
   const std::vector<int> before = motion.branches();
   std::vector<int> slides = directions(motion);
-  std::vector<std::size_t> still;
+  std::vector<std::size_t>& still = node.still;
   std::size_t choices = 1;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     contacts_[c].idle = false;
@@ -218,20 +319,20 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     choices *= 3;
   }
   std::vector<Trial> trials;
-  std::vector<double> largest(still.size(), tiny);
+  std::vector<double>& largest = node.largest;
+  for (const std::size_t c : still) {
+    node.rate.push_back(rate(contacts_[c], motion));
+    largest.push_back(unsure * contacts_[c].speed / ahead + tiny);
+  }
   bool no_forces = false;
   for (std::size_t choice = 0; choice < choices; ++choice) {
     std::size_t rest = choice;
-    bool held_again = false;
     for (const std::size_t c : still) {
       constexpr int options[] = {0, 1, -1};
-      const int option = options[rest % 3];
-      slides[static_cast<std::size_t>(contacts_[c].element)] = option;
-      held_again = held_again || (option == 0 && c == met_ && by_force_);
+      slides[static_cast<std::size_t>(contacts_[c].element)] = options[rest % 3];
       rest /= 3;
     }
-    if (held_again) continue;
-    const Reduced::Status status = set(motion, t, q, v, slides);
+    const Reduced::Status status = set(motion, t, node.q, node.v, slides);
     const auto add_trial = [&](bool is_locked) {
       Trial trial{slides, {}, {}, is_locked};
       for (std::size_t k = 0; k < still.size(); ++k) {
@@ -254,23 +355,24 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
     }
   }
   if (trials.empty()) return no_forces ? Choice::locked : Choice::failed;
-  double least = consistent;
-  const Trial* best = nullptr;
+  std::vector<const Trial*> agreeing;
   for (Trial& trial : trials) {
     for (std::size_t k = 0; k < still.size(); ++k) {
       const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
       const double scale = trial.is_locked ? std::max(largest[k], std::abs(trial.acceleration[k])) : largest[k];
-      trial.violation = std::max(trial.violation, s == 0 ? -trial.force[k] : -s * trial.acceleration[k] / scale);
+      // What repeats other rows here may not be held all the same.
+      const double of_held = std::max(-trial.force[k], std::abs(trial.acceleration[k]) / scale);
+      trial.violation = std::max(trial.violation, s == 0 ? of_held : -s * trial.acceleration[k] / scale);
     }
-    if (trial.is_locked || !(trial.violation < least)) continue;
-    least = std::max(trial.violation, no_acceleration);  // choices as consistent as this are the same motion
-    best = &trial;
+    if (!trial.is_locked && trial.violation < consistent) agreeing.push_back(&trial);
   }
-  if (best == nullptr) {
+  if (agreeing.empty()) {
     const bool locks = std::any_of(trials.begin(), trials.end(),
                                    [](const Trial& trial) { return trial.is_locked && trial.violation < consistent; });
     return locks ? Choice::locked : Choice::none;
   }
+  const Trial* const best =
+      agreeing.size() == 1 ? agreeing.front() : tell_apart(motion, node, std::move(agreeing), ahead);
   for (const Trial& trial : trials) {
     if (branched_.empty() || trial.violation > no_acceleration) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
@@ -278,12 +380,19 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t) {
       if (apart > consistent * largest[k]) return Choice::several;
     }
   }
-  if (set(motion, t, q, v, best->slides) != Reduced::Status::ok) return Choice::failed;
-  for (std::size_t k = 0; k < still.size(); ++k) {
-    const bool slides_on = best->slides[static_cast<std::size_t>(contacts_[still[k]].element)] != 0;
-    contacts_[still[k]].idle = slides_on && !(still[k] == met_ && by_force_) &&
-                               std::abs(best->acceleration[k]) <= no_acceleration * largest[k];
+  // Those whose rates stay zero are carried by what is held or driven.
+  std::vector<char> rests(still.size(), 0);
+  if (std::any_of(still.begin(), still.end(),
+                  [&](std::size_t c) { return best->slides[static_cast<std::size_t>(contacts_[c].element)] != 0; }) &&
+      !std::isnan(worst_after(motion, node, best->slides, ahead / 100))) {
+    for (std::size_t k = 0; k < still.size(); ++k) {
+      const Contact& contact = contacts_[still[k]];
+      rests[k] = best->slides[static_cast<std::size_t>(contact.element)] != 0 && is_carried(contact, motion) &&
+                 std::abs(gain(contact, motion, node, k)) <= no_acceleration * ahead / 100 * largest[k];
+    }
   }
+  if (set(motion, t, node.q, node.v, best->slides) != Reduced::Status::ok) return Choice::failed;
+  for (std::size_t k = 0; k < still.size(); ++k) contacts_[still[k]].idle = rests[k] != 0;
   motion.follow_branches();
   // At the turn itself both branches agree but for rounding.
   if (turned_ != none) motion.turn_branch(branched_[turned_].element, before);

@@ -15,10 +15,11 @@ namespace poise {
 /// so that the motion is smooth. An event is where s dg/dt of an element that slides, or F - |T| of one that is held,
 /// falls to zero, and where the F of one that slides turns into another branch of its formula. There every element
 /// without rate may slide in either direction or be held: the one choice is taken whose accelerations and forces
-/// satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where F is constant the accelerations are those of a convex minimum, and
-/// unique. Of joints F grows with the force in them (ReducedMotion): a choice has as many accelerations as its
-/// forces have solutions, all of which are looked at (FrictionForces); those that are consistent must have the same,
-/// and the one taken must have unique forces.
+/// satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where several do, because an acceleration or F - |T| is zero as it is where
+/// a force passes F, or at the end of a dwell, it is the one for which  s dg/dt >= 0  and  |T| <= F  shortly after.
+/// Where F is constant the accelerations are those of a convex minimum, and unique. Of joints F grows with the force in
+/// them (ReducedMotion): a choice has as many accelerations as its forces have solutions, all of which are looked at
+/// (FrictionForces); those that are consistent must have the same, and the one taken must have unique forces.
 class StickSlip {
  public:
   /// Model and variations must outlive this. `motion` is one of the model, for the teeth that it has.
@@ -37,6 +38,8 @@ class StickSlip {
   /// `motion` is, passes zero twice between them by the cubic through both: the time after the node at which it is
   /// least. 0 if none does.
   double dip(const ReducedMotion<double>& motion, double h);
+  /// Whether something is held whose force may pass its bound within a step.
+  static bool holds(const ReducedMotion<double>& motion) { return !motion.held().empty(); }
   /// At the event found by the last margin(): keeps what event_time_by() needs.
   void meet(const ReducedMotion<double>& motion);
   /// The derivative of the time of the event that was met along changes of q and v, and by a number if `variation` is
@@ -51,8 +54,9 @@ class StickSlip {
     several,  ///< choices with different accelerations are consistent
     none      ///< none is
   };
-  /// Chooses who slides and who is held from now on, and sets and accelerates `motion` so.
-  Choice choose(ReducedMotion<double>& motion, double t);
+  /// Chooses who slides and who is held from t on, and sets and accelerates `motion` so. Choices that agree at t are
+  /// told apart by what they do up to `ahead` later.
+  Choice choose(ReducedMotion<double>& motion, double t, double ahead);
   /// The derivative of the value at which held element h, in the order of ReducedMotion::held(), stays.
   double held_value_by(const ReducedMotion<double>& motion, std::size_t h, const double* dq, int variation);
 
@@ -66,7 +70,7 @@ class StickSlip {
     std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
     double speed = 0.0;                                        // largest rate yet
     double rate = 0.0, acceleration = 0.0;                     // at the last node
-    bool idle = false;  // slides without rate or acceleration: what is held holds it, too
+    bool idle = false;  // slides without rate: what is held or driven holds it, too
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
   struct Branched {
@@ -87,6 +91,21 @@ class StickSlip {
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
   double turn_margin_of(const Branched& branched, const ReducedMotion<double>& motion);
+  /// A state from which choices are tried.
+  struct Node {
+    double t;
+    std::vector<double> q, v;
+    std::vector<std::size_t> still;     // contacts without rate
+    std::vector<double> rate, largest;  // rates of these, and the largest of their accelerations
+    double fastest = 0.0;               // rate of a coordinate
+  };
+  /// By one step of Runge and Kutta's formula of order 4, as the motion is set.
+  ReducedMotion<double>::Status advance(ReducedMotion<double>& motion, double t, double h);
+  double gain(const Contact& contact, const ReducedMotion<double>& motion, const Node& node, std::size_t k);
+  double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& slides, double h);
+  const Trial* tell_apart(ReducedMotion<double>& motion, const Node& node, std::vector<const Trial*> trials,
+                          double ahead);
+  bool is_carried(const Contact& contact, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
                                     const std::vector<double>& v, const std::vector<int>& slides) const;
 
