@@ -122,7 +122,7 @@ Interval angle_of_point(double x, double y, double near) {
   const double b = steep ? std::abs(x) : std::abs(y);
   const double slope = b / a;
   if (!(slope <= 1.0)) return Interval::entire();
-  const int j = static_cast<int>(slope * Arcs::parts + 0.5);
+  const int j = static_cast<int>(std::floor(slope * Arcs::parts + 0.5));
   const Interval nearest(static_cast<double>(j) / Arcs::parts);
   const Interval t = (Interval(b) - Interval(a) * nearest) / (Interval(a) + Interval(b) * nearest);
   if (!(t.magnitude() < largest_slope)) return Interval::entire();

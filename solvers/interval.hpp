@@ -179,8 +179,8 @@ Interval exp(const Interval& a);
 Interval log(const Interval& a);
 
 /// All angles of the vectors of a box that does not contain zero, those nearest to `near`; entire if it may contain it.
-/// A corner is turned back by the nearest angle of a table, to a slope t of at most 1/64, whose arc tangent is its Taylor
-/// series with the remainder bounded by the first term left out.
+/// A corner is turned back by the nearest angle of a table, to a slope t of at most 1/64, whose arc tangent is its
+/// Taylor series with the remainder bounded by the first term left out.
 Interval angle_of(const Interval& x, const Interval& y, double near);
 
 /// All angles in [0, pi] whose cosines it has; of those of its numbers that are in [-1, 1], of which there are some.

@@ -10,9 +10,9 @@ namespace poise::solvers {
 /// chapter 23). Its positive entries belong to linearly independent columns.
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
-/// Which entries are zero in the x >= 0 of least |C x + c| among those with  E x = e,  of which `feasible` >= 0 is one; C
-/// has full column rank on the null space N of E. With x = feasible + N t and Q R the factors of C N it is the problem of
-/// least distance
+/// Which entries are zero in the x >= 0 of least |C x + c| among those with  E x = e,  of which `feasible` >= 0 is one;
+/// C has full column rank on the null space N of E. With x = feasible + N t and Q R the factors of C N it is the
+/// problem of least distance
 ///
 ///   min |y|  subject to  N R^-1 y >= N R^-1 Q^T (C feasible + c) - feasible,
 ///

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double same_place = 1e-15;  // rad or sizes
 constexpr double change_margin = 1e-7;
-constexpr double straight = 1e-9;         // second derivatives that may be rounding
+constexpr double straight_within = 1e-9;  // second derivatives that may be rounding
 constexpr double farthest_beside = 1e-4;  // rad or sizes
 
 // How far from a change point equilibria may lie whose row is open by so much there: across the branches a gap is the
@@ -46,9 +46,9 @@ ChangePoint examine_change_point(const Eigen::MatrixXd& h, const std::vector<Los
   for (const LostRow& row : lost) {
     const double size = row.second.cwiseAbs().maxCoeff();
     const double slope = row.gradient.cwiseAbs().maxCoeff();
-    if (size <= straight && slope <= straight) continue;
+    if (size <= straight_within && slope <= straight_within) continue;
     const double away = beside_change_point(h, row.second, row.open) + same_place;
-    if (size <= straight || slope > size * away || away > farthest_beside) return out;
+    if (size <= straight_within || slope > size * away || away > farthest_beside) return out;
     spread = std::max(spread, away);
     bent = &row;
   }

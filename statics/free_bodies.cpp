@@ -292,7 +292,7 @@ class Statics {
   FreeBodies out_;
   std::set<std::pair<std::string, std::string>> undetermined_;  // kinds and names
   std::vector<double> signs_, found_signs_;  // per stop: of the efforts of teeth that push their wheels apart
-  std::vector<int> pulled_;                 // stops of the last set found that pull where they can only push
+  std::vector<int> pulled_;                  // stops of the last set found that pull where they can only push
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -102,6 +103,30 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
     ASSERT_EQ(table.values[5][i], 0.0);
   }
   EXPECT_NE(run.out.find("equilibrium (stable), rail displaced by 7 mm and released"), std::string::npos) << run.out;
+}
+
+// Two drives of one arm that part: what is left of the motion is not confirmed, and says so wherever it is read.
+TEST(MotionCommand, MarksEachRowOfARecordThatIsNotConfirmed) {
+  const TempFolder folder;
+  const std::string csv = folder.path("a.csv").string();
+  const std::string drive = "[[drive]]\nbodies = [\"ground\", \"arm\"]\nrate = 1\n";
+  const std::string scene =
+      "[ground]\npoints = { O = [0, 0] }\n[body.arm]\npoints = { O = [0, 0] }\ninertia = 1\n"
+      "[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n" +
+      drive;
+  const auto lines = [&](const std::string& text) {
+    const Outcome run = run_poise(words(folder.write("a.toml", text), {"--duration", "1", "--csv", csv}));
+    std::vector<std::string> out{std::to_string(run.exit_code)};
+    std::istringstream in(contents(csv));
+    for (std::string line; std::getline(in, line);) out.push_back(line);
+    return out;
+  };
+  const std::vector<std::string> whole = lines(scene), torn = lines(scene + drive + "acceleration = 0.5\n");
+  EXPECT_EQ(whole[0], "0");
+  EXPECT_EQ(whole[1].find("confirmed"), std::string::npos);
+  EXPECT_EQ(torn[0], "1");
+  EXPECT_EQ(torn[1].rfind("time,confirmed,", 0), 0U) << torn[1];
+  for (std::size_t i = 2; i < torn.size(); ++i) EXPECT_NE(torn[i].find(",no,"), std::string::npos) << torn[i];
 }
 
 TEST(MotionCommand, ReportsThatItIsAlreadyAtEquilibrium) {

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "identification/fit.hpp"
+#include "model/joint_friction.hpp"
+#include "model/read_scene.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"
@@ -89,6 +91,40 @@ TEST(DryFriction, FreeOscillationDeterminesTorqueAndStiffness) {
   ASSERT_EQ(found.parameters.size(), 3U) << found.why;
   const std::vector<double> truth = problem.truths();
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_NEAR(found.parameters[i], truth[i], 1e-6 * truth[i]) << i;
+}
+
+/// A block that a growing push breaks loose, as StickSlip.BreaksLooseUnderALoadThatGrows.
+TEST(DryFriction, OfABlockThatBreaksLooseIsFound) {
+  Experiment e;
+  e.scene = resisted_by_joints(parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 1
+[[slide]]
+name = "x"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+friction = { force = 0.3 }
+[[force]]
+at = "block.C"
+vector = [1, 0]
+time = { sine = { amplitude = 4, frequency = 0.6 } }
+)",
+                                           "block.toml"));
+  Sensor travel;
+  travel.name = "x";
+  travel.on = Measure::travel_of(0);
+  travel.noise = 1e-4;
+  e.sensors = {travel};
+  e.unknowns = {test::unknown("slide.x.friction.force")};
+  e.unknowns.back().start = 0.2;
+  e.runs = {test::simulated(200, 400)};
+  const FitProblem problem(e);
+  const Fit found = fit(problem, {problem.ideal_record(0)}, {});
+  ASSERT_EQ(found.parameters.size(), 1U) << found.why;
+  EXPECT_NEAR(found.parameters[0], 0.3, 1e-6);
 }
 
 }  // namespace

@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "model/joint_friction.hpp"
+#include "motion/confirmed_motion.hpp"
 #include "motion/simulate.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
@@ -96,6 +99,106 @@ TEST(StickSlip, SlipsWhereTheHoldingForcePassesItsLimit) {
   const double omega = std::sqrt(stiffness / inertia), later = 0.5 / omega;
   const test::Reading read = test::read_at(motion, {slip + later}).front();
   EXPECT_NEAR(read.q[wheel], torque / stiffness + speed / omega * std::sin(omega * later), 1e-12);
+}
+
+/// A block of 1 kg with friction of 0.3 N, pushed by 4 sin(w t) N from rest: it breaks loose where that passes 0.3 N,
+/// slides until  4/w (cos w t0 - cos w t) - 0.3 (t - t0) = 0  and back from then on, as the push is far above 0.3 N.
+constexpr double push = 4.0, rubbing = 0.3, omega = 1.2 * std::numbers::pi;
+
+double rate_of_block(double from, int sign, double t) {
+  return push / omega * (std::cos(omega * from) - std::cos(omega * t)) - sign * rubbing * (t - from);
+}
+double way_of_block(double from, int sign, double t) {
+  const double s = t - from;
+  return push / omega * (std::cos(omega * from) * s - (std::sin(omega * t) - std::sin(omega * from)) / omega) -
+         sign * rubbing * s * s / 2;
+}
+double place_of_block(double t) {
+  const double loose = std::asin(rubbing / push) / omega;
+  double turns = 1.0;
+  for (double step = 0.5; step > 1e-17; step /= 2) {
+    if (rate_of_block(loose, 1, turns + step) > 0) turns += step;
+  }
+  if (t < loose) return 0.0;
+  if (t < turns) return way_of_block(loose, 1, t);
+  return way_of_block(loose, 1, turns) + way_of_block(turns, -1, t);
+}
+
+TEST(StickSlip, BreaksLooseUnderALoadThatGrows) {
+  const MotionModel model(resisted_by_joints(parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 1
+[[slide]]
+name = "x"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+friction = { force = 0.3 }
+[[force]]
+at = "block.C"
+vector = [1, 0]
+time = { sine = { amplitude = 4, frequency = 0.6 } }
+)",
+                                                         "block.toml")));
+  EXPECT_NEAR(place_of_block(2.0), 1.35563, 5e-6);
+  for (const double accuracy : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
+    MotionOptions options;
+    options.duration = 2.0;
+    options.accuracy = accuracy;
+    const ConfirmedMotion found = simulate_and_confirm(model, test::released(model, {}), options);
+    ASSERT_TRUE(found.confirmed()) << accuracy << found.motion.why << found.why_unknown;
+    EXPECT_LT(*found.error, 10 * accuracy);
+    std::vector<double> t;
+    for (int k = 0; k <= 100; ++k) t.push_back(0.02 * k);
+    const std::vector<test::Reading> read = test::read_at(found.motion, t);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      ASSERT_NEAR(read[i].q[0], place_of_block(t[i]), 2 * *found.error + 1e-12) << accuracy << " at " << t[i];
+    }
+  }
+}
+
+// A wheel between the ground and a driven wheel, on which both rub, while the drive dwells and then begins: it stays
+// with the one that grips more, and the work of the drive is that against the friction of the other.
+TEST(StickSlip, DecidesAnewWhereADriveBegins) {
+  for (const bool by_ground : {false, true}) {
+    const MotionModel model(resisted_by_joints(parse_scene(fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.driven]
+points = {{ O = [0, 0] }}
+inertia = 1
+[body.wheel]
+points = {{ O = [0, 0] }}
+inertia = 0.3
+[[pin]]
+points = ["ground.O", "driven.O"]
+[[pin]]
+points = ["ground.O", "wheel.O"]
+friction = {{ torque = {} }}
+[[drive]]
+bodies = ["ground", "driven"]
+time = {{ ramp = {{ to = -1.3, start = 0.5, end = 1.5 }} }}
+[[friction]]
+bodies = ["driven", "wheel"]
+torque = 0.25
+width = 0
+)",
+                                                                       by_ground ? 1.0 : 0.1),
+                                                           "wheels.toml")));
+    MotionOptions options;
+    options.duration = 2.0;
+    const ConfirmedMotion found = simulate_and_confirm(model, test::released(model, {}), options);
+    ASSERT_TRUE(found.confirmed()) << found.motion.why << found.why_unknown;
+    if (!by_ground) continue;
+    const auto wheel = static_cast<std::size_t>(test::coordinate_of(model, "wheel"));
+    EXPECT_EQ(test::q_at(found.motion, found.motion.trajectory.nodes() - 1)[wheel], 0.0);
+    EXPECT_NEAR(found.motion.work.back(), 0.0, 1e-12);  // what the drive does is lost in the friction
+    double least = 0.0;
+    for (const double effort : found.motion.drive_force[0]) least = std::min(least, effort);
+    EXPECT_LT(least, -0.25);
+  }
 }
 
 Scene two_arms(double width) {

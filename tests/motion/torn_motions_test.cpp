@@ -105,7 +105,11 @@ End end_of(const std::string& text, double duration) {
       EXPECT_LE(gap, *found.error * std::max(1.0, model.scales().length) + 1e-12);
       return End::confirmed;
     }
-    return found.motion.status == MotionStatus::torn ? End::torn : End::other;
+    if (found.motion.status != MotionStatus::torn) return End::other;
+    // What is left of the motion is whole.
+    EXPECT_LE(gap, 1e-8 * std::max(1.0, model.scales().length));
+    EXPECT_GT(found.motion.gap, gap);
+    return End::torn;
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("drive"), std::string::npos) << error.what();
     return End::refused;

@@ -189,10 +189,12 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
   table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 
-void add_record(Group& group, const Units& units, const MotionRecord& record) {
+/// A motion that is not confirmed says so in each row.
+void add_record(Group& group, const Units& units, const MotionRecord& record, bool is_confirmed) {
   Table& table = group.table("", "", Rows::columns, Verbosity::data);
   table.csv = true;
   table.data("time", record.time);
+  if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(record.time.size(), "no"));
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     table.data(record.channels[c].name, in_unit(record.value[c], record.channels[c].quantity, units));
   }
@@ -259,7 +261,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   }
   add_drives(content, model, motion);
   if (motion.trajectory.nodes() > 0) add_energies(content, model, motion);
-  add_record(content, model.scene().units, measured);
+  add_record(content, model.scene().units, measured, answer.found.confirmed());
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
