@@ -415,12 +415,31 @@ TEST(JsonDocs, Kinematics) {
                  {{"kinematics", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv}});
 }
 
+/// Two drives of one arm that part.
+constexpr const char* torn = R"(
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0] }
+inertia = 1
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[drive]]
+bodies = ["ground", "arm"]
+rate = 1
+[[drive]]
+bodies = ["ground", "arm"]
+rate = 1
+acceleration = 0.5
+)";
+
 TEST(JsonDocs, Motion) {
   const TempFolder folder;
   check_section("motion",
                 {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
                  {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
-                 {{"motion", folder.write("driven.toml", driven), "--duration", "1"}}});
+                 {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
+                 {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
 }
 
 /// A slider-crank, driven at its block past the dead point.
@@ -663,10 +682,14 @@ TEST(JsonDocs, View) {
   const TempFolder folder;
   check(Json::parse(app::ViewSession(folder.write("plate.toml", plate)).page().dump())["view"]);
   app::ViewSession session(scene("toggle_clamp"));
-  check(Json::parse(session.page().dump())["view"]);
+  Json state = Json::parse(session.page().dump())["view"];
+  check(state);
   for (const char* request : {R"({"do": "set", "path": "load.P", "value": 40, "goes_on": true})", R"({"do": "look"})",
                               R"({"do": "drag", "point": "handle.grip", "px": [300, 300]})"}) {
-    check(Json::parse(session.act(nlohmann::json::parse(request))));
+    nlohmann::json asked = nlohmann::json::parse(request);
+    asked["revision"] = state["revision"].get<long>();
+    state = Json::parse(session.act(asked));
+    check(state);
   }
   expect_all_written(keys, Shared::some);
 }

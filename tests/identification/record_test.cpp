@@ -163,7 +163,7 @@ TEST(ReadCsv, NeedsAFile) {
             "data.csv: cannot be read: No such file or directory; check the path");
   std::filesystem::create_directory(folder.path("data.csv"));
   EXPECT_EQ(message_of([&] { read_csv(folder.path("data.csv"), {"t"}); }),
-            "data.csv: cannot be read: Is a directory; check the path");
+            "data.csv: expected a file, found a folder; check the path");
 }
 
 TEST(CsvParts, FollowTheSplitColumn) {

@@ -102,7 +102,8 @@ TEST(StickSlip, SlipsWhereTheHoldingForcePassesItsLimit) {
 }
 
 /// A block of 1 kg with friction of 0.3 N, pushed by 4 sin(w t) N from rest: it breaks loose where that passes 0.3 N,
-/// slides until  4/w (cos w t0 - cos w t) - 0.3 (t - t0) = 0  and back from then on, as the push is far above 0.3 N.
+/// slides until  4/w (cos w t0 - cos w t) - 0.3 (t - t0) = 0  and back from then on, as the push is far above 0.3 N;
+/// and so at each turn within 2 s.
 constexpr double push = 4.0, rubbing = 0.3, omega = 1.2 * std::numbers::pi;
 
 double rate_of_block(double from, int sign, double t) {
@@ -114,14 +115,24 @@ double way_of_block(double from, int sign, double t) {
          sign * rubbing * s * s / 2;
 }
 double place_of_block(double t) {
-  const double loose = std::asin(rubbing / push) / omega;
-  double turns = 1.0;
-  for (double step = 0.5; step > 1e-17; step /= 2) {
-    if (rate_of_block(loose, 1, turns + step) > 0) turns += step;
+  constexpr double part = 1e-3;  // each sense lasts longer
+  double from = std::asin(rubbing / push) / omega, place = 0.0;
+  if (t < from) return 0.0;
+  for (int sign = 1;; sign = -sign) {
+    const auto goes_on = [&](double then) { return sign * rate_of_block(from, sign, then) > 0; };
+    double below = from, above = from + part;
+    for (; goes_on(above); below = above, above += part) {
+      if (above > t) return place + way_of_block(from, sign, t);
+    }
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = 0.5 * (below + above);
+      (goes_on(middle) ? below : above) = middle;
+    }
+    const double turn = below;
+    if (turn > t) return place + way_of_block(from, sign, t);
+    place += way_of_block(from, sign, turn);
+    from = turn;
   }
-  if (t < loose) return 0.0;
-  if (t < turns) return way_of_block(loose, 1, t);
-  return way_of_block(loose, 1, turns) + way_of_block(turns, -1, t);
 }
 
 TEST(StickSlip, BreaksLooseUnderALoadThatGrows) {

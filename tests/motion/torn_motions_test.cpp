@@ -108,7 +108,7 @@ End end_of(const std::string& text, double duration) {
     if (found.motion.status != MotionStatus::torn) return End::other;
     // What is left of the motion is whole.
     EXPECT_LE(gap, 1e-8 * std::max(1.0, model.scales().length));
-    EXPECT_GT(found.motion.gap, gap);
+    EXPECT_GT(found.motion.gap * std::max(1.0, model.scales().length), gap);
     return End::torn;
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("drive"), std::string::npos) << error.what();

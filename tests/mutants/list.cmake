@@ -120,8 +120,8 @@ mutant("pi/2 of 66 bits" solvers/interval.cpp
   [=[Interval(0);
   const Interval z]=])
 mutant("the series ends early without its remainder" solvers/interval.cpp
-  [=[for (int i = terms - 2; i >= 0; --i)]=]
-  [=[for (int i = terms - 4; i >= 0; --i)]=])
+  [=[for (int i = static_cast<int>(Terms) - 2; i >= 0; --i)]=]
+  [=[for (int i = static_cast<int>(Terms) - 4; i >= 0; --i)]=])
 mutant("sine and cosine of the second quadrant with one sign" solvers/interval.cpp
   [=[return {-s, c};]=]
   [=[return {s, c};]=])
@@ -198,11 +198,13 @@ mutant("a sliver of the ground" statics/box_prover.cpp
   [=[!both.x.meet(along.x)]=]
   [=[!both.x.meet(along.x + Interval(1e-9))]=])
 mutant("a sliver above the angle of a triangle" statics/box_prover.cpp
-  [=[arc(cosine.lower()).upper());]=]
-  [=[arc(cosine.lower()).upper() - 1e-9);]=])
+  [=[const Interval beta = solvers::arc_cosine(cosine);]=]
+  [=[Interval beta = solvers::arc_cosine(cosine);
+    beta = Interval(beta.lower(), beta.upper() - 1e-9);]=])
 mutant("a sliver below the angle of a triangle" statics/box_prover.cpp
-  [=[std::max(0.0, arc(cosine.upper()).lower())]=]
-  [=[std::max(0.0, arc(cosine.upper()).lower() + 1e-9)]=])
+  [=[const Interval beta = solvers::arc_cosine(cosine);]=]
+  [=[Interval beta = solvers::arc_cosine(cosine);
+    beta = Interval(beta.lower() + 1e-9, beta.upper());]=])
 mutant("a triangle on one side only" statics/box_prover.cpp
   [=[const bool other = narrow(below, group.angle, base - beta);]=]
   [=[const bool other = false;]=])
@@ -303,7 +305,7 @@ mutant("Newton's operator without the symmetric stiffness" statics/box_prover.cp
   [=[if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];]=]
   [=[]=])
 mutant("Newton's operator need not be a contraction" statics/box_prover.cpp
-  [=[if (!(ratio < 1)) return Finding::open;]=]
+  [=[if (!(ratio < 1)) return false;]=]
   [=[]=])
 mutant("what leaves the box exists" statics/box_prover.cpp
   [=[within = within && u[i] < reach[i];]=]
@@ -330,7 +332,7 @@ mutant("a round between halves is lost" statics/enclosed_set.cpp
   [=[other.rounds = Interval(middle + 1, other.rounds.upper());]=]
   [=[other.rounds = Interval(middle + 2, other.rounds.upper());]=])
 mutant("boxes set aside are forgotten" statics/enclosed_set.cpp
-  [=[for (Task& task : own_left) left_.push_back(std::move(task));]=]
+  [=[std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));]=]
   [=[]=])
 mutant("boxes that were not reached are forgotten" statics/enclosed_set.cpp
   [=[for (Task& task : waiting_) left_.push_back(std::move(task));]=]
