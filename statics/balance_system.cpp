@@ -80,6 +80,17 @@ std::vector<Ball> BalanceSystem::rates(const std::vector<Ball>& x, const std::ve
   return out;
 }
 
+Ball BalanceSystem::measure_rate(int element, const std::vector<Ball>& x, const std::vector<Ball>& u) const {
+  const Ball::InputRounding guard(rounding_);
+  std::vector<Planar<Ball>> pose(mechanism_.pose_size());
+  mechanism_.place(x.data(), pose.data());
+  std::vector<Ball> gradient(x.size());
+  mechanism_.add_measure_gradient(element, pose.data(), gradient.data());
+  Ball out(0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) out += gradient[i] * u[i];
+  return out;
+}
+
 std::vector<Ball> BalanceSystem::constraints(const std::vector<Ball>& x) const {
   const Ball::InputRounding guard(rounding_);
   std::vector<Planar<Ball>> pose(mechanism_.pose_size());
@@ -164,6 +175,26 @@ std::vector<solvers::RegularSet::Entry> BalanceSystem::derivatives(const std::ve
     const int i = equation_[mechanism_.jacobian_row()[e]];
     const int j = unknown_[mechanism_.jacobian_column()[e]];
     if (i >= 0 && j >= 0) out.push_back({i, j, std::move(at.jacobian[e])});
+  }
+  return out;
+}
+
+// J_o u_o = -J_h u_h,  of the rates of other and of held coordinates.
+std::optional<std::vector<std::vector<Ball>>> BalanceSystem::motions(const std::vector<Ball>& x) const {
+  if (unknowns() != 2 * free_) return std::nullopt;
+  const solvers::RegularSet matrix(unknowns(), true, derivatives(x));
+  if (free_ > 0 && !matrix.regular()) return std::nullopt;
+  std::vector<std::vector<Ball>> out;
+  for (const int i : kept_.held) {
+    std::vector<Ball>& u = out.emplace_back(x.size());
+    u[i] = Ball(1);
+    if (free_ == 0) continue;
+    std::vector<Ball> b(free_);
+    for (const Ball& rate : rates(x, u)) b.push_back(-rate);
+    b = matrix.solve(std::move(b));
+    for (std::size_t k = 0; k < u.size(); ++k) {
+      if (unknown_[k] >= 0) u[k] = b[unknown_[k]];
+    }
   }
   return out;
 }

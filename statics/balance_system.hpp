@@ -101,6 +101,9 @@ class BalanceSystem {
   /// if the kept rows are not as many as the coordinates that are not held.
   std::optional<std::vector<Ball>> follow(const std::vector<Ball>& at, const std::vector<double>& change) const;
 
+  /// Per held coordinate the rates of all coordinates with which the kept rows hold while it moves at a rate of 1 and
+  /// the other held ones rest. None where the kept rows are not proved to determine the others.
+  std::optional<std::vector<std::vector<Ball>>> motions(const std::vector<Ball>& x) const;
   /// Multipliers of the kept rows of least |F + J^T y|, not enclosed; none if the rows are dependent.
   std::optional<std::vector<Ball>> multipliers(const std::vector<Ball>& x) const;
   /// Left sides of all equations at enclosures of x and y.
@@ -112,6 +115,8 @@ class BalanceSystem {
   std::vector<Ball> forces(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
   /// J u of the kept rows.
   std::vector<Ball> rates(const std::vector<Ball>& x, const std::vector<Ball>& u) const;
+  /// Rate of the measure of a force element.
+  Ball measure_rate(int element, const std::vector<Ball>& x, const std::vector<Ball>& u) const;
   /// All constraint rows at an enclosure of x.
   std::vector<Ball> constraints(const std::vector<Ball>& x) const;
   /// Measures of the force elements.

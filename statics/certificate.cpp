@@ -85,9 +85,10 @@ class Certifier {
   Certificate conclude(const Settled& settled) const;
   Certificate conclude_pieces(const std::vector<int>& springs) const;
   Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
-  Stability beside_stops(const Finding& loosest, const std::vector<ActiveStop>& weak) const;
-  StabilityOnCones stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
-                                      const std::vector<ActiveStop>& weak) const;
+  std::vector<Ball> rates_beyond(const ActiveStop& s, const std::vector<Ball>& q,
+                                 const std::vector<std::vector<Ball>>& motions) const;
+  std::optional<Cones> cones_at(const Finding& piece, const std::vector<int>& springs,
+                                const std::vector<ActiveStop>& weak) const;
   void allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const;
   Certificate report(const Finding& finding, const std::vector<ActiveStop>& active) const;
   std::string name(int coordinate) const { return model_.layout().coordinates[coordinate].name; }
@@ -642,6 +643,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
   int falling = 0;
   bool same_orientation = true;
   std::optional<Finding> loosest, tightest;
+  std::vector<Finding> faces;  // no spring acts, and the stops of the bits of the index are active
   const unsigned states = 1U << (springs.size() + weak.size());
   for (unsigned state = 0; state < states; ++state) {
     std::vector<ActiveStop> now = strong;
@@ -657,6 +659,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
     falling += piece.unstable > 0 ? 1 : 0;
     if (state == 0) loosest = piece;
     if (state == states - 1) tightest = piece;
+    if (state % (1U << springs.size()) == 0) faces.push_back(piece);
     same_orientation =
         same_orientation && piece.kind == Finding::Kind::regular && piece.unstable % 2 == loosest->unstable % 2;
   }
@@ -667,24 +670,40 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
     if (same_orientation) return out;
     return deny(Outcome::not_proved, "a stop or one-way spring is exactly at the limit of acting");
   }
+  // A single limit leaves one of two opposite directions to the loosest piece.
+  const bool is_single = weak.size() + springs.size() == 1;
+  const auto decide_on_cones = [&] {
+    out.stability = Stability::unknown;
+    for (unsigned face = 0; face < faces.size() && out.stability == Stability::unknown; ++face) {
+      std::vector<ActiveStop> left;
+      for (std::size_t k = 0; k < weak.size(); ++k) {
+        if ((face >> k & 1U) == 0) left.push_back(weak[k]);
+      }
+      const std::optional<Cones> cones = cones_at(faces[face], springs, left);
+      if (!cones) continue;
+      if (falling == 0 && goes_on_beside(*cones, faces[face].neutral.size())) {
+        out.stability = Stability::neutral;
+        break;
+      }
+      const StabilityOnCones on_face = stability_on_cones(*cones);
+      // Motions on a face of the cone are some of those that the stops leave.
+      if (face == 0 || on_face.stability == Stability::unstable) out.stability = on_face.stability;
+      if (face == 0) out.locked = on_face.locked;
+    }
+  };
   if (falling == 0) {
     if (loosest->kind == Finding::Kind::neutral) {
-      // A single limit leaves one of two opposite directions to the loosest piece.
-      const bool is_free = tightest->kind == Finding::Kind::neutral || weak.size() + springs.size() == 1;
-      out.stability = is_free           ? Stability::neutral
-                      : springs.empty() ? beside_stops(*loosest, weak)
-                                        : Stability::unknown;
+      if (is_single || tightest->kind == Finding::Kind::neutral) {
+        out.stability = Stability::neutral;
+      } else {
+        decide_on_cones();
+      }
     }
   } else {
-    // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls. A
-    // single limit leaves one of two opposite directions to the loosest piece.
-    const bool falls = tightest->unstable > 0 || (weak.size() + springs.size() == 1 && loosest->unstable > 0);
+    // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls.
+    const bool falls = tightest->unstable > 0 || (is_single && loosest->unstable > 0);
     out.stability = Stability::unstable;
-    if (!falls) {
-      const StabilityOnCones cones = stability_on_cones(*loosest, springs, weak);
-      out.stability = cones.stability;
-      out.locked = cones.locked;
-    }
+    if (!falls) decide_on_cones();
     out.unstable_directions = out.stability == Stability::unstable ? std::max(1, tightest->unstable) : 0;
   }
   if (!same_orientation || out.stability == Stability::unknown) out.outcome = Outcome::degenerate;
@@ -698,48 +717,47 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
   return out;
 }
 
-// Of a neutral equilibrium that touches stops without force: neutral if it goes on beside all of them on one side,
-// stable if some of them are overrun on each side.
-Stability Certifier::beside_stops(const Finding& loosest, const std::vector<ActiveStop>& weak) const {
-  constexpr double aside = 1e-6;
-  if (loosest.neutral.size() != 1) return Stability::unknown;
-  int blocked = 0;
-  for (const double by : {aside, -aside}) {
-    std::vector<Ball> from = midpoints(loosest.solution.q);
-    from[static_cast<std::size_t>(loosest.neutral.front())] += Ball(by);
-    const SmoothPiece::Solution there = piece_.solve(loosest.kept, from, SmoothPiece::first_reach);
-    if (!there.proved) return Stability::unknown;
-    const std::vector<Ball> g = BalanceSystem(balls(), loosest.kept).constraints(there.q);
-    const auto is_left = [&](const ActiveStop& s) { return beyond(g, s.stop, s.upper) < Ball(0); };
-    const auto is_overrun = [&](const ActiveStop& s) { return beyond(g, s.stop, s.upper) > Ball(0); };
-    if (std::all_of(weak.begin(), weak.end(), is_left)) return Stability::neutral;
-    blocked += std::any_of(weak.begin(), weak.end(), is_overrun) ? 1 : 0;
-  }
-  return blocked == 2 ? Stability::stable : Stability::unknown;
+// How fast a stop is overrun in each of the motions.
+std::vector<Ball> Certifier::rates_beyond(const ActiveStop& s, const std::vector<Ball>& q,
+                                          const std::vector<std::vector<Ball>>& motions) const {
+  const BalanceSystem stop(balls(), {.rows = {m().stop_row(s.stop)}, .at_upper = {0}, .held = {}});
+  std::vector<Ball> out;
+  for (const std::vector<Ball>& motion : motions) out.push_back(Ball(s.upper ? 1 : -1) * stop.rates(q, motion)[0]);
+  return out;
 }
 
-// Springs at their free length have no force, and none in the reduced Hessian of the loosest piece.
-StabilityOnCones Certifier::stability_on_cones(const Finding& loosest, const std::vector<int>& springs,
-                                               const std::vector<ActiveStop>& weak) const {
+// The motions that a piece in which the springs do not act leaves, along its neutral coordinates first. None where they
+// are not proved to be all.
+std::optional<Cones> Certifier::cones_at(const Finding& piece, const std::vector<int>& springs,
+                                         const std::vector<ActiveStop>& weak) const {
   const BallMechanism slack = with_springs(springs, 0);
-  TangentSpace tangents(slack.plain, loosest);
-  const Eigen::MatrixXd& z = tangents.basis;
-  std::vector<Planar<double>>& pose = tangents.point.pose;
-  std::vector<Eigen::VectorXd> acting;
-  std::vector<Eigen::VectorXd> forbidden;
+  KeptEquations held = piece.kept;
+  held.held = piece_.free_coordinates(piece.kept);
+  const std::vector<Ball>& q = piece.solution.q;
+  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(slack, held).motions(q);
+  if (!motions) return std::nullopt;
+  KeptEquations whole = piece.kept;
+  whole.held.clear();
+  const BalanceSystem balance(slack, whole);
+  Cones out;
+  const auto with_rows = [&](std::vector<Ball> motion) {
+    motion.resize(motion.size() + whole.rows.size());
+    return motion;
+  };
+  for (const std::vector<Ball>& left : *motions) {
+    std::vector<Ball>& row = out.hessian.emplace_back();
+    for (const std::vector<Ball>& right : *motions) {
+      row.push_back(balance.product(q, piece.solution.y, with_rows(left), with_rows(right)));
+    }
+  }
   for (const int e : springs) {
-    const LinearSpring& spring = std::get<LinearSpring>(m().law_of(e));
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(m().coordinates());
-    m().add_measure_gradient(e, pose.data(), gradient.data());
-    const Eigen::VectorXd a = std::sqrt(spring.stiffness) * z.transpose() * gradient;
-    acting.push_back(spring.acts == LinearSpring::Acts::tension ? a : Eigen::VectorXd(-a));
+    const LinearSpring& spring = std::get<LinearSpring>(balls().exact.law_of(e));
+    const Ball by = sqrt(Ball(spring.stiffness)) * Ball(spring.acts == LinearSpring::Acts::tension ? 1 : -1);
+    std::vector<Ball>& a = out.acting.emplace_back();
+    for (const std::vector<Ball>& motion : *motions) a.push_back(by * balance.measure_rate(e, q, motion));
   }
-  for (const ActiveStop& s : weak) {
-    const DensePoint<double> stop(m(), tangents.x, {m().stop_row(s.stop)});
-    const Eigen::VectorXd a = z.transpose() * stop.jacobian.row(0).transpose();
-    forbidden.push_back(s.upper ? a : Eigen::VectorXd(-a));
-  }
-  return poise::stability_on_cones(tangents.hessian, acting, forbidden);
+  for (const ActiveStop& s : weak) out.forbidden.push_back(rates_beyond(s, q, *motions));
+  return out;
 }
 
 }  // namespace

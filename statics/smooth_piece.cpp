@@ -147,16 +147,20 @@ KeptEquations SmoothPiece::without_stops(const KeptEquations& kept) const {
   return out;
 }
 
-// Coordinates that may be chosen freely while the kept rows determine the others.
 std::vector<int> SmoothPiece::free_coordinates(const KeptEquations& kept) const {
+  std::vector<int> others;
+  for (int i = 0; i < m().coordinates(); ++i) {
+    if (std::find(kept.held.begin(), kept.held.end(), i) == kept.held.end()) others.push_back(i);
+  }
+  std::vector<int> out = kept.held;
   if (kept.rows.empty()) {
-    std::vector<int> all(m().coordinates());
-    std::iota(all.begin(), all.end(), 0);
-    return all;
+    out.insert(out.end(), others.begin(), others.end());
+    return out;
   }
   const DensePoint<double> point(m(), x_, kept.rows);
-  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian, nearly_dependent);
-  return {order.begin() + rank, order.end()};
+  const auto [rank, order] = solvers::pivot_order<double>(point.jacobian(Eigen::all, others), nearly_dependent);
+  for (auto k = order.begin() + rank; k != order.end(); ++k) out.push_back(others[static_cast<std::size_t>(*k)]);
+  return out;
 }
 
 // Whether the rows of `all` that `kept` leaves out hold at a solution: with J_d = A J_k for dropped and kept rows,

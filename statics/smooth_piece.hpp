@@ -88,6 +88,8 @@ class SmoothPiece {
   /// Indices into kept.rows of closures that are nearly combinations of other closures, and of stops that nothing moves
   /// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
+  /// Coordinates that may be chosen freely while the kept rows determine the others: held ones first.
+  std::vector<int> free_coordinates(const KeptEquations& kept) const;
   /// Where closures repeat others to rounding only: for each closure that takes part the greatest gap that is left, in
   /// the mechanism's unit of length, or its growth with the motion; 0 for others. Empty where there are none.
   std::vector<double> open_loops() const;
@@ -97,7 +99,6 @@ class SmoothPiece {
                  bool rounding = false) const;
   Finding examine_independent(const KeptEquations& kept) const;
   KeptEquations without_stops(const KeptEquations& kept) const;
-  std::vector<int> free_coordinates(const KeptEquations& kept) const;
   // Whether rows that were left out hold to within the rounding of the scene's numbers.
   struct Repeated {
     bool to_rounding = false;

@@ -870,6 +870,68 @@ TEST(StopsOf, AStandingArmTouchedTwiceOnOneSideIsNotLocked) {
   EXPECT_FALSE(proof.locked);
 }
 
+// A free block on a rail touches a wall, and an arc of 2^-22 m about a point below the rail, 3 * 2^-24 m aside of it:
+// what holds next to the place at which it touches ends within 6 * 2^-24 m, where the block is beyond the point.
+StaticModel block_between_a_wall_and_an_arc(const std::string& side) {
+  return model_of(fmt::format(R"(
+    [ground]
+    points = {{ G = [-1, 0], A = [0, {}] }}
+    [body.block]
+    points = {{ C = [0, 0] }}
+    [[slide]]
+    name = "rail"
+    points = ["ground.G", "block.C"]
+    axis = [1, 0]
+    [[stop]]
+    name = "arc"
+    points = ["ground.A", "block.C"]
+    {} = {}
+    [[stop]]
+    name = "wall"
+    slide = "rail"
+    max = {}
+  )",
+                              -4 * 0x1p-24, side, 5 * 0x1p-24, 1 + 3 * 0x1p-24));
+}
+
+TEST(StopsOf, AnArcHoldsABlockHoweverShortItIs) {
+  const Certificate proof = certified(block_between_a_wall_and_an_arc("min"), {{"rail", 1 + 3 * 0x1p-24}});
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_EQ(to_string(proof.stability), "stable");
+  EXPECT_TRUE(proof.locked);
+}
+
+TEST(StopsOf, AnArcLeavesABlockHoweverShortTheWayIs) {
+  const Certificate proof = certified(block_between_a_wall_and_an_arc("max"), {{"rail", 1 + 3 * 0x1p-24}});
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_EQ(to_string(proof.stability), "neutral");
+}
+
+// A block without weight lies in a slot of its own width, and may move along it; at a wall it may leave this only; and
+// walls at both ends hold it.
+TEST(StopsOf, ABlockInASlotMovesAlongIt) {
+  const auto block = [](const std::string& walls) {
+    return model_of(
+        "[ground]\npoints = { O = [0, 0] }\n[body.block]\npoints = { C = [0, 0] }\n[[torsion_spring]]\n"
+        "bodies = [\"ground\", \"block\"]\nfree_angle = 0\nstiffness = 1\n[[stop]]\nname = \"floor\"\n"
+        "y = \"block.C\"\nmin = 0\n[[stop]]\nname = \"roof\"\ny = \"block.C\"\nmax = 0\n" +
+        walls + "[start]\nblock = 0\n");
+  };
+  const std::string left = "[[stop]]\nname = \"left\"\nx = \"block.C\"\nmin = 0\n";
+  const std::string right = "[[stop]]\nname = \"right\"\nx = \"block.C\"\nmax = 0\n";
+  for (const std::string& walls : {std::string(), left}) {
+    const StaticModel model = block(walls);
+    const Certificate proof = certify(model, model.start());
+    EXPECT_TRUE(proof.confirmed()) << proof.statement;
+    EXPECT_EQ(to_string(proof.stability), "neutral");
+  }
+  const StaticModel held = block(left + right);
+  const Certificate proof = certify(held, held.start());
+  EXPECT_TRUE(proof.confirmed()) << proof.statement;
+  EXPECT_NE(to_string(proof.stability), "neutral");
+  EXPECT_NE(to_string(proof.stability), "unstable");
+}
+
 // A block pushed with 30 N against two walls at the same place: either may carry all of it.
 TEST(StopsOf, WallsAtTheSamePlaceShareTheLoad) {
   const StaticModel model = block_on_rail("[1, 0]", R"(
