@@ -16,6 +16,8 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
   const Eigen::Index n = a.cols();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   std::vector<Eigen::Index> positive;
+  // Columns that depend on the positive ones add nothing, until these change.
+  std::vector<Eigen::Index> dependent;
   const auto columns = [&] {
     Eigen::MatrixXd out(a.rows(), static_cast<Eigen::Index>(positive.size()));
     for (std::size_t k = 0; k < positive.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = a.col(positive[k]);
@@ -26,17 +28,20 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen:
     const Eigen::VectorXd gain = a.transpose() * (b - a * x);
     Eigen::Index enters = -1;
     for (Eigen::Index j = 0; j < n; ++j) {
-      const bool is_positive = std::find(positive.begin(), positive.end(), j) != positive.end();
-      if (!is_positive && gain[j] > gain_rounding * scale && (enters < 0 || gain[j] > gain[enters])) enters = j;
+      const bool is_out = std::find(positive.begin(), positive.end(), j) == positive.end() &&
+                          std::find(dependent.begin(), dependent.end(), j) == dependent.end();
+      if (is_out && gain[j] > gain_rounding * scale && (enters < 0 || gain[j] > gain[enters])) enters = j;
     }
     if (enters < 0) break;
     positive.push_back(enters);
     for (;;) {
       const LeastSquares<double> part(columns(), known_to::solution);
       if (part.rank() < static_cast<Eigen::Index>(positive.size())) {
-        positive.pop_back();  // dependent on the others: it would add nothing
-        return x;
+        positive.pop_back();
+        dependent.push_back(enters);
+        break;
       }
+      dependent.clear();
       const Eigen::VectorXd s = part.solve(b);
       double step = 1.0;
       for (std::size_t k = 0; k < positive.size(); ++k) {

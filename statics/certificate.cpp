@@ -87,6 +87,7 @@ class Certifier {
   Certificate conclude_at_limit(const Settled& settled, const std::vector<int>& springs) const;
   std::vector<Ball> rates_beyond(const ActiveStop& s, const std::vector<Ball>& q,
                                  const std::vector<std::vector<Ball>>& motions) const;
+  std::vector<int> needed_stops(const Settled& settled, const std::vector<ActiveStop>& sharing) const;
   std::optional<Cones> cones_at(const Finding& piece, const std::vector<int>& springs,
                                 const std::vector<ActiveStop>& weak) const;
   void allow_for_rounding(Finding& finding, const std::vector<KeptEquations>& others) const;
@@ -590,6 +591,7 @@ Certificate Certifier::conclude(const Settled& settled) const {
   if (stops.weak.empty()) {
     Certificate out = report(settled.finding, settled.active);
     for (const ActiveStop& s : stops.sharing) out.sharing_stops.push_back(s.stop);
+    out.needed_stops = needed_stops(settled, stops.sharing);
     return out;
   }
   if (Ball::bits() < SmoothPiece::many_bits) {
@@ -713,6 +715,46 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
                      : out.stability == Stability::unstable ? ": the energy falls on one side"
                      : out.stability == Stability::neutral  ? ": along some motions the energy does not change"
                                                             : ", and stability was not decided";
+  }
+  return out;
+}
+
+// Of active stops and those that share their loads the ones without which the loads would move the mechanism: in a
+// motion that leaves all the others they do work, so that no forces of these could balance them.
+std::vector<int> Certifier::needed_stops(const Settled& settled, const std::vector<ActiveStop>& sharing) const {
+  const bool are_determined = std::all_of(settled.active.begin(), settled.active.end(),
+                                          [&](const ActiveStop& a) { return push_of(settled.finding, a).has_value(); });
+  if (sharing.empty() && are_determined) return {};
+  const std::vector<Ball>& q = settled.finding.solution.q;
+  KeptEquations held;
+  for (const int row : settled.finding.kept.rows) {
+    const int stop = row - m().equalities();
+    if (stop < 0 || m().lower()[stop] == m().upper()[stop]) held.rows.push_back(row);
+  }
+  held.at_upper.assign(held.rows.size(), 0);
+  held.held = piece_.free_coordinates(held);
+  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(balls(), held).motions(q);
+  if (!motions) return {};
+  const std::vector<Ball> force = BalanceSystem(balls(), {}).forces(q, {});
+  std::vector<int> stops;
+  std::vector<std::vector<Ball>> forms;
+  for (const std::vector<ActiveStop>* some : {&settled.active, &sharing}) {
+    for (const ActiveStop& s : *some) {
+      if (m().lower()[s.stop] == m().upper()[s.stop]) continue;
+      stops.push_back(s.stop);
+      forms.push_back(rates_beyond(s, q, *motions));
+    }
+  }
+  std::vector<Ball> work;
+  for (const std::vector<Ball>& motion : *motions) {
+    Ball& sum = work.emplace_back(0.0);
+    for (std::size_t i = 0; i < motion.size(); ++i) sum += force[i] * motion[i];
+  }
+  std::vector<int> out;
+  for (std::size_t k = 0; k < stops.size(); ++k) {
+    std::vector<std::vector<Ball>> others = forms;
+    others[k] = work;
+    if (is_left_together(others)) out.push_back(stops[k]);
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,9 @@ struct Reaction {
   double axial = 0.0;  ///< bars, stops on lengths: N, tension positive
   /// False: statically indeterminate, the set of minimum norm (moments over size) in which one-sided stops push.
   bool determined = true;
-  bool may_be_idle = false;  ///< a stop without which others that touch can carry its loads: it may be slack
+  /// Of an undetermined stop: true if others that touch can carry its loads, to 1e-9 of the largest force, so that it
+  /// may be slack; false if it is proved that they cannot (Certificate::needed_stops).
+  std::optional<bool> may_be_idle{};
   /// Proved distances of `force` (its length) and `axial`, N, and of `moment`, N m, from the exact ones; infinite where
   /// nothing is proved (statics/enclosed_reactions.hpp).
   double radius = std::numeric_limits<double>::infinity();

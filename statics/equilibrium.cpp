@@ -163,6 +163,15 @@ void search(const StaticModel& model, const std::vector<double>& x, const SolveO
   throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
+void mark_needed(const StaticModel& model, const Certificate& certificate, Check& check) {
+  for (const int s : certificate.needed_stops) {
+    const Stop& stop = model.scene().stops[static_cast<std::size_t>(s)];
+    for (Reaction& reaction : check.reactions) {
+      if (reaction.of_stop && reaction.name == stop.name && reaction.kind == stop.table) reaction.may_be_idle = false;
+    }
+  }
+}
+
 // The certificate decides, independent of the solver's own report.
 void certify_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.reached = out.x;
@@ -178,7 +187,10 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
                     confirmed ? out.certificate.sharing_stops : std::vector<int>{});
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
   confirmed = confirmed && out.check.keeps_contacts;
-  if (confirmed) enclose_reactions(model, out.certificate, out.check);
+  if (confirmed) {
+    mark_needed(model, out.certificate, out.check);
+    enclose_reactions(model, out.certificate, out.check);
+  }
   out.energy = energy_at(model, out.x);
   if (out.status == Status::interrupted) return;
   const bool wrong_kind = options.seek == Seek::stable && out.certificate.stability == Stability::unstable;

@@ -120,7 +120,7 @@ class Statics {
       others.col(static_cast<Eigen::Index>(k)).setZero();
       OneSided without = stops;
       without.balance = others;
-      reaction->may_be_idle = without.balances(solvers::nonnegative_least_squares(others, stops.load));
+      if (without.balances(solvers::nonnegative_least_squares(others, stops.load))) reaction->may_be_idle = true;
     }
   }
 

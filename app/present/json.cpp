@@ -36,7 +36,7 @@ json cell(const Column& column, std::size_t row) {
     case Column::Kind::count:
       return std::isfinite(column.numbers[row]) ? json(std::llround(column.numbers[row])) : json(nullptr);
     case Column::Kind::flag:
-      return column.numbers[row] != 0.0;
+      return std::isfinite(column.numbers[row]) ? json(column.numbers[row] != 0.0) : json(nullptr);
     case Column::Kind::word:
       return column.words[row];
     case Column::Kind::word_or_null:

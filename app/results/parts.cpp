@@ -296,13 +296,15 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
              each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), digits)
       .shown = any(is_axial);
   table.flags("determined", each(reactions, &Reaction::determined));
-  table.flags("may_be_idle", each(reactions, &Reaction::may_be_idle));
+  table.flags("may_be_idle", each(reactions, [](const Reaction& r) {
+                return r.may_be_idle ? std::optional<double>(*r.may_be_idle ? 1.0 : 0.0) : std::nullopt;
+              }));
   table.remarks(each(reactions,
                      [](const Reaction& r) {
-                       return r.determined       ? ""
-                              : !r.may_be_idle   ? "undetermined"
-                              : r.kind == "rope" ? "undetermined, slack possible"
-                                                 : "undetermined, may carry nothing";
+                       return r.determined                    ? ""
+                              : !r.may_be_idle.value_or(false) ? "undetermined"
+                              : r.kind == "rope"               ? "undetermined, slack possible"
+                                                               : "undetermined, may carry nothing";
                      }),
                 Tone::doubtful);
   if (redundancy > 0) {
