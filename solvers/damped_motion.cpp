@@ -23,6 +23,9 @@ constexpr int event_steps = 60;                // to locate an event
 constexpr double least_velocity_cosine = 0.8;  // between velocities
 constexpr int deepest = 40;                    // halvings of a step's way
 constexpr double least_step = 1e-14;           // of time, relative to the first one
+constexpr double tried_within = 1e-9;          // way back from which the same bounds are not tried again
+constexpr std::size_t most_touched = 8;        // bounds of which all sets are tried
+constexpr double goes_into = 1e-9;             // rate, relative to the velocity, that is rounding
 
 }  // namespace
 
@@ -94,6 +97,7 @@ class DampedMotion::Method {
     std::fill(active_.begin(), active_.end(), 0);
     std::fill(active_.begin(), active_.begin() + equalities_, 1);
     std::fill(idle_.begin(), idle_.end(), 0);
+    tried_.clear();
     growth_ = growth_most_ = 1.0;
     error_ = worst_error_ = 0.0;
     scale_ = 0.0;
@@ -205,6 +209,42 @@ class DampedMotion::Method {
     return any && choose_bounds();
   }
 
+  // Bounds that repeat each other at `now` part on the way, so that the choice by first derivatives may be one that
+  // leads nowhere: another set of those that are touched, in which all press and none is gone into. False where each
+  // such set was tried here.
+  bool choose_otherwise() {
+    double moved = 0.0;
+    for (int i = 0; i < n_ && !tried_.empty(); ++i) moved = std::max(moved, std::abs(now_.x[i] - tried_at_[i]));
+    if (moved > tried_within) tried_.clear();
+    tried_at_ = now_.x;
+    std::vector<int> touched;
+    for (int r = equalities_; r < rows_; ++r) {
+      const int k = r - equalities_;
+      if (problem_.lower()[k] == problem_.upper()[k]) continue;
+      if (active_[r] != 0 || distance(now_, r, &upper_[r]) <= options_.touching) touched.push_back(r);
+    }
+    if (touched.size() > most_touched) return false;
+    const std::vector<char> active = active_, idle = idle_;
+    for (unsigned set = 1U << touched.size(); set-- > 0;) {
+      for (std::size_t k = 0; k < touched.size(); ++k) {
+        active_[touched[k]] = (set >> k & 1U) != 0 ? 1 : 0;
+        idle_[touched[k]] = 1 - active_[touched[k]];
+      }
+      if (std::find(tried_.begin(), tried_.end(), active_) != tried_.end()) continue;
+      tried_.push_back(active_);
+      if (!set_velocity(now_, velocity_, y_) || kkt_->redundant()) continue;
+      const bool holds = std::all_of(touched.begin(), touched.end(), [&](int r) {
+        return active_[r] != 0
+                   ? pull(r, y_) <= noise()
+                   : rate(now_, r, velocity_) * (upper_[r] != 0 ? 1.0 : -1.0) <= goes_into * (1.0 + largest(velocity_));
+      });
+      if (holds) return true;
+    }
+    active_ = active;
+    idle_ = idle;
+    return false;
+  }
+
   // --- the motion
   // -----------------------------------------------------------------------------------------------------
 
@@ -225,14 +265,18 @@ class DampedMotion::Method {
       }
       if (!step(h) || h < least_step * first) {
         if (interrupted()) return Arrival::interrupted;
-        if (!release_idle()) return Arrival::singular;
+        if (!release_idle() && !choose_otherwise()) return Arrival::singular;
         h = 0.0;
         continue;
       }
       double far = 0.0;
       for (int i = 0; i < n_; ++i) far = std::max(far, std::abs(now_.x[i] - start_[i]));
       if (far > options_.run_away) return Arrival::runs_away;
-      if (creeps_) return set_tangent(now_, y_) ? judge_rest() : Arrival::singular;
+      if (creeps_ && choose_otherwise()) {
+        h = 0.0;
+      } else if (creeps_) {
+        return set_tangent(now_, y_) ? judge_rest() : Arrival::singular;
+      }
     }
   }
 
@@ -660,6 +704,8 @@ class DampedMotion::Method {
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, next_, trial_;
   std::vector<char> active_, upper_;
+  std::vector<std::vector<char>> tried_;  // active rows of choose_otherwise(), at
+  std::vector<double> tried_at_;
   std::vector<char> idle_;  // bounds that are touched and left out, because others of the same direction hold
   std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_column_;
   std::vector<double> y_, y_next_, y_trial_, gap_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -30,6 +31,7 @@ constexpr int most_in_dense_planes = 300;  // coordinates up to which neutral di
 constexpr int most_returns = 4;            // along these, to the start
 constexpr int most_displaced = 12;         // displaced starts, after a result that the check does not confirm
 constexpr double beside_pulling[] = {1e-3, 1e-2, 1e-1};  // rad or sizes, from stops that would have to pull
+constexpr int most_around = 4;                           // places at each of these distances
 // From where the mechanism settles to the equilibrium of a method, besides what rounding and the proof leave open.
 constexpr double settled_within = 1e-9;
 
@@ -295,21 +297,55 @@ std::vector<double> beside(const StaticModel& model, std::vector<double> x, cons
   return x;
 }
 
-// A search that ended where stops would have to pull goes on without them: from places beside it in which they are not
-// touched.
+bool touches_one_side(const Scene& scene, const Check& check) {
+  return std::any_of(scene.stops.begin(), scene.stops.end(), [&](const Stop& stop) {
+    return stop.min < stop.max && std::any_of(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
+             return r.of_stop && r.name == stop.name && r.kind == stop.table;
+           });
+  });
+}
+
+// Places from which a search goes on where stops would have to pull, or where a motion came to a halt at stops that it
+// could leave in several ways: beside the end, where those that pull are not touched, and anywhere around it.
+std::vector<std::vector<double>> places_beside(const StaticModel& model, const Equilibrium& ended) {
+  std::vector<std::vector<double>> out;
+  if (!ended.check.pulling.empty()) {
+    for (const double by : beside_pulling) out.push_back(beside(model, ended.x, ended.check.pulling, by));
+  }
+  std::minstd_rand random(20261127);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (const double by : beside_pulling) {
+    for (int k = 0; k < most_around; ++k) {
+      std::vector<double>& x = out.emplace_back(ended.x);
+      for (double& v : x) v += by * uniform(random);
+    }
+  }
+  return out;
+}
+
+// A search that ended where stops would have to pull goes on with other sets of stops that act.
 Equilibrium without_pulling_stops(const StaticModel& model, const SolveOptions& options, Equilibrium ended) {
   const bool is_large = model.mechanism().coordinates() > most_unclaimed;
-  if (ended.found() || ended.status == Status::interrupted || ended.check.pulling.empty() || is_large) return ended;
-  for (const double by : beside_pulling) {
-    const std::vector<double> x = beside(model, ended.x, ended.check.pulling, by);
+  if (ended.found() || ended.status == Status::interrupted || is_large) return ended;
+  const bool is_stuck =
+      ended.settling && ended.settling->end == Settling::End::singular && touches_one_side(model.scene(), ended.check);
+  if (ended.check.pulling.empty() && !is_stuck) return ended;
+  for (const std::vector<double>& x : places_beside(model, ended)) {
     Equilibrium next =
         options.seek == Seek::settle ? solve_settled(model, x, options) : search_and_check(model, x, options);
+    ended.iterations += next.iterations;
+    ended.evaluations += next.evaluations;
+    ended.microseconds += next.microseconds;
     if (!next.found()) continue;
-    next.iterations += ended.iterations;
-    next.evaluations += ended.evaluations;
-    next.microseconds += ended.microseconds;
-    next.why += fmt::format("; from beside a place where {}", ended.check.objection);
-    if (next.settling) next.settling->in_doubt = true;
+    next.iterations = ended.iterations;
+    next.evaluations = ended.evaluations;
+    next.microseconds = ended.microseconds;
+    next.why += fmt::format("; from beside a place where {}",
+                            ended.check.pulling.empty() ? ended.settling->why : ended.check.objection);
+    if (next.settling) {
+      next.settling->in_doubt = true;
+      next.settling->margin = std::numeric_limits<double>::infinity();  // the way there was not found
+    }
     return next;
   }
   return ended;

@@ -464,6 +464,52 @@ length = 1.1
   }
 }
 
+// Two ropes that are vertical one above the other allow the same motions at the start. When the box turns, only one of
+// them can hold it, and hangs vertical over the box's middle in the end.
+TEST(SharedLoads, RopesThatPartOnTheWayLeaveOneTaut) {
+  const TempFolder folder;
+  const auto scene = [](const char* first, const char* second) {
+    return fmt::format(R"(
+[ground]
+points = {{ U = [-0.75, 2], V = [-0.75, 1] }}
+[body.box]
+points = {{ O = [0, 0], P = [-0.75, 0.75], R = [-0.75, -0.75] }}
+[[rope]]
+name = "{0}"
+over = ["ground.{0}", "box.{1}"]
+length = {2}
+[[rope]]
+name = "{3}"
+over = ["ground.{3}", "box.{4}"]
+length = {5}
+[[force]]
+at = "box.O"
+vector = [0, -10]
+)",
+                       first, *first == 'U' ? "P" : "R", *first == 'U' ? 1.25 : 1.75, second,
+                       *second == 'U' ? "P" : "R", *second == 'U' ? 1.25 : 1.75);
+  };
+  for (const std::string& text : {scene("U", "V"), scene("V", "U")}) {
+    const json found = result_of(folder, text, "settle");
+    ASSERT_FALSE(found.is_null());
+    EXPECT_EQ(found["status"], "confirmed") << found["why"];
+    EXPECT_NEAR(found["points"]["box.O"][0].get<double>(), -0.75, 1e-9);
+  }
+}
+
+// Two collinear ropes that pull against each other leave no direction to the first order in which the box could move,
+// and yet it moves: beside the start it comes to hang.
+TEST(SharedLoads, RopesThatPullAgainstEachOtherLetGo) {
+  const TempFolder folder;
+  const std::string text = Generator(187).make().text;
+  for (const char* seek : {"any", "settle", "stable"}) {
+    SCOPED_TRACE(seek);
+    const json found = result_of(folder, text, seek);
+    ASSERT_FALSE(found.is_null());
+    EXPECT_EQ(found["status"], "confirmed") << found["why"];
+  }
+}
+
 // A stop that shares a load and carries nothing is shown where it touches.
 TEST(SharedLoads, RopeWithoutForceHasItsPlace) {
   const TempFolder folder;
