@@ -11,6 +11,8 @@
 #include <Eigen/SparseCore>
 
 #include "solvers/ball_factors.hpp"
+#include "solvers/linear_algebra.hpp"
+#include "solvers/regular_set.hpp"
 #include "statics/balance_system.hpp"
 #include "statics/ball_measures.hpp"
 #include "statics/free_body_equations.hpp"
@@ -109,7 +111,79 @@ class Enclosure {
     return true;
   }
 
+  // The reactions that have no radius yet, by the set of least norm that `check` has.
+  void report_least_norm(Check& check) {
+    equations_.add_joints();
+    std::vector<int> stops = certificate_.active_stops;
+    stops.insert(stops.end(), certificate_.sharing_stops.begin(), certificate_.sharing_stops.end());
+    std::sort(stops.begin(), stops.end());
+    for (const int stop : stops) {
+      if (separates(scene_.stops[static_cast<std::size_t>(stop)])) return;
+      equations_.add_stop(stop, 2);
+    }
+    if (equations_.items().size() != check.reactions.size() || !hold_neutral_coordinates()) return;
+    column_.assign(equations_.unknowns().size(), 0);
+    for (std::size_t u = 0; u < column_.size(); ++u) {
+      const int item = equations_.unknowns()[u].item;
+      column_[u] = item >= 0 && is_idle(check.reactions[static_cast<std::size_t>(item)]) ? -1 : columns_++;
+    }
+    make_matrix();
+    of_least_norm_ = true;
+    reported_ = equations_.items().size();
+    const std::optional<std::vector<Ball>> f = least_norm();
+    if (f) report(*f, check);
+  }
+
  private:
+  static bool is_idle(const Reaction& r) { return r.of_stop && r.force == Vec2{} && r.moment == 0.0; }
+
+  // f of least |f| with A f = -load, where stops that do not carry anything would only make it longer:
+  //   f + A^T z = 0,  A f = -load,
+  // of rows of A that are independent, which imply the others. None where that is not proved.
+  std::optional<std::vector<Ball>> least_norm() const {
+    const auto [rank, order] =
+        solvers::pivot_order<double>(Eigen::MatrixXd(middle_).transpose(), solvers::known_to::solution);
+    std::vector<solvers::RegularSet::Entry> entries;
+    for (int u = 0; u < columns_; ++u) entries.push_back({u, u, Ball(1)});
+    std::vector<Ball> b(static_cast<std::size_t>(columns_));
+    std::vector<int> place(rows_.size(), -1);
+    for (Eigen::Index k = 0; k < rank; ++k) {
+      const auto row = static_cast<std::size_t>(order[static_cast<std::size_t>(k)]);
+      place[row] = static_cast<int>(b.size());
+      for (const Entry& e : rows_[row]) entries.push_back({place[row], e.column, e.value});
+      b.push_back(-load_[row]);
+    }
+    const solvers::RegularSet system(static_cast<int>(b.size()), true, entries);
+    if (b.empty() || !system.regular()) return std::nullopt;
+    b = system.solve(std::move(b));
+    for (std::size_t u = 0; u < column_.size(); ++u) {
+      const int item = equations_.unknowns()[u].item;
+      const int side = item < 0 ? 2 : side_of(equations_.items()[static_cast<std::size_t>(item)].stop);
+      if (side == 2) continue;
+      if (column_[u] >= 0) {
+        if (!(Ball(side) * b[static_cast<std::size_t>(column_[u])] < Ball(0))) return std::nullopt;
+        continue;
+      }
+      Ball longer(0.0);  // rate of |f|^2 / 2 with its push
+      equations_.for_each_entry(equations_.unknowns()[u], [&](int row, const Ball& value) {
+        const int z = place[static_cast<std::size_t>(row)];
+        if (z >= 0) longer -= Ball(side) * value * b[static_cast<std::size_t>(z)];
+      });
+      if (!(longer >= Ball(0))) return std::nullopt;
+    }
+    b.resize(static_cast<std::size_t>(columns_));
+    return b;
+  }
+
+  // As that of FreeBodyEquations::Item, of an active stop; 2 of a joint.
+  int side_of(int index) const {
+    if (index < 0) return 2;
+    const Stop& stop = scene_.stops[static_cast<std::size_t>(index)];
+    if (stop.min == stop.max || (stop.on.kind == Measure::Kind::distance && stop.max <= 0.0)) return 2;
+    const double value = value_of(scene_, stop.on, bodies_).middle();
+    return std::abs(value - stop.max) < std::abs(value - stop.min) ? 1 : -1;
+  }
+
   // The sign of the effort of teeth that push their wheels apart; notes that it is to be proved.
   Ball sign_of(int index, const Check& check, bool either_way) {
     const Stop& stop = scene_.stops[static_cast<std::size_t>(index)];
@@ -342,8 +416,11 @@ class Enclosure {
     }
     for (std::size_t k = 0; k < reported_; ++k) {
       Reaction& reaction = check.reactions[k];
-      if (!reaction.determined || !sums[k].complete) continue;
-      const Rounded x(sums[k].force.x), y(sums[k].force.y), moment(sums[k].moment), axial(sums[k].pressure);
+      const bool is_known = std::isfinite(reaction.radius) && std::isfinite(reaction.moment_radius);
+      if (of_least_norm_ ? is_known : !reaction.determined || !sums[k].complete) continue;
+      const Rounded x = rounded(sums[k].force.x, reaction.force.x), y = rounded(sums[k].force.y, reaction.force.y),
+                    moment = rounded(sums[k].moment, reaction.moment),
+                    axial = rounded(sums[k].pressure, reaction.axial);
       const double radius = above(std::hypot(x.radius, y.radius));
       if (!x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) continue;
       reaction.force = {x.value, y.value};
@@ -355,15 +432,21 @@ class Enclosure {
         reaction.axial = axial.value;
         reaction.radius = std::max(radius, axial.radius);
       }
-      if (shares_moments(static_cast<int>(k))) continue;
+      if (!of_least_norm_ && shares_moments(static_cast<int>(k))) continue;
       reaction.moment = moment.value;
       reaction.moment_radius = moment.radius;
     }
   }
 
+  // With what it is at the pose that is shown, where the enclosure of the pose is wide.
+  Rounded rounded(const Ball& ball, double shown) const {
+    return certificate_.rest.empty() ? Rounded(ball, shown) : Rounded(ball);
+  }
+
   template <class Part>
-  static void enclose(const Part& part, BodyForce& out) {
-    const Rounded x(part.force.x), y(part.force.y), moment(part.moment);
+  void enclose(const Part& part, BodyForce& out) const {
+    const Rounded x = rounded(part.force.x, out.force.x), y = rounded(part.force.y, out.force.y),
+                  moment = rounded(part.moment, out.moment);
     const double radius = above(std::hypot(x.radius, y.radius));
     if (part.body != out.body || !x.is_finite() || !y.is_finite() || !moment.is_finite() || !std::isfinite(radius)) {
       return;
@@ -391,6 +474,7 @@ class Enclosure {
   std::vector<int> column_;                            // per unknown, or -1
   int columns_ = 0;
   std::size_t reported_ = 0;  // items
+  bool of_least_norm_ = false;
   std::set<int> frames_of_repeated_;
   std::vector<std::vector<Entry>> rows_;  // of A
   Eigen::SparseMatrix<double> middle_;
@@ -406,8 +490,10 @@ int unknown_reactions(const Scene& scene) {
 
 void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check) {
   if (!certificate.confirmed()) return;
-  const bool reactions = !certificate.rest.empty() && unknown_reactions(model.scene()) <= enclosed_unknowns;
-  if (!reactions && model.scene().elements.empty()) return;
+  const int unknowns = unknown_reactions(model.scene());
+  const bool reactions = !certificate.rest.empty() && unknowns <= enclosed_unknowns;
+  const bool of_least_norm = unknowns <= least_norm_unknowns;
+  if (!reactions && !of_least_norm && model.scene().elements.empty()) return;
   Enclosure enclosure(model, certificate);
   if (certificate.rest.empty()) {
     Certificate pose = certificate;
@@ -416,8 +502,13 @@ void enclose_reactions(const StaticModel& model, const Certificate& certificate,
   } else {
     enclosure.report_elements(check, enclosure);
   }
-  if (!reactions) return;
-  if (!enclosure.report_reactions(check, false)) Enclosure(model, certificate).report_reactions(check, true);
+  if (reactions && !enclosure.report_reactions(check, false)) {
+    Enclosure(model, certificate).report_reactions(check, true);
+  }
+  const bool all_known = std::all_of(check.reactions.begin(), check.reactions.end(), [](const Reaction& r) {
+    return std::isfinite(r.radius) && std::isfinite(r.moment_radius);
+  });
+  if (of_least_norm && !all_known) Enclosure(model, certificate).report_least_norm(check);
 }
 
 }  // namespace poise

@@ -29,9 +29,18 @@ namespace poise {
 /// but the moments of joints of the same frame. Held coordinates of a neutral equilibrium may need a force, which
 /// rounding of the scene's numbers explains: it is one more unknown.
 ///
-/// Without enclosure remain: reactions that statics does not determine; all of them where Certificate::rest is empty,
-/// because closures that hold to rounding only leave the bodies' balance to rounding, where A is not proved to be of
-/// full rank, or beyond `enclosed_unknowns` of them. Element forces are enclosed wherever an equilibrium is proved.
+/// Reactions that statics does not determine, and all where Certificate::rest is empty because closures hold to
+/// rounding only, are those of least norm of all that satisfy the independent ones of these equations, which imply the
+/// others to rounding. With the stops that carry something in `check`,
+///
+///   [I A^T; A 0] (f, z) = (0, -load),
+///
+/// is proved to be regular; that each stop pushes to its side; and that the push of any other would make f longer,
+/// which z tells. Where the pose is not known to more digits than are printed, the values of `check` remain, and the
+/// radii are the distances to the farthest.
+///
+/// Without enclosure remain reactions of which that is not proved, or beyond `enclosed_unknowns` of them, of those of
+/// least norm `least_norm_unknowns`. Element forces are enclosed wherever an equilibrium is proved.
 void enclose_reactions(const StaticModel& model, const Certificate& certificate, Check& check);
 
 /// A radius around a value that is converted to a unit of that SI value: with what rounding of the conversion adds.
@@ -47,5 +56,7 @@ inline double force_radius_in_unit(const Reaction& reaction, double unit) {
 
 /// Joint force components beyond which reactions are not enclosed, because that takes longer than the certificate.
 inline constexpr int enclosed_unknowns = 30000;
+/// The same of those of least norm, whose system is dense.
+inline constexpr int least_norm_unknowns = 200;
 
 }  // namespace poise
