@@ -57,7 +57,9 @@ Answer measure(const StaticModel& model, Equilibrium equilibrium) {
     answer.readings->elements[e].force = forces[e].value;
     answer.readings->elements[e].radius = forces[e].radius;
   }
-  if (answer.equilibrium.found()) answer.reference = refine(model, x);
+  if (!answer.equilibrium.found()) return answer;
+  answer.reference = refine(model, x);
+  answer.radii = enclose_values(model, answer.equilibrium.certificate);
   return answer;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "statics/enclosed_values.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/readings.hpp"
 #include "statics/reference.hpp"
@@ -14,6 +15,7 @@ struct Answer {
   Equilibrium equilibrium;
   std::optional<Readings> readings;    ///< where the search ended; none when it did not begin
   std::optional<Reference> reference;  ///< of confirmed answers
+  ValueRadii radii{};                  ///< of confirmed answers
 };
 
 /// What is known of a result, in a few words: "proved: stable", "degenerate, proved: stable", "neutral, proved:

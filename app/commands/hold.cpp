@@ -9,6 +9,7 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/mechanism.hpp"
+#include "app/results/parts.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/parameters.hpp"
 #include "statics/body_measures.hpp"
@@ -42,16 +43,21 @@ void expect_friction(const Scene& scene) {
                    "friction = { coefficient = 0.1 }, a pulley of a rope friction = 0.1, or add a table [[friction]]");
 }
 
+struct PoseToHold {
+  std::vector<double> x;
+  double radius = 0.0;  ///< distance from the equilibrium that it is at rest in, rad or mechanism sizes
+};
+
 /// Nothing where no equilibrium is found.
-std::optional<std::vector<double>> pose_of(const StaticModel& model, bool at_rest, Progress& progress) {
+std::optional<PoseToHold> pose_of(const StaticModel& model, bool at_rest, Progress& progress) {
   // Nothing that loads it can move it: as drawn it is held without friction.
-  if (model.mechanism().coordinates() == 0) return std::vector<double>();
-  if (!at_rest) return assemble(model);
+  if (model.mechanism().coordinates() == 0) return PoseToHold{};
+  if (!at_rest) return PoseToHold{assemble(model)};
   SolveOptions options;
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
   if (!answer.equilibrium.found()) return std::nullopt;
-  return answer.equilibrium.x;
+  return PoseToHold{answer.equilibrium.x, radius_of(answer.equilibrium)};
 }
 
 /// The mechanism in that pose, with a mark where something slips first: in the middle of the two bodies' points of a
@@ -83,14 +89,15 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   HoldView view;
   view.at_rest = request.at_rest;
-  const std::optional<std::vector<double>> found = pose_of(model, request.at_rest, progress);
+  const std::optional<PoseToHold> found = pose_of(model, request.at_rest, progress);
   if (!found) {
     Result none;
     none.title = model.scene().title;
     none.verdict = bad("No equilibrium without friction found, at which friction was to hold.");
     return finish(request.common, none, &files, {}, false, progress, palette);
   }
-  const std::vector<double>& x = *found;
+  const std::vector<double>& x = found->x;
+  view.radius = found->radius;
   progress.now("looking for friction that holds");
   HeldPose pose;
   if (!request.vary.empty()) {

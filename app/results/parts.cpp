@@ -301,7 +301,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
               }));
   table.remarks(each(reactions,
                      [](const Reaction& r) {
-                       return r.determined                    ? ""
+                       return r.determined                     ? ""
                               : !r.may_be_idle.value_or(false) ? "undetermined"
                               : r.kind == "rope"               ? "undetermined, slack possible"
                                                                : "undetermined, may carry nothing";
@@ -375,6 +375,22 @@ void warn_of_friction(Result& result, const Scene& scene) {
   if (names.empty()) return;
   result.warnings.push_back(
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
+}
+
+double radius_of(const Equilibrium& equilibrium) {
+  return equilibrium.certificate.confirmed() ? equilibrium.certificate.radius : 0.0;
+}
+
+int energy_digits(double largest, double radius) { return known_digits(coordinate_digits, std::abs(largest), radius); }
+
+int digits_of_energies(const std::vector<Answer>& answers) {
+  double largest = 0.0, radius = 0.0;
+  for (const Answer& answer : answers) {
+    if (!answer.equilibrium.energy || !answer.equilibrium.found()) continue;
+    largest = std::max(largest, std::abs(*answer.equilibrium.energy));
+    radius = std::max(radius, answer.radii.energy);
+  }
+  return energy_digits(largest, radius);
 }
 
 std::string sentence_of(std::string text) {

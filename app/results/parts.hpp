@@ -115,6 +115,12 @@ void add_forces_on_bodies(Group& group, const ScaledModel& model, const std::vec
 /// The largest proved distance; those of values of which nothing is proved, infinite, do not count.
 double widest(const std::vector<double>& radii);
 
+/// The largest distance of a coordinate from the equilibrium that is proved, rad or mechanism sizes; 0 where none is.
+double radius_of(const Equilibrium& equilibrium);
+/// Digits of energies, SI, or of those of answers, that what is proved leaves.
+int energy_digits(double largest, double radius);
+int digits_of_energies(const std::vector<Answer>& answers);
+
 /// With a capital and one full stop.
 std::string sentence_of(std::string text);
 

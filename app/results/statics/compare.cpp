@@ -65,7 +65,7 @@ void add_methods(Group& group, const StaticModel& model, const std::vector<Answe
     return a.equilibrium.found() ? tone_of(a.equilibrium.certificate.stability) : Tone::plain;
   });
   table.numbers("", "energy", unit_name(Quantity::energy, units), each(answers, energy),
-                format_of(model, Quantity::energy, coordinate_digits));
+                format_of(model, Quantity::energy, digits_of_energies(answers)));
   table.footnotes = {
       "error: largest of all coordinates (rad, or length over size), from the equilibrium that is proved",
       fmt::format("energy: {}", energy_note)};
@@ -115,19 +115,23 @@ void add_positions(Group& group, const StaticModel& model, const std::vector<Ans
                    const Agreement& agreement) {
   std::vector<const Readings*> poses;
   std::vector<std::string> titles;
+  double radius = 0.0;
+  const auto add = [&](const Answer& answer, const std::string& title) {
+    poses.push_back(&*answer.readings);
+    titles.push_back(title);
+    radius = std::max(radius, radius_of(answer.equilibrium));
+  };
   if (answers.size() > most_side_by_side && agreement.confirmed > 0) {
     for (std::size_t e = 0; e < std::min(agreement.equilibria.size(), most_equilibria_shown); ++e) {
-      poses.push_back(&*answers[agreement.equilibria[e].front()].readings);
-      titles.push_back(agreement.same ? "equilibrium" : letter(e));
+      add(answers[agreement.equilibria[e].front()], agreement.same ? "equilibrium" : letter(e));
     }
   } else {
     for (const Answer& answer : answers) {
       if (!answer.readings || poses.size() == most_side_by_side) continue;
-      poses.push_back(&*answer.readings);
-      titles.push_back(to_string(answer.equilibrium.method) + (answer.equilibrium.found() ? "" : ", no equilibrium"));
+      add(answer, to_string(answer.equilibrium.method) + (answer.equilibrium.found() ? "" : ", no equilibrium"));
     }
   }
-  add_coordinates(group, model, poses, titles);
+  add_coordinates(group, model, poses, titles, radius);
 }
 
 }  // namespace

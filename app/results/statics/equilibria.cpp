@@ -26,15 +26,21 @@ double energy_of(const StaticModel& model, const Answer& answer) {
 
 void add_coordinate_columns(Table& table, const StaticModel& model, const std::vector<Answer>& answers) {
   std::vector<std::vector<double>> shown;
-  for (const Answer& answer : answers) shown.push_back(shown_coordinates(model, answer.equilibrium.x));
+  double radius = 0.0;
+  for (const Answer& answer : answers) {
+    shown.push_back(shown_coordinates(model, answer.equilibrium.x));
+    radius = std::max(radius, radius_of(answer.equilibrium));
+  }
   const auto number = static_cast<std::size_t>(model.mechanism().coordinates());
   for (std::size_t i = 0; i < number; ++i) {
     const Coordinate& coordinate = model.layout().coordinates[i];
     const Quantity quantity = quantity_of(coordinate);
+    const double whole = quantity == Quantity::angle ? M_PI : model.scales().length;
+    const double doubt = quantity == Quantity::angle ? radius : radius * model.scales().length;
     Column& column = add_column(table, model, coordinate.name, coordinate.name, quantity,
-                                each(shown, [&](const std::vector<double>& q) { return q[i]; }), coordinate_digits);
-    column.format.scale =
-        in_unit(quantity == Quantity::angle ? M_PI : model.scales().length, quantity, model.scene().units);
+                                each(shown, [&](const std::vector<double>& q) { return q[i]; }),
+                                known_digits(coordinate_digits, whole, doubt));
+    column.format.scale = in_unit(whole, quantity, model.scene().units);
     column.shown = i < most_coordinates_shown;
   }
   if (number > most_coordinates_shown) {
@@ -54,7 +60,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   if (!assemblies) {
     Column& energy = table.numbers("energy", "energy", unit_name(Quantity::energy, model.scene().units),
                                    each(answers, [&](const Answer& a) { return energy_of(model, a); }),
-                                   format_of(model, Quantity::energy, coordinate_digits));
+                                   format_of(model, Quantity::energy, digits_of_energies(answers)));
     energy.shown = !model.mechanism().has_follower_loads();
     table.words("stability", "stability", each(answers, [](const Answer& a) { return kind_of(a); })).tones =
         each(answers, [](const Answer& a) { return tone_of(a.equilibrium.certificate.stability); });

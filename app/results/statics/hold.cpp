@@ -235,7 +235,7 @@ Result hold_result(const StaticModel& model, const std::vector<double>& x, const
   add_forces_on_bodies(content, model, {pose.on_bodies});
   add_coordinate_data(content, "pose", model, x);
   const Readings readings = read_off(model, x);
-  add_coordinates(content, model, {&readings}, {"pose"});
+  add_coordinates(content, model, {&readings}, {"pose"}, view.radius);
   return out;
 }
 

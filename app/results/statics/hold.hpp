@@ -13,6 +13,7 @@ struct HoldView {
   bool at_rest = false;              ///< at the equilibrium without friction, not as drawn
   std::string number;                ///< that is varied; empty for none
   std::optional<HeldRange> range{};  ///< of that number
+  double radius = 0.0;               ///< of the pose at rest: its distance from the equilibrium, rad or mechanism sizes
 };
 
 /// What `poise hold` shows: whether friction holds the pose x, by what margin, which joints slip first, and the range

@@ -78,37 +78,66 @@ void warn(Result& result, const ScaledModel& model, const std::vector<LinkLoads>
   }
 }
 
-void add_links(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links) {
+/// Shows no digits of a column's numbers beyond their radii, which are in its unit.
+void limit_digits(Column& column, const std::vector<double>& radii) {
+  for (std::size_t i = 0; i < column.numbers.size(); ++i) {
+    const double number = column.numbers[i];
+    const int digits = known_digits(column.format.digits, std::abs(number), radii[i]);
+    column.texts.push_back(std::isnan(number) ? "-" : significant(number, digits));
+  }
+}
+
+/// How far internal forces and moments of a link may be from the exact ones, SI, where those that act on it are known
+/// to `force`, in all, of the mechanism's `size`: moments by arms no longer than twice that, stresses and deflections
+/// by what beams make of these.
+struct RadiiOfLink {
+  RadiiOfLink(const LinkLoads& link, double all_forces, double size)
+      : force(all_forces),
+        moment(2.0 * size * force),
+        stress(force / link.section.area + moment * link.section.height / link.section.second_moment),
+        deflection(moment * link.length * link.length / (link.section.modulus * link.section.second_moment)) {}
+
+  double force, moment, stress, deflection;
+};
+
+void add_links(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links, double radius) {
   const Units& units = model.scene().units;
   Table& table = group.table("links", "Largest internal loads", Rows::list);
   table.words("name", "link", each(links, [](const LinkLoads& link) { return link.name; }));
+  const auto radii = [&](double RadiiOfLink::*which, double unit) {
+    return each(links, [&](const LinkLoads& l) { return RadiiOfLink(l, radius, model.scales().length).*which / unit; });
+  };
   const auto add = [&](const std::string& key, const std::string& title, const std::string& unit, double si_unit,
-                       LargestOnLink LinkLoads::*which) {
+                       LargestOnLink LinkLoads::*which, double RadiiOfLink::*known_to) {
     const std::vector<double> values = each(links, [&](const LinkLoads& l) { return (l.*which).value; });
     std::vector<double> shown = values;
     for (double& value : shown) value /= si_unit;
-    table.numbers(key, title, unit, std::move(shown), {.style = Format::Style::significant, .digits = force_digits});
+    limit_digits(table.numbers(key, title, unit, std::move(shown),
+                               {.style = Format::Style::significant, .digits = force_digits}),
+                 radii(known_to, si_unit));
     table.data(key + "_at",
                in_unit(each(links, [&](const LinkLoads& l) { return (l.*which).s; }), Quantity::length, units));
   };
   const auto add_quantity = [&](const std::string& key, const std::string& title, Quantity quantity,
-                                LargestOnLink LinkLoads::*which) {
-    add(key, title, unit_name(quantity, units), unit_value(quantity, units), which);
+                                LargestOnLink LinkLoads::*which, double RadiiOfLink::*known_to) {
+    add(key, title, unit_name(quantity, units), unit_value(quantity, units), which, known_to);
   };
-  add_quantity("normal", "N", Quantity::force, &LinkLoads::normal);
-  add_quantity("shear", "V", Quantity::force, &LinkLoads::shear);
-  add_quantity("moment", "M", Quantity::moment, &LinkLoads::moment);
-  add("tension", "tension", stress.unit_name(units), stress.unit(units), &LinkLoads::tension);
-  add("compression", "compression", stress.unit_name(units), stress.unit(units), &LinkLoads::compression);
+  add_quantity("normal", "N", Quantity::force, &LinkLoads::normal, &RadiiOfLink::force);
+  add_quantity("shear", "V", Quantity::force, &LinkLoads::shear, &RadiiOfLink::force);
+  add_quantity("moment", "M", Quantity::moment, &LinkLoads::moment, &RadiiOfLink::moment);
+  const std::string of_stress = stress.unit_name(units);
+  add("tension", "tension", of_stress, stress.unit(units), &LinkLoads::tension, &RadiiOfLink::stress);
+  add("compression", "compression", of_stress, stress.unit(units), &LinkLoads::compression, &RadiiOfLink::stress);
   // Flexible links are drawn and measured as they are bent.
   const auto of_rigid = [](const LinkLoads& l, double value) { return l.flexible ? NAN : value; };
   const auto add_of_rigid = [&](const std::string& key, Quantity quantity, auto&& value) {
     table.data(key, in_unit(each(links, [&](const LinkLoads& l) { return of_rigid(l, value(l)); }), quantity, units));
   };
-  table.numbers("deflection", "deflection", unit_name(Quantity::length, units),
-                in_unit(each(links, [&](const LinkLoads& l) { return of_rigid(l, l.deflection.value); }),
-                        Quantity::length, units),
-                {.style = Format::Style::significant, .digits = force_digits});
+  limit_digits(table.numbers("deflection", "deflection", unit_name(Quantity::length, units),
+                             in_unit(each(links, [&](const LinkLoads& l) { return of_rigid(l, l.deflection.value); }),
+                                     Quantity::length, units),
+                             {.style = Format::Style::significant, .digits = force_digits}),
+               radii(&RadiiOfLink::deflection, unit_value(Quantity::length, units)));
   add_of_rigid("deflection_at", Quantity::length, [](const LinkLoads& l) { return l.deflection.s; });
   add_of_rigid("turn_first", Quantity::angle, [](const LinkLoads& l) { return l.turn_first; });
   add_of_rigid("turn_last", Quantity::angle, [](const LinkLoads& l) { return l.turn_last; });
@@ -131,7 +160,7 @@ void add_links(Group& group, const ScaledModel& model, const std::vector<LinkLoa
   }
 }
 
-void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links) {
+void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkLoads>& links, double radius) {
   struct Row {
     std::string link, name;
     double from, to, x, y, moment, arm;
@@ -152,9 +181,13 @@ void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkL
   table.words("name", "what", each(rows, &Row::name));
   add_column(table, model, "from", "from", Quantity::length, each(rows, &Row::from), force_digits);
   add_column(table, model, "to", "to", Quantity::length, each(rows, &Row::to), force_digits);
-  add_column(table, model, "force[]", "Fx", Quantity::force, each(rows, &Row::x), force_digits);
-  add_column(table, model, "force[]", "Fy", Quantity::force, each(rows, &Row::y), force_digits);
-  add_column(table, model, "moment", "moment", Quantity::moment, each(rows, &Row::moment), force_digits);
+  const auto add = [&](const std::string& key, const std::string& title, Quantity quantity,
+                       const std::vector<double>& si, double known_to) {
+    add_column(table, model, key, title, quantity, si, known_digits(force_digits, largest_size(si), known_to));
+  };
+  add("force[]", "Fx", Quantity::force, each(rows, &Row::x), radius);
+  add("force[]", "Fy", Quantity::force, each(rows, &Row::y), radius);
+  add("moment", "moment", Quantity::moment, each(rows, &Row::moment), 2.0 * model.scales().length * radius);
   table.data("arm", in_unit(each(rows, &Row::arm), Quantity::length, model.scene().units));
   table.footnotes = {"places along the line of the link; even loads act from one place to another"};
 }
@@ -198,17 +231,35 @@ void add_diagrams(Group& group, const ScaledModel& model, const std::vector<Body
   add("turn", Quantity::angle, of(&LinkState::turn));
 }
 
-/// Tables and diagrams of all links; only data of those that have none.
+/// Tables and diagrams of all links, whose forces are in all known to `radius`; only data of those that have none.
 void add_all(Group& content, const ScaledModel& model, const std::vector<BodyPose<double>>& poses,
-             const std::vector<LinkLoads>& all, int steps) {
+             const std::vector<LinkLoads>& all, int steps, double radius) {
   const auto links = chosen_of(all, [](const LinkLoads& link) { return link.why.empty(); });
-  add_links(content, model, links);
-  add_actions(content, model, links);
+  add_links(content, model, links, radius);
+  add_actions(content, model, links, radius);
   add_diagrams(content, model, poses, links, steps);
   const auto refused = chosen_of(all, [](const LinkLoads& link) { return !link.why.empty(); });
   Table& none = content.table("without", "", Rows::list, Verbosity::data);
   none.words("name", "", each(refused, [&](const LinkLoads& l) { return l.name; }));
   none.words("why", "", each(refused, &LinkLoads::why));
+}
+
+/// The sum of the proved distances of all reactions and forces of elements from the exact ones, N; moments over the
+/// mechanism's size.
+double radius_of_forces(const StaticModel& model, const Check& check) {
+  double sum = 0.0;
+  const auto add = [&](double radius) {
+    if (std::isfinite(radius)) sum += radius;
+  };
+  for (const Reaction& reaction : check.reactions) {
+    add(reaction.radius);
+    add(reaction.moment_radius / model.scales().length);
+  }
+  for (std::size_t e = 0; e < check.element_forces.size(); ++e) {
+    const bool is_moment = model.scene().elements[e].on.is_angle();
+    add(check.element_forces[e].radius / (is_moment ? model.scales().length : 1.0));
+  }
+  return sum;
 }
 
 }  // namespace
@@ -233,7 +284,7 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   content.data("stability", to_string(equilibrium.certificate.stability));
   content.data("why", equilibrium.why);
   const std::vector<BodyPose<double>> poses = model.poses(equilibrium.x);
-  add_all(content, model, poses, answer.links, steps);
+  add_all(content, model, poses, answer.links, steps, radius_of_forces(model, equilibrium.check));
   add_forces_on_bodies(content, model, poses, equilibrium.check);
   return out;
 }
@@ -265,7 +316,7 @@ Result loads_result(const MotionModel& model, const MovingLoadsAnswer& answer, i
   content.data("stress_unit", stress_unit(model.scene().units));
   content.data("time", answer.time);
   content.data("why", found.why);
-  add_all(content, model, found.poses, found.links, steps);
+  add_all(content, model, found.poses, found.links, steps, 0.0);
   if (found.why.empty()) {
     add_forces_on_bodies(content, model, {forces_on_bodies(at_time(model.scene(), answer.time), found.forces)});
   } else {

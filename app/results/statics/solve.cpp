@@ -263,6 +263,16 @@ double force_of(const Check& check, const std::vector<std::string>& stops) {
   return norm(sum);
 }
 
+/// The sum of their proved distances from the exact ones.
+double radius_of_force(const Check& check, const std::vector<std::string>& stops) {
+  double sum = 0.0;
+  for (const Reaction& reaction : check.reactions) {
+    if (!reaction.of_stop || std::find(stops.begin(), stops.end(), reaction.name) == stops.end()) continue;
+    if (std::isfinite(reaction.radius)) sum += reaction.radius;
+  }
+  return sum;
+}
+
 /// "holds with a coefficient of friction from 0.12 on": |T| / N of a wheel on its line.
 std::string friction_needed(const Stop& contact, const Stop& friction, const Check& check) {
   const double along = force_of(check, {friction.name}), across = force_of(check, {contact.name});
@@ -274,7 +284,8 @@ std::string friction_needed(const Stop& contact, const Stop& friction, const Che
 }
 
 /// Stops in angles and in lengths: their values have different units, written behind each.
-void add_stops(Group& group, const StaticModel& model, const Readings& readings, const Check& check) {
+void add_stops(Group& group, const StaticModel& model, const Readings& readings, const ValueRadii& radii,
+               const Check& check) {
   const std::vector<Stop>& stops = model.scene().stops;
   const std::vector<std::size_t> rows = places(stops.size());
   const auto limit = [&](std::size_t i) -> std::string {
@@ -287,24 +298,32 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   Table& table = group.table("stops", any_coupling ? "Stops, couplings and ropes" : "Stops", Rows::by_name);
   table.words("name", "stop", each(stops, &Stop::name));
   table.words("kind", "kind", each(stops, &Stop::family)).shown = any_coupling;
-  const auto add = [&](const std::string& key, auto&& si) {
+  const auto add = [&](const std::string& key, auto&& si, auto&& radius) {
     table
         .numbers(
             key, key, "",
             each(rows, [&](std::size_t i) { return in_unit(si(i), quantity_of(stops[i].on), model.scene().units); }))
         .texts = each(rows, [&](std::size_t i) {
-      return std::isfinite(si(i)) ? with_unit(model, si(i), quantity_of(stops[i].on)) : "-";
+      const int digits = known_digits(force_digits, std::abs(si(i)), radius(i));
+      return std::isfinite(si(i)) ? with_unit(model, si(i), quantity_of(stops[i].on), digits) : "-";
     });
   };
-  add("value", [&](std::size_t i) { return readings.stops[i]; });
-  add("min", [&](std::size_t i) { return stops[i].min; });
-  add("max", [&](std::size_t i) { return stops[i].max; });
+  const auto exact = [](std::size_t) { return 0.0; };
+  add(
+      "value", [&](std::size_t i) { return readings.stops[i]; },
+      [&](std::size_t i) { return radii.stops.empty() ? 0.0 : radii.stops[i]; });
+  add(
+      "min", [&](std::size_t i) { return stops[i].min; }, exact);
+  add(
+      "max", [&](std::size_t i) { return stops[i].max; }, exact);
   Column& contact = table.words("active", "", each(rows, limit));
   contact.kind = Column::Kind::word_or_null;
   contact.texts = each(rows, [&](std::size_t i) -> std::string {
     if (stops[i].table == "curved_slot" && contact.words[i].empty()) {
-      const double force = force_of(check, {stops[i + 1].name, stops[i + 2].name});
-      return "free, the track presses with " + with_unit(model, force, Quantity::force);
+      const std::vector<std::string> parts = {stops[i + 1].name, stops[i + 2].name};
+      const double force = force_of(check, parts);
+      return "free, the track presses with " +
+             with_unit(model, force, Quantity::force, known_digits(force_digits, force, radius_of_force(check, parts)));
     }
     if (stops[i].table.starts_with("rolling") && stops[i].table.ends_with("_friction"))
       return friction_needed(stops[i - 1], stops[i], check);
@@ -448,7 +467,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   const Units& units = model.scene().units;
   table.data("radius", force_radii_in_unit(reactions, units));
   table.data("moment_radius", moment_radii_in_unit(reactions, units));
-  add_stops(group, model, *answer.readings, answer.equilibrium.check);
+  add_stops(group, model, *answer.readings, answer.radii, answer.equilibrium.check);
   add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
   add_pose_data(group, model, *answer.readings);
   add_forces_on_bodies(group, model, answer.readings->poses, answer.equilibrium.check);
@@ -507,7 +526,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
                      : equilibrium.status == Status::checked   ? "reached, not proved"
                      : equilibrium.status == Status::elsewhere ? "another equilibrium"
                                                                : "reached, no equilibrium"},
-                    equilibrium.certificate.confirmed() ? equilibrium.certificate.radius : 0.0);
+                    radius_of(equilibrium));
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
@@ -520,7 +539,8 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
-    const Format format = format_of(model, Quantity::energy, coordinate_digits, Format::Style::significant);
+    const Format format = format_of(model, Quantity::energy, energy_digits(*equilibrium.energy, answer.radii.energy),
+                                    Format::Style::significant);
     numerics.entry("energy", "energy", *energy, unit_name(Quantity::energy, model.scene().units), format,
                    fmt::format("({})", energy_note), Verbosity::verbose);
   } else {
