@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 #include <utility>
 
 #include <Eigen/LU>
@@ -17,18 +19,33 @@ constexpr double little = 0.05;        // a sweep that narrows no interval by th
 constexpr double narrow_enough = 0.7;  // rad or sizes: widest box to which Newton's operator is applied
 constexpr double too_wide_for_rows = 2.0;
 constexpr double narrow_for_elements = 0.3;  // rad or sizes
-constexpr int most_inflations = 2;           // of a box in which Newton's operator finds no solution
-constexpr double little_further = 16.0;      // times its size, if its middle is refined
-constexpr double always_further = 1e-8;      // rad or sizes
+constexpr int most_dyad_sweeps = 3;
+constexpr double enough_for_dyads = 0.8;  // of its width before, to which a sweep narrows a dyad if another follows
+constexpr int most_closing_steps = 2;     // of Newton's method
+constexpr double narrow_for_dyads = 0.3;  // rad or sizes
+constexpr int most_inflations = 2;        // of a box in which Newton's operator finds no solution
+constexpr double little_further = 16.0;   // times its size, if its middle is refined
+constexpr double always_further = 1e-8;   // rad or sizes
 constexpr double turning = 0.5;    // of its length by which an element may be longer whose direction a box leaves open
 constexpr double stiff = 1.0;      // loads: elements whose force a box leaves open by more
 constexpr double open_gap = 1e-9;  // mechanism sizes: what rounding leaves open of loops that others close
 constexpr double small_pivot = 0.01;  // below, the rows that remain are taken for dependent
 constexpr double wide = 0.2;  // rad or sizes: pairs of a loop are solved together, and driving coordinates halved
-constexpr double much_narrower = 0.1;
+constexpr double much_narrower = 0.01;
+constexpr double much_wider = 4.0;               // the coordinates of a dyad than what they follow from
 constexpr double much_narrower_by_steps = 1e-4;  // each step of shooting may widen several times
 
 Interval squared_norm(const Planar<Interval>& a) { return square(a.x) + square(a.y); }
+
+// Narrows the component a of a vector by its squared length and its other component to [-s, s], s the result, which is
+// empty if there is no such vector.
+std::optional<Interval> meet_circle(Interval& a, const Interval& other, const Interval& square_of_length) {
+  const Interval left = square_of_length - square(other);
+  if (left < Interval(0)) return std::nullopt;
+  const Interval size = sqrt(left);
+  if (!a.meet(Interval(-size.upper(), size.upper()))) return std::nullopt;
+  return size;
+}
 
 // sum += factor a.
 void add_product(Interval& sum, double factor, const Interval& a) {
@@ -37,6 +54,44 @@ void add_product(Interval& sum, double factor, const Interval& a) {
   else
     sum = Interval::from(sum.minus_lower() + -factor * a.upper(), sum.upper() + -factor * a.minus_lower());
 }
+
+// Bounds of all x with |x| <= |b| + E |x|, for a matrix E >= 0 of bounds: with weights w > 0 and E w < w the powers of
+// E vanish, so that I - E has an inverse without negative entries, and u with |b| + E u <= u is at least |x|. Solutions
+// of (I - E) w = 1 and (I - E) u = |b| are guesses of such vectors, which are found wherever there are any. This holds
+// however much rows of E outweigh others, as those of one loop that drives the next.
+class Contraction {
+ public:
+  // False if no weights were found.
+  bool set(const Eigen::MatrixXd& e) {
+    e_ = e;
+    if (e_.size() == 0) return true;
+    if (!e_.allFinite()) return false;
+    lu_.compute(Eigen::MatrixXd::Identity(e.rows(), e.cols()) - e_);
+    return is_bound(Eigen::VectorXd::Ones(e.rows()), lu_.solve(Eigen::VectorXd::Ones(e.rows())), true);
+  }
+
+  // u from |b|; false if it was not found.
+  bool bound(const Eigen::VectorXd& b, Eigen::VectorXd& u) const {
+    if (e_.size() == 0) return true;
+    constexpr double more = 1.0 + 1e-9;
+    u = more * lu_.solve(b);
+    return is_bound(b, u, false);
+  }
+
+ private:
+  // b + E u <= u, with rounding up; `strictly` positive u and E u < u
+  bool is_bound(const Eigen::VectorXd& b, const Eigen::VectorXd& u, bool strictly) const {
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      double sum = strictly ? 0.0 : b[i];
+      for (Eigen::Index j = 0; j < u.size(); ++j) sum += e_(i, j) * u[j];
+      if (strictly ? !(u[i] > 0 && sum < u[i]) : !(sum <= u[i])) return false;
+    }
+    return true;
+  }
+
+  Eigen::MatrixXd e_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+};
 
 // Narrows coordinates x_p of the box by  0 = sum + sum_p by_p (x_p - x'_p).  False if that has no solution.
 bool meet_zero(const Interval& sum, const std::vector<Interval>& by, const std::vector<int>& columns,
@@ -153,21 +208,22 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
 std::vector<char> BoxProver::driving() {
   struct Equation {
     std::vector<int> members;
-    int row;                             // of balance, or -1 of a loop
+    int row;  // of balance, or -1 of a loop
+    std::size_t loop;
     int gives;                           // so many members follow from the others
     std::vector<std::size_t> entries{};  // of the stiffness
   };
   std::vector<Equation> equations;
-  for (const Loop& loop : loops_) {
-    std::vector<int>& of_loop = equations.emplace_back(Equation{{}, -1, 2}).members;
-    for (const Group& group : loop) {
+  for (std::size_t l = 0; l < loops_.size(); ++l) {
+    std::vector<int>& of_loop = equations.emplace_back(Equation{{}, -1, l, 2}).members;
+    for (const Group& group : loops_[l]) {
       if (group.angle >= 0) of_loop.push_back(group.angle);
       for (const Group::Along& along : group.lengths) of_loop.push_back(along.length);
     }
   }
   for (int i = 0; i < n_; ++i) {
     if (is_free_[i] == 0) continue;
-    Equation& of_row = equations.emplace_back(Equation{{}, i, 1});
+    Equation& of_row = equations.emplace_back(Equation{{}, i, 0, 1});
     for (std::size_t e = 0; e < tangent_.size(); ++e) {
       const int row = plain_.tangent_row()[e];
       const int column = plain_.tangent_column()[e];
@@ -179,6 +235,7 @@ std::vector<char> BoxProver::driving() {
   struct Known {
     std::vector<char> is;
     std::vector<Step> steps;
+    std::vector<Dyad> dyads;
   };
   const auto follow = [&](Known known, int driver) {
     if (driver >= 0) known.is[driver] = 1;
@@ -188,8 +245,11 @@ std::vector<char> BoxProver::driving() {
         const auto is_open = [&](int i) { return known.is[i] == 0; };
         const auto open = std::count_if(equation.members.begin(), equation.members.end(), is_open);
         if (open == 0 || open > equation.gives) continue;
-        if (equation.row >= 0) {
-          const auto next = std::find_if(equation.members.begin(), equation.members.end(), is_open);
+        const auto next = std::find_if(equation.members.begin(), equation.members.end(), is_open);
+        if (equation.row < 0) {
+          const int second = *std::find_if(next + 1, equation.members.end(), is_open);
+          if (open == 2) known.dyads.push_back({equation.loop, *next, second});
+        } else {
           known.steps.push_back({equation.row, *next, equation.entries[next - equation.members.begin()]});
         }
         for (const int i : equation.members) known.is[i] = 1;
@@ -200,7 +260,7 @@ std::vector<char> BoxProver::driving() {
   };
   const auto number_of = [](const Known& known) { return std::count(known.is.begin(), known.is.end(), 1); };
   std::vector<char> out(n_, 0);
-  Known known = follow({out, {}}, -1);
+  Known known = follow({out, {}, {}}, -1);
   while (number_of(known) < n_) {
     Known most = known;
     int driver = -1;
@@ -215,6 +275,10 @@ std::vector<char> BoxProver::driving() {
     known = std::move(most);
   }
   steps_ = std::move(known.steps);
+  dyads_ = std::move(known.dyads);
+  for (int i = 0; i < n_; ++i) {
+    if (out[i] != 0) drivers_.push_back(i);
+  }
   for (int i = 0; i < n_; ++i) {
     const bool is_given = std::any_of(steps_.begin(), steps_.end(), [&](const Step& step) { return step.gives == i; });
     if (!is_given) parameters_.push_back(i);
@@ -239,25 +303,33 @@ Planar<Interval> BoxProver::term(const Group& group, const CoordinateBox& box) c
 
 void BoxProver::turn(int angle, const CoordinateBox& box) { unit_[angle] = unit(box[angle]); }
 
-// Of an angle at all turns that the box has.
 bool BoxProver::narrow(CoordinateBox& box, int coordinate, const Interval& to) {
-  Interval& x = box[coordinate];
-  if (coordinate >= angles_) return x.meet(to);
-  if (!(to.width() < 6.0)) return true;
-  const double first = std::floor((x.lower() - to.upper()) / solvers::full_turn.upper()) - 1;
-  const double last = std::floor((x.upper() - to.lower()) / solvers::full_turn.upper()) + 2;
-  Interval all;
-  bool any = false;
-  for (double k = first; k <= last; k += 1) {
-    Interval part = x;
-    if (!part.meet(to + Interval(k) * solvers::full_turn)) continue;
-    if (any && part.lower() - all.upper() > gap_.to - gap_.from) gap_ = {coordinate, all.upper(), part.lower()};
-    all = any ? hull(all, part) : part;
-    any = true;
+  if (coordinate < angles_) return narrow_to_any(box, coordinate, {to});
+  return box[coordinate].meet(to);
+}
+
+// An angle to any of some, at all turns that the box has.
+bool BoxProver::narrow_to_any(CoordinateBox& box, int angle, std::initializer_list<Interval> any) {
+  Interval& x = box[angle];
+  parts_.clear();
+  for (const Interval& to : any) {
+    if (!(to.width() < 6.0)) return true;
+    const double first = std::floor((x.lower() - to.upper()) / solvers::full_turn.upper()) - 1;
+    const double last = std::floor((x.upper() - to.lower()) / solvers::full_turn.upper()) + 2;
+    for (double k = first; k <= last; k += 1) {
+      Interval part = x;
+      if (part.meet(to + Interval(k) * solvers::full_turn)) parts_.push_back(part);
+    }
   }
-  if (!any) return false;
+  if (parts_.empty()) return false;
+  std::sort(parts_.begin(), parts_.end(), [](const Interval& a, const Interval& b) { return a.lower() < b.lower(); });
+  Interval all = parts_.front();
+  for (const Interval& part : parts_) {
+    if (part.lower() - all.upper() > gap_.to - gap_.from) gap_ = {angle, all.upper(), part.lower()};
+    all = hull(all, part);
+  }
   x.meet(all);
-  turn(coordinate, box);
+  turn(angle, box);
   return true;
 }
 
@@ -275,13 +347,10 @@ bool BoxProver::contract_loop(const Loop& loop, CoordinateBox& box) {
       if (!both.x.meet(along.x) || !both.y.meet(along.y)) return false;
       continue;
     }
+    const Interval square_of_length = squared_norm(along);
     Interval length = squared_norm(others);
-    if (!length.meet(squared_norm(along))) return false;
-    if (group.angle >= 0) {
-      const Planar<Interval> turned = others * conj(along);
-      const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
-      if (angle.bounded() && !narrow(box, group.angle, angle)) return false;
-    }
+    if (!length.meet(square_of_length)) return false;
+    if (!contract_arm(group, along, others, square_of_length, box)) return false;
     const Planar<Interval> frame = group.angle < 0 ? Planar<Interval>{Interval(1), Interval(0)} : unit_[group.angle];
     const Planar<Interval> back = others * conj(frame);
     for (const Group::Along& a : group.lengths) {
@@ -295,6 +364,30 @@ bool BoxProver::contract_loop(const Loop& loop, CoordinateBox& box) {
   return true;
 }
 
+// An arm of known length, turned, is the sum of others, of which it leaves a vector on either side of an axis.
+bool BoxProver::contract_arm(const Group& group, const Planar<Interval>& along, Planar<Interval>& others,
+                             const Interval& square_of_length, CoordinateBox& box) {
+  const std::optional<Interval> size_x = meet_circle(others.x, others.y, square_of_length);
+  if (!size_x) return false;
+  const std::optional<Interval> size_y = meet_circle(others.y, others.x, square_of_length);
+  if (!size_y) return false;
+  if (group.angle < 0) return true;
+  const bool along_x = size_x->lower() > size_y->lower();
+  Planar<Interval> sides[] = {others, others};
+  bool are[2];
+  for (int k = 0; k < 2; ++k) {
+    const Interval& size = along_x ? *size_x : *size_y;
+    are[k] = (along_x ? sides[k].x : sides[k].y).meet(k == 0 ? size : -size);
+  }
+  const auto angle_of = [&](const Planar<Interval>& side) {
+    const Planar<Interval> turned = side * conj(along);
+    return solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
+  };
+  if (are[0] && are[1]) return narrow_to_any(box, group.angle, {angle_of(sides[0]), angle_of(sides[1])});
+  if (!are[0] && !are[1]) return false;
+  return narrow(box, group.angle, angle_of(sides[are[0] ? 0 : 1]));
+}
+
 // Two arms of a loop make a triangle with the sum S of the rest:  A_i e_i + A_j e_j = S, so that the angle between
 // A_i e_i and S has the cosine (|S|^2 + |A_i|^2 - |A_j|^2) / (2 |A_i| |S|).
 bool BoxProver::contract_pair(const Loop& loop, std::size_t i, std::size_t j, CoordinateBox& box) {
@@ -302,6 +395,11 @@ bool BoxProver::contract_pair(const Loop& loop, std::size_t i, std::size_t j, Co
   for (std::size_t k = 0; k < loop.size(); ++k) {
     if (k != i && k != j) rest -= term(loop[k], box);
   }
+  return contract_triangle(loop, i, j, rest, box);
+}
+
+bool BoxProver::contract_triangle(const Loop& loop, std::size_t i, std::size_t j, const Planar<Interval>& rest,
+                                  CoordinateBox& box) {
   const Interval square_s = squared_norm(rest);
   if (!(square_s > Interval(0)) || !square_s.bounded()) return true;
   const Planar<Interval> arm_i = arm(loop[i], box);
@@ -321,29 +419,192 @@ bool BoxProver::contract_pair(const Loop& loop, std::size_t i, std::size_t j, Co
     const Interval of_arm = group.lengths.empty() ? group.direction : solvers::angle_of(arm_of.x, arm_of.y, 0.0);
     if (!beta.bounded() || !of_arm.bounded()) return true;
     const Interval base = direction - of_arm;
-    CoordinateBox above = box;
-    CoordinateBox below = box;
-    const Gap before = gap_;
-    const bool one = narrow(above, group.angle, base + beta);
-    const bool other = narrow(below, group.angle, base - beta);
-    gap_ = before;
-    turn(group.angle, box);
-    if (!one && !other) return false;
-    Interval& angle = box[group.angle];
-    const Interval& a = above[group.angle];
-    const Interval& b = below[group.angle];
-    if (one && other) {
-      const Interval& first = a.lower() < b.lower() ? a : b;
-      const Interval& last = a.lower() < b.lower() ? b : a;
-      if (last.lower() - first.upper() > gap_.to - gap_.from) gap_ = {group.angle, first.upper(), last.lower()};
-      angle.meet(hull(a, b));
-    } else {
-      angle.meet(one ? a : b);
-    }
-    turn(group.angle, box);
-    return true;
+    return narrow_to_any(box, group.angle, {base + beta, base - beta});
   };
   return solve(loop[i], arm_i, square_i, square_j) && solve(loop[j], arm_j, square_j, square_i);
+}
+
+// --- coordinates that follow from the drivers -----------------------------------------------------------------------
+//
+// Loops in their order give two coordinates u, v each. With m a pose of the box that is nearly closed, and D_k the
+// derivatives of a loop over the box,  0 = c(m) + sum_k D_k (x_k - m_k)  by the mean value theorem; where
+//   x_k - m_k = r_k + sum_p X_kp (p - m_p)
+// is known of the others, p the drivers, Cramer's rule gives the same of u and v.
+
+bool BoxProver::are_drivers_narrow(const CoordinateBox& box) const {
+  return std::all_of(drivers_.begin(), drivers_.end(), [&](int i) { return box[i].width() < narrow_for_dyads; });
+}
+
+void BoxProver::set_middle(int i, double x, const CoordinateBox& box) {
+  middle_[i] = std::clamp(x, box[i].lower(), box[i].upper());
+  thin_[i] = Interval(middle_[i]);
+  if (i < angles_) thin_unit_[i] = unit(thin_[i]);
+}
+
+// Of a coordinate that does not follow its box is known alone.
+void BoxProver::forget(int i, const CoordinateBox& box) {
+  set_middle(i, box[i].middle(), box);
+  Interval* by = followed(i);
+  std::fill_n(by, drivers_.size(), Interval(0));
+  by[drivers_.size()] = box[i] - thin_[i];
+}
+
+template <class Take>
+void BoxProver::for_each_derivative(const Group& group, const CoordinateBox& box,
+                                    const std::vector<Planar<Interval>>& units, const Take& take) {
+  const Planar<Interval> frame = group.angle < 0 ? Planar<Interval>{Interval(1), Interval(0)} : units[group.angle];
+  if (group.angle >= 0) {
+    const Planar<Interval> own = arm(group, box) * frame;
+    take(group.angle, Planar<Interval>{-own.y, own.x});
+  }
+  for (const Group::Along& along : group.lengths) take(along.length, along.direction * frame);
+}
+
+// sum_k D_k (x_k - m_k) of a group as a function of the drivers, but for the dyad's own coordinates.
+void BoxProver::add_followed(const Group& group, const CoordinateBox& box, DyadEquations& to, const Dyad& dyad) {
+  for_each_derivative(group, box, unit_, [&](int k, const Planar<Interval>& by) {
+    if (k == dyad.first) {
+      to.by_first = by;
+    } else if (k == dyad.second) {
+      to.by_second = by;
+    } else {
+      const Interval* of = followed(k);
+      for (std::size_t p = 0; p <= drivers_.size(); ++p) {
+        if (of[p].magnitude() != 0) to.others[p] += of[p] * by;
+      }
+    }
+  });
+}
+
+Planar<Interval> BoxProver::gap_at_middle(const Loop& loop) const {
+  Planar<Interval> sum{};
+  for (const Group& group : loop) {
+    const Planar<Interval> own = arm(group, thin_);
+    sum += group.angle < 0 ? own : own * thin_unit_[group.angle];
+  }
+  return sum;
+}
+
+// The middle of u and v moved to where the loop closes, and how far it is open there.
+Planar<Interval> BoxProver::close_middle(const Dyad& dyad, const CoordinateBox& box) {
+  const Loop& loop = loops_[dyad.loop];
+  for (int step = 0;; ++step) {
+    const Planar<Interval> gap = gap_at_middle(loop);
+    Planar<Interval> by_first{}, by_second{};
+    for (const Group& group : loop) {
+      for_each_derivative(group, thin_, thin_unit_, [&](int k, const Planar<Interval>& by) {
+        if (k == dyad.first) by_first = by;
+        if (k == dyad.second) by_second = by;
+      });
+    }
+    const double over = cross(by_first, by_second).middle();
+    const double first = -cross(gap, by_second).middle() / over;
+    const double second = -cross(by_first, gap).middle() / over;
+    constexpr double far = 1.0;
+    if (step == most_closing_steps || !(std::abs(first) < far && std::abs(second) < far)) return gap;
+    set_middle(dyad.first, middle_[dyad.first] + first, box);
+    set_middle(dyad.second, middle_[dyad.second] + second, box);
+  }
+}
+
+// The two arms of u and v make a triangle with the sum of the rest, which is enclosed by the drivers too.
+bool BoxProver::contract_followed_triangle(const Dyad& dyad, CoordinateBox& box) {
+  const Loop& loop = loops_[dyad.loop];
+  const auto group_of = [&](int angle) {
+    const auto at = std::find_if(loop.begin(), loop.end(), [&](const Group& g) { return g.angle == angle; });
+    return static_cast<std::size_t>(at - loop.begin());
+  };
+  const std::size_t i = group_of(dyad.first);
+  const std::size_t j = group_of(dyad.second);
+  if (i == loop.size() || j == loop.size()) return true;
+  const std::size_t d = drivers_.size();
+  DyadEquations& sum = dyad_;
+  sum.others.assign(d + 1, {});
+  Planar<Interval> rest{};
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    if (k == i || k == j) continue;
+    const Group& group = loop[k];
+    rest -= term(group, box);
+    const Planar<Interval> own = arm(group, thin_);
+    sum.others[d] += group.angle < 0 ? own : own * thin_unit_[group.angle];
+    add_followed(group, box, sum, dyad);
+  }
+  Planar<Interval> centered = -sum.others[d];
+  for (std::size_t p = 0; p < d; ++p) centered -= (box[drivers_[p]] - thin_[drivers_[p]]) * sum.others[p];
+  if (!rest.x.meet(centered.x) || !rest.y.meet(centered.y)) return false;
+  return contract_triangle(loop, i, j, rest, box);
+}
+
+// Narrows a coordinate i of the dyad by x_i - m_i = -(by_p / det) (p - m_p) - by / det. The middle remains in the box,
+// as the mean value theorem needs.
+bool BoxProver::follow(int i, const Interval& det, const std::vector<Interval>& by, CoordinateBox& box) {
+  const std::size_t d = drivers_.size();
+  Interval* own = followed(i);
+  for (std::size_t p = 0; p <= d; ++p) own[p] = -(by[p] / det);
+  Interval to = thin_[i] + own[d];
+  for (std::size_t p = 0; p < d; ++p) to += own[p] * (box[drivers_[p]] - thin_[drivers_[p]]);
+  if (!box[i].meet(to)) return false;
+  if (i < angles_) turn(i, box);
+  if (middle_[i] >= box[i].lower() && middle_[i] <= box[i].upper()) return true;
+  const Interval outside = thin_[i];
+  set_middle(i, middle_[i], box);
+  own[d] += outside - thin_[i];
+  return true;
+}
+
+bool BoxProver::contract_dyad(const Dyad& dyad, CoordinateBox& box) {
+  if (!contract_followed_triangle(dyad, box)) return false;
+  forget(dyad.first, box);
+  forget(dyad.second, box);
+  const std::size_t d = drivers_.size();
+  std::vector<Interval>& by = dyad_by_;
+  by.resize(d + 1);
+  Planar<Interval> gap = close_middle(dyad, box);
+  bool follows = false;
+  for (int sweep = 0; sweep < most_dyad_sweeps; ++sweep) {
+    dyad_.others.assign(d + 1, {});
+    dyad_.others[d] = gap;
+    for (const Group& group : loops_[dyad.loop]) add_followed(group, box, dyad_, dyad);
+    const Interval det = cross(dyad_.by_first, dyad_.by_second);
+    if (!det.excludes_zero()) break;
+    follows = true;
+    const auto width = [&] { return std::max(box[dyad.first].width(), box[dyad.second].width()); };
+    const double before = width();
+    for (std::size_t p = 0; p <= d; ++p) by[p] = cross(dyad_.others[p], dyad_.by_second);
+    if (!follow(dyad.first, det, by, box)) return false;
+    for (std::size_t p = 0; p <= d; ++p) by[p] = cross(dyad_.by_first, dyad_.others[p]);
+    if (!follow(dyad.second, det, by, box)) return false;
+    if (!(width() < enough_for_dyads * before)) break;
+    gap = gap_at_middle(loops_[dyad.loop]);
+  }
+  if (follows) return true;
+  forget(dyad.first, box);
+  forget(dyad.second, box);
+  if (loose_ >= 0) return true;
+  // Halving what it follows from is of no use where it is wide by itself.
+  Planar<Interval> rest = dyad_.others[d] - gap;
+  for (std::size_t p = 0; p < d; ++p) rest += (box[drivers_[p]] - thin_[drivers_[p]]) * dyad_.others[p];
+  const double given = std::max(rest.x.width(), rest.y.width());
+  const double first = box[dyad.first].width() * norm(dyad_.by_first).middle();
+  const double second = box[dyad.second].width() * norm(dyad_.by_second).middle();
+  const int wider = first > second ? dyad.first : dyad.second;
+  if (std::max(first, second) > much_wider * given && box[wider].width() > wide) loose_ = wider;
+  return true;
+}
+
+bool BoxProver::contract_dyads(CoordinateBox& box) {
+  const std::size_t d = drivers_.size();
+  loose_ = -1;
+  follow_.resize(static_cast<std::size_t>(n_) * (d + 1));
+  middle_.resize(n_);
+  thin_.resize(n_);
+  thin_unit_.resize(angles_);
+  for (int i = 0; i < n_; ++i) forget(i, box);
+  for (std::size_t p = 0; p < d; ++p) {
+    followed(drivers_[p])[p] = Interval(1);
+    followed(drivers_[p])[d] = Interval(0);
+  }
+  return std::all_of(dyads_.begin(), dyads_.end(), [&](const Dyad& dyad) { return contract_dyad(dyad, box); });
 }
 
 // --- balance of coordinates in no closure ---------------------------------------------------------------------------
@@ -445,11 +706,13 @@ bool BoxProver::shoot(CoordinateBox& box) {
 
 bool BoxProver::contract(CoordinateBox& box, bool balance) {
   gap_ = {};
+  loose_ = -1;
   follows_ = false;
   for (int k = 0; k < angles_; ++k) turn(k, box);
   const bool any_free = std::any_of(is_free_.begin(), is_free_.end(), [](char f) { return f != 0; });
   for (int sweep = 0; sweep < most_sweeps; ++sweep) {
     const CoordinateBox before = box;
+    if (balance && !contract_stops(box)) return false;
     for (const Loop& loop : loops_) {
       if (!contract_loop(loop, box)) return false;
       for (std::size_t i = 1; i < loop.size(); ++i) {
@@ -459,12 +722,54 @@ bool BoxProver::contract(CoordinateBox& box, bool balance) {
         }
       }
     }
+    if (!dyads_.empty() && are_drivers_narrow(box) && !contract_dyads(box)) return false;
     if (balance && any_free && !contract_balance(box)) return false;
     bool more = false;
     for (int i = 0; i < n_; ++i) {
       if (box[i].width() < (1 - little) * before[i].width() && before[i].width() > 1e-12) more = true;
     }
     if (!more) break;
+  }
+  return true;
+}
+
+// Stops that are not active bound their measures, and others are at a limit:  g(x) = g(m) + sum_i G_i (x_i - m_i)  is
+// within these.
+bool BoxProver::contract_stops(CoordinateBox& box) {
+  if (plain_.stops() == 0) return true;
+  mechanism_.place(box.data(), pose_.data());
+  mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
+  const auto limits_of = [&](int s) {
+    const double lower = plain_.lower()[s];
+    const double upper = plain_.upper()[s];
+    if (stops_[s] == StopState::inactive) return Interval(lower, upper);
+    return stops_[s] == StopState::at_upper ? Interval(upper) : Interval(lower);
+  };
+  bool is_cut = false;
+  for (int s = 0; s < plain_.stops(); ++s) {
+    const Interval& measure = constraint_[plain_.stop_row(s)];
+    const Interval limits = limits_of(s);
+    Interval both = measure;
+    if (!both.meet(limits)) return false;
+    is_cut = is_cut || both.lower() > measure.lower() || both.upper() < measure.upper();
+  }
+  if (!is_cut) return true;
+  mechanism_.jacobian(pose_.data(), jacobian_.data());
+  CoordinateBox middle(n_);
+  for (int i = 0; i < n_; ++i) middle[i] = Interval(box[i].middle());
+  mechanism_.place(middle.data(), pose_.data());
+  mechanism_.constraint(middle.data(), pose_.data(), constraint_.data());
+  for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+    const int row = plain_.jacobian_row()[e];
+    const int i = plain_.jacobian_column()[e];
+    if (row < plain_.equalities() || !jacobian_[e].excludes_zero()) continue;
+    Interval own = limits_of(row - plain_.equalities()) - constraint_[row];
+    for (std::size_t other = 0; other < jacobian_.size(); ++other) {
+      const int j = plain_.jacobian_column()[other];
+      if (plain_.jacobian_row()[other] == row && other != e) own -= jacobian_[other] * (box[j] - middle[j]);
+    }
+    if (!box[i].meet(middle[i] + own / jacobian_[e])) return false;
+    if (i < angles_) turn(i, box);
   }
   return true;
 }
@@ -593,21 +898,21 @@ bool BoxProver::solve_transposed(std::vector<Interval>& y) const {
       }
     }
   }
-  double norm = 0.0;
-  double most = 0.0;
+  Eigen::MatrixXd bounds(m_, m_);
+  Eigen::VectorXd size(m_);
   for (int l = 0; l < m_; ++l) {
-    double sum = 0.0;
     for (int i = 0; i < m_; ++i) {
       Interval& e = error[static_cast<std::size_t>(i) * m_ + l];
       if (i == l) e -= Interval(1);
-      sum += e.magnitude();
+      bounds(l, i) = e.magnitude();
     }
-    if (!(sum < 1) || !right[l].bounded()) return false;
-    norm = std::max(norm, sum);
-    most = std::max(most, right[l].magnitude());
+    size[l] = right[l].magnitude();
   }
-  const double bound = (Interval(most) / (Interval(1) - Interval(norm))).upper();
-  y.assign(m_, Interval(-bound, bound));
+  Contraction contraction;
+  Eigen::VectorXd u(m_);
+  if (!size.allFinite() || !contraction.set(bounds) || !contraction.bound(size, u)) return false;
+  y.resize(m_);
+  for (int l = 0; l < m_; ++l) y[l] = Interval(-u[l], u[l]);
   for (int sweep = 0; sweep < 3; ++sweep) {
     for (int l = 0; l < m_; ++l) {
       Interval next = right[l];
@@ -627,17 +932,16 @@ bool BoxProver::solve_transposed(std::vector<Interval>& y) const {
 // linear in p - middle_p, which narrows p.
 bool BoxProver::motions(CoordinateBox& box) {
   const int d = static_cast<int>(free_columns_.size());
-  double norm = 0.0;
+  Eigen::MatrixXd bounds(m_, m_);
   for (int k = 0; k < m_; ++k) {
-    double sum = 0.0;
     for (int l = 0; l < m_; ++l) {
       Interval& e = product_[static_cast<std::size_t>(k) * n_ + dependent_[l]];
       if (k == l) e -= Interval(1);
-      sum += e.magnitude();
+      bounds(k, l) = e.magnitude();
     }
-    if (!(sum < 1)) return false;
-    norm = std::max(norm, sum);
   }
+  Contraction contraction;
+  if (!contraction.set(bounds)) return false;
   std::vector<double>& middle = middle_;
   middle.resize(n_);
   for (int i = 0; i < n_; ++i) middle[i] = box[i].middle();
@@ -663,8 +967,9 @@ bool BoxProver::motions(CoordinateBox& box) {
   motion_.assign(static_cast<std::size_t>(n_) * (d + 1), Interval(0));
   std::vector<Interval> right(m_);
   std::vector<Interval> x(m_);
+  Eigen::VectorXd size(m_);
+  Eigen::VectorXd u(m_);
   for (int q = 0; q <= d; ++q) {
-    double most = 0.0;
     for (int k = 0; k < m_; ++k) {
       if (q < d) {
         right[k] = -product_[static_cast<std::size_t>(k) * n_ + free_columns_[q]];
@@ -675,11 +980,10 @@ bool BoxProver::motions(CoordinateBox& box) {
                       constraint_[rows_[l]] - Interval(bounds_[l]));
         }
       }
-      if (!right[k].bounded()) return false;
-      most = std::max(most, right[k].magnitude());
+      size[k] = right[k].magnitude();
     }
-    const double bound = (Interval(most) / (Interval(1) - Interval(norm))).upper();
-    for (Interval& value : x) value = Interval(-bound, bound);
+    if (!size.allFinite() || !contraction.bound(size, u)) return false;
+    for (int k = 0; k < m_; ++k) x[k] = Interval(-u[k], u[k]);
     for (int sweep = 0; sweep < 3; ++sweep) {
       for (int k = 0; k < m_; ++k) {
         Interval next = right[k];
@@ -1159,6 +1463,7 @@ void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
   }
   const double narrower = follows_ ? much_narrower_by_steps : much_narrower;
   if (driver >= 0 && box[most].width() > wide && box[driver].width() > narrower * box[most].width()) most = driver;
+  if (loose_ >= 0) most = loose_;
   verdict.split = most;
   // Off the middle, where symmetric mechanisms have their equilibria.
   verdict.split_at = box[most].lower() + 0.4871 * box[most].width();
@@ -1179,15 +1484,6 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     has_motions = false;
     const double before = widest(box);
     if (!contract(box)) return out;
-    // Stops that are not active bound their measures.
-    if (plain_.stops() > 0) {
-      mechanism_.place(box.data(), pose_.data());
-      mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
-      for (int s = 0; s < plain_.stops(); ++s) {
-        const Interval& measure = constraint_[plain_.stop_row(s)];
-        if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return out;
-      }
-    }
     if (follows_ && !shoot(box)) return out;
     if (!(widest(box) < too_wide_for_rows)) break;
     bool regular = true;

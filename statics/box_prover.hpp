@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <set>
 #include <vector>
@@ -104,6 +105,17 @@ class BoxProver {
     std::size_t entry;  // of the stiffness
   };
 
+  // A loop that gives two coordinates from others.
+  struct Dyad {
+    std::size_t loop;
+    int first, second;
+  };
+  // Derivatives of its gap by both, and by each driver what the other coordinates change in it; the last is the rest.
+  struct DyadEquations {
+    Planar<Interval> by_first{}, by_second{};
+    std::vector<Planar<Interval>> others{};
+  };
+
   // A force element along the distance of two points, and everything else.
   struct Distance {
     int element;
@@ -118,9 +130,29 @@ class BoxProver {
   void turn(int angle, const CoordinateBox& box);
   bool contract_loop(const Loop& loop, CoordinateBox& box);
   bool contract_pair(const Loop& loop, std::size_t i, std::size_t j, CoordinateBox& box);
+  bool contract_triangle(const Loop& loop, std::size_t i, std::size_t j, const Planar<Interval>& rest,
+                         CoordinateBox& box);
+  bool are_drivers_narrow(const CoordinateBox& box) const;
+  bool contract_dyads(CoordinateBox& box);
+  bool contract_dyad(const Dyad& dyad, CoordinateBox& box);
+  bool contract_followed_triangle(const Dyad& dyad, CoordinateBox& box);
+  bool follow(int i, const Interval& det, const std::vector<Interval>& by, CoordinateBox& box);
+  void add_followed(const Group& group, const CoordinateBox& box, DyadEquations& to, const Dyad& dyad);
+  template <class Take>
+  void for_each_derivative(const Group& group, const CoordinateBox& box, const std::vector<Planar<Interval>>& units,
+                           const Take& take);
+  Planar<Interval> gap_at_middle(const Loop& loop) const;
+  Planar<Interval> close_middle(const Dyad& dyad, const CoordinateBox& box);
+  void set_middle(int i, double x, const CoordinateBox& box);
+  void forget(int i, const CoordinateBox& box);
+  Interval* followed(int i) { return &follow_[static_cast<std::size_t>(i) * (drivers_.size() + 1)]; }
   bool contract_balance(CoordinateBox& box);
+  bool contract_stops(CoordinateBox& box);
   bool shoot(CoordinateBox& box);
+  bool contract_arm(const Group& group, const Planar<Interval>& along, Planar<Interval>& others,
+                    const Interval& square_of_length, CoordinateBox& box);
   bool narrow(CoordinateBox& box, int coordinate, const Interval& to);
+  bool narrow_to_any(CoordinateBox& box, int angle, std::initializer_list<Interval> any);
 
   void evaluate(const CoordinateBox& box);
   bool choose_dependent();
@@ -149,12 +181,16 @@ class BoxProver {
   std::vector<Loop> loops_;
   std::vector<char> is_free_;           // coordinates in no row
   std::vector<char> drives_;            // coordinates that all others follow from
+  std::vector<int> drivers_;            // these
+  std::vector<Dyad> dyads_;             // how, where it is by loops, in order
   std::vector<Step> steps_;             // how, where it is by balance
   std::vector<int> parameters_;         // coordinates that no step gives
   std::vector<int> open_rows_;          // of balance, that are no step
   bool follows_ = false;                // all steps can be made in the box in hand
   std::vector<Planar<Interval>> unit_;  // per angle, of the box in hand
+  int loose_ = -1;                      // a coordinate of the first dyad that does not follow and is wide by itself
   Gap gap_;
+  std::vector<Interval> parts_;
   // Workspace.
   std::vector<Planar<Interval>> pose_;
   std::vector<Interval> jacobian_, constraint_, force_, tangent_, multipliers_;
@@ -164,6 +200,11 @@ class BoxProver {
   std::vector<Planar<Interval>> levers_;  // of an element, by freedom
   std::vector<Interval> along_;           // forces of everything else, by freedom
   std::vector<Interval> left_;            // (m + 1) x n: what elimination leaves of the Jacobian and the force
+  CoordinateBox thin_;
+  std::vector<Planar<Interval>> thin_unit_;
+  DyadEquations dyad_;
+  std::vector<Interval> dyad_by_;
+  std::vector<Interval> follow_;  // n x (drivers + 1): dx / dp, and the last column what the middle leaves open
   std::vector<double> middle_, inverse_;
   std::vector<int> dependent_, free_columns_;
   double least_pivot_ = 0.0;

@@ -177,17 +177,25 @@ mutant("the last turn is left out" statics/box_prover.cpp
   [=[/ solvers::full_turn.upper()) + 2;]=]
   [=[/ solvers::full_turn.upper()) - 1;]=])
 mutant("of several turns the last" statics/box_prover.cpp
-  [=[all = any ? hull(all, part) : part;]=]
+  [=[all = hull(all, part);]=]
   [=[all = part;]=])
 mutant("a sliver below an arm's angle" statics/box_prover.cpp
-  [=[if (angle.bounded() && !narrow(box, group.angle, angle)) return false;]=]
-  [=[if (angle.bounded() && !narrow(box, group.angle, {angle.lower() + 1e-9, angle.upper()})) return false;]=])
+  [=[return solvers::angle_of(turned.x, turned.y, box[group.angle].middle());]=]
+  [=[const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
+    return Interval(angle.lower() + 1e-9, angle.upper());]=])
 mutant("a sliver above an arm's angle" statics/box_prover.cpp
-  [=[if (angle.bounded() && !narrow(box, group.angle, angle)) return false;]=]
-  [=[if (angle.bounded() && !narrow(box, group.angle, {angle.lower(), angle.upper() - 1e-9})) return false;]=])
+  [=[return solvers::angle_of(turned.x, turned.y, box[group.angle].middle());]=]
+  [=[const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
+    return Interval(angle.lower(), angle.upper() - 1e-9);]=])
 mutant("a sliver of an arm's length" statics/box_prover.cpp
-  [=[if (!length.meet(squared_norm(along))) return false;]=]
-  [=[if (!length.meet(squared_norm(along) * Interval(1 + 1e-9, 1 + 1e-9))) return false;]=])
+  [=[if (!length.meet(square_of_length)) return false;]=]
+  [=[if (!length.meet(square_of_length * Interval(1 + 1e-9, 1 + 1e-9))) return false;]=])
+mutant("a component of an arm without the width of the other" statics/box_prover.cpp
+  [=[square_of_length - square(other);]=]
+  [=[square_of_length - square(Interval(other.middle()));]=])
+mutant("an arm on one side only" statics/box_prover.cpp
+  [=[{angle_of(sides[0]), angle_of(sides[1])}]=]
+  [=[{angle_of(sides[0])}]=])
 mutant("a sliver of a sliding length" statics/box_prover.cpp
   [=[narrow(box, a.length, dot(a.direction, rest) / squared_norm(a.direction))]=]
   [=[narrow(box, a.length, dot(a.direction, rest) / squared_norm(a.direction) + Interval(1e-9))]=])
@@ -206,17 +214,36 @@ mutant("a sliver below the angle of a triangle" statics/box_prover.cpp
   [=[Interval beta = solvers::arc_cosine(cosine);
     beta = Interval(beta.lower() + 1e-9, beta.upper());]=])
 mutant("a triangle on one side only" statics/box_prover.cpp
-  [=[const bool other = narrow(below, group.angle, base - beta);]=]
-  [=[const bool other = false;]=])
-mutant("of two triangles one" statics/box_prover.cpp
-  [=[angle.meet(hull(a, b));]=]
-  [=[angle.meet(a);]=])
-mutant("a triangle's other side" statics/box_prover.cpp
-  [=[angle.meet(one ? a : b);]=]
-  [=[angle.meet(one ? b : a);]=])
+  [=[{base + beta, base - beta}]=]
+  [=[{base + beta}]=])
 mutant("a triangle without the other arm" statics/box_prover.cpp
   [=[(square_s + square_of - square_other)]=]
   [=[(square_s + square_of - square_of)]=])
+
+mutant("the sum of a triangle at the middle of the drivers" statics/box_prover.cpp
+  [=[centered -= (box[drivers_[p]] - thin_[drivers_[p]]) * sum.others[p];]=]
+  [=[]=])
+mutant("a coordinate that follows without what is left of closure" statics/box_prover.cpp
+  [=[Interval to = thin_[i] + own[d];]=]
+  [=[Interval to = thin_[i];]=])
+mutant("a coordinate that follows at the middle of the drivers" statics/box_prover.cpp
+  [=[to += own[p] * (box[drivers_[p]] - thin_[drivers_[p]]);]=]
+  [=[]=])
+mutant("a middle that leaves its place" statics/box_prover.cpp
+  [=[own[d] += outside - thin_[i];]=]
+  [=[]=])
+mutant("a loop that follows without what others leave open" statics/box_prover.cpp
+  [=[by[drivers_.size()] = box[i] - thin_[i];]=]
+  [=[by[drivers_.size()] = Interval(0);]=])
+mutant("a coordinate by a loop that is singular" statics/box_prover.cpp
+  [=[if (!det.excludes_zero()) break;]=]
+  [=[if (det.middle() == 0) break;]=])
+mutant("stops at the middle of other coordinates" statics/box_prover.cpp
+  [=[own -= jacobian_[other] * (box[j] - middle[j]);]=]
+  [=[]=])
+mutant("a sliver of what a stop leaves" statics/box_prover.cpp
+  [=[if (!box[i].meet(middle[i] + own / jacobian_[e])) return false;]=]
+  [=[if (!box[i].meet(middle[i] + own / jacobian_[e] + Interval(1e-9))) return false;]=])
 
 # --- box_prover.cpp: rows, balance, Newton's operator ---------------------------------------------------------------
 
@@ -244,11 +271,8 @@ mutant("a row without what is left of closure" statics/box_prover.cpp
 mutant("reactions without the change of the rows" statics/box_prover.cpp
   [=[next -= error[static_cast<std::size_t>(i) * m_ + l] * y[i];]=]
   [=[]=])
-mutant("reactions of a rank that is not proved" statics/box_prover.cpp
-  [=[if (!(sum < 1) || !right[l].bounded()) return false;]=]
-  [=[]=])
-mutant("motions of a rank that is not proved" statics/box_prover.cpp
-  [=[if (!(sum < 1)) return false;]=]
+mutant("bounds of motions and reactions without what others add" statics/box_prover.cpp
+  [=[sum += e_(i, j) * u[j];]=]
   [=[]=])
 mutant("more stops than freedoms are forgotten in singular poses" statics/box_prover.cpp
   [=[(most < small_pivot && !may_touch)]=]

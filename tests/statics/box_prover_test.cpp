@@ -175,7 +175,8 @@ TEST(BoxProver, NeverLosesAnEquilibrium) {
 TEST(BoxProver, ClosuresKeepEveryClosedPose) {
   std::mt19937_64 random(test::seed(5));
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  for (const char* scene : {"four_bar_gravity.toml", "six_bar.toml", "vertical_slider_crank.toml", "andrews.toml"}) {
+  for (const char* scene : {"four_bar_gravity.toml", "six_bar.toml", "vertical_slider_crank.toml", "andrews.toml",
+                            "lift.toml", "scissor_lift.toml"}) {
     SCOPED_TRACE(scene);
     const StaticModel model(read_scene(test::dataset(scene)));
     BoxProver prover(model, std::vector<StopState>(model.mechanism().stops(), StopState::inactive), 0);
@@ -205,10 +206,10 @@ TEST(BoxProver, ClosuresKeepEveryClosedPose) {
 
 // A crank of 1 m drives a table that slides along y on a block that slides along x: with the crank's angle given both
 // travels follow, and with one of them given the angle, on either side.
-StaticModel cross_slide() {
+StaticModel cross_slide(const std::string& stops = "") {
   return test::model_of(R"(
 [ground]
-points = { O = [0, 0], S = [0, 0] }
+points = { O = [0, 0], S = [0, 0], A = [2, 1] }
 [body.crank]
 points = { O = [0, 0], B = [1, 0] }
 mass = 1
@@ -229,9 +230,65 @@ points = ["block.C", "table.B"]
 axis = [0.6, 0.8]
 [[pin]]
 points = ["crank.B", "table.B"]
+)" + stops + R"(
 [start]
 crank = 0.5
 )");
+}
+
+// Poses between the limits of stops, often at one of them, stay in their boxes.
+TEST(BoxProver, StopsKeepEveryPoseBetween) {
+  const StaticModel model = cross_slide(R"(
+[[stop]]
+name = "x"
+slide = "x"
+min = -0.3
+max = 0.9
+[[stop]]
+name = "distance"
+points = ["ground.A", "crank.B"]
+min = 1.3
+max = 2.6
+)");
+  const double size = model.scales().length;
+  BoxProver prover(model, std::vector<StopState>(2, StopState::inactive), 0);
+  std::mt19937_64 random(test::seed(31));
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  const auto travels = [](double t) { return Vec2{std::cos(t) - 0.75 * std::sin(t), 1.25 * std::sin(t)}; };
+  const auto is_between = [&](double t) {
+    const double x = travels(t).x;
+    const double distance = std::hypot(2 - std::cos(t), 1 - std::sin(t));
+    return x >= -0.3 && x <= 0.9 && distance >= 1.3 && distance <= 2.6;
+  };
+  int between = 0;
+  int at_a_limit = 0;
+  for (int k = 0; k < 4000; ++k) {
+    double t = M_PI * (2.0 * share(random) - 1.0);
+    if (!is_between(t)) continue;
+    ++between;
+    if (const double beyond = t + 0.5; k % 3 == 0 && !is_between(beyond)) {
+      double above = beyond;
+      for (int halving = 0; halving < 60; ++halving) {
+        const double middle = 0.5 * (t + above);
+        (is_between(middle) ? t : above) = middle;
+      }
+      ++at_a_limit;
+    }
+    const double pose[] = {t, travels(t).x / size, travels(t).y / size};
+    CoordinateBox box(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double width = std::pow(10.0, -4.0 * share(random) + 0.5);
+      box[i] = Interval(pose[i] - (k % 2 == 0 ? 1e-9 : share(random) * width), pose[i] + width);
+    }
+    const solvers::RoundingUp up;
+    ASSERT_TRUE(prover.contract(box)) << k;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_LE(box[i].lower(), pose[i] + 1e-12) << k;
+      ASSERT_GE(box[i].upper(), pose[i] - 1e-12) << k;
+    }
+  }
+  EXPECT_GT(between, 200);
+  EXPECT_GT(at_a_limit, 50);
 }
 
 // All coordinates but two or three are known to 1e-13: then closures tell the others nearly as well, and a sliver too

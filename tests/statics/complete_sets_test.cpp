@@ -208,5 +208,73 @@ free_length = 0.4
   for (const Equilibrium& e : set.equilibria) EXPECT_EQ(e.certificate.outcome, Outcome::proved);
 }
 
+// --- loops ---------------------------------------------------------------------------------------------------------
+
+// The work is about 30 000 boxes.
+TEST(CompleteSets, TheLiftTakesLittleWork) {
+  const Scene lift = read_scene(test::dataset("lift.toml"));
+  const EquilibriumSet set = all_equilibria(StaticModel(lift), {.work = 2.5e6, .settling = false});
+  EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+  EXPECT_EQ(set.equilibria.size(), 64U) << set.statement;
+}
+
+// A scissor lift of three stages whose base runs between two stops. At the angle t of its arms, their length 1 m, the
+// base is at x = cos t, and the stages go up or down by sin t each: the first up, and the others as they are folded.
+// With the weights of 50 N for each arm and 1000 N on the platform
+//   V = G sin t + k/2 (cos t - L)^2,
+// and the platform points either way.
+TEST(CompleteSets, AScissorLiftOfThreeStages) {
+  Scene scene = read_scene(test::dataset("scissor_lift.toml"));
+  constexpr double k = 60000.0;
+  constexpr double free_length = 0.7723295178919067307583705;
+  constexpr double limits[] = {0.1, 0.98};
+  Stop& rail = scene.stops.emplace_back();
+  rail.name = "rail";
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (scene.joints[j].name == "base") rail.on = Measure::travel_of(static_cast<int>(j));
+  }
+  rail.min = limits[0];
+  rail.max = limits[1];
+  const EquilibriumSet set = all_equilibria(StaticModel(scene), {.work = 3e6, .settling = false});
+  EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+  std::vector<double> expected;
+  for (const double second : {1.0, -1.0}) {
+    for (const double third : {1.0, -1.0}) {
+      const double stages = 0.5 + (1.0 + 0.5 * second) + (1.0 + second + 0.5 * third);
+      const double load = 100.0 * stages + 1000.0 * (1.0 + second + third);
+      const auto slope = [&](double t) { return load * std::cos(t) - k * (std::cos(t) - free_length) * std::sin(t); };
+      for (const double side : {1.0, -1.0}) {
+        constexpr int steps = 10'000;
+        const double first = std::acos(limits[1]);
+        const double step = (std::acos(limits[0]) - first) / steps;
+        for (int i = 0; i < steps; ++i) {
+          double below = side * (first + i * step);
+          double above = side * (first + (i + 1) * step);
+          if (slope(below) * slope(above) > 0) continue;
+          for (int halving = 0; halving < 60; ++halving) {
+            const double middle = 0.5 * (below + above);
+            (slope(below) * slope(middle) > 0 ? below : above) = middle;
+          }
+          expected.insert(expected.end(), 2, below);
+        }
+        for (const double limit : limits) {
+          const double t = side * std::acos(limit);
+          const double by_travel = -slope(t) / std::sin(t);
+          if (limit == limits[0] ? by_travel > 0 : by_travel < 0) expected.insert(expected.end(), 2, t);
+        }
+      }
+    }
+  }
+  std::vector<double> found;
+  for (const Equilibrium& e : set.equilibria) {
+    EXPECT_EQ(e.certificate.outcome, Outcome::proved);
+    found.push_back(std::remainder(e.x[0], 2 * M_PI));
+  }
+  std::sort(expected.begin(), expected.end());
+  std::sort(found.begin(), found.end());
+  ASSERT_EQ(found.size(), expected.size()) << set.statement;
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], expected[i], 1e-9);
+}
+
 }  // namespace
 }  // namespace poise::complete_sets_test
