@@ -578,10 +578,19 @@ class Finder {
                          number_of(out_.singular.size(), "singular pose", "singular poses"),
                          EquilibriumSet::largest_joint_force);
     }
-    for (const int element : proof_.peaks) {
+    const auto name_of = [&](int element) {
       const Element& of = model_.scene().elements[static_cast<std::size_t>(element)];
-      out += fmt::format("; where {} \"{}\" has no length its force has no direction, and that is no equilibrium",
-                         of.family(), of.name);
+      return fmt::format("{} \"{}\"", of.family(), of.name);
+    };
+    for (const int element : proof_.peaks.exactly) {
+      out += fmt::format("; where {} has no length its force has no direction, and that is no equilibrium",
+                         name_of(element));
+    }
+    for (const int element : proof_.peaks.nearly) {
+      out += fmt::format(
+          "; where {} has no length the energy has a peak, and equilibria in which it is shorter than {:g} times the "
+          "mechanism's size are left out",
+          name_of(element), ElementPeaks::shortest);
     }
     return out;
   }

@@ -1152,7 +1152,7 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
 //   (X_p . F) (d . D X_q) - (X_q . F) (d . D X_p)
 // has no zero; and they give the vector T e, which has to be the same from any two, and of the size of T.
 bool BoxProver::is_refused_by_elements(const CoordinateBox& box) {
-  if (free_columns_.size() < 2) return false;
+  if (free_columns_.empty()) return false;
   for (Distance& on : distances_) {
     mechanism_.place(box.data(), pose_.data());
     const Planar<Interval> d = on.between.at(pose_.data());
@@ -1160,7 +1160,7 @@ bool BoxProver::is_refused_by_elements(const CoordinateBox& box) {
     const Interval pull = force_at_rest(on.law, length).value;
     if (!(length.width() > turning * length.lower()) && !(pull.width() > stiff)) continue;
     find_levers(on, box);
-    if (!is_balanced_by(on, d, pull)) return true;
+    if (free_columns_.size() == 1 ? is_passed(on, length, pull) : !is_balanced_by(on, d, pull)) return true;
   }
   return false;
 }
@@ -1204,8 +1204,23 @@ bool BoxProver::is_balanced_by(const Distance& on, const Planar<Interval>& d, co
   if (!size.bounded() || !own.bounded()) return true;
   if (size > own || (size < own && !is_point)) return false;
   if (!(size < own) || !(pull < Interval(0))) return true;
-  peaks_.insert(on.element);
+  peaks_.exactly.insert(on.element);
   return false;
+}
+
+// Of one freedom, with the lever v = D X: whether the element is too weak to balance everything else, or its points
+// pass each other and it pushes them apart by more than that. If d = 0 anywhere in the box, then d = v' (p - p_0)
+// elsewhere, v' of the same enclosure, and |T e . v| >= |T| min (v' . v) / |v'|.
+bool BoxProver::is_passed(const Distance& on, const Interval& length, const Interval& pull) {
+  const Planar<Interval>& lever = levers_.front();
+  const Planar<Interval> other = lever;  // of which all numbers are taken with all of `lever`
+  const Interval size = sqrt(squared_norm(lever));
+  const Interval rest = abs(along_.front());
+  if (rest > abs(pull) * size) return true;
+  if (!(length.upper() < ElementPeaks::shortest) || !(pull < Interval(0))) return false;
+  if (!(abs(pull) * (dot(lever, other) / size) > rest)) return false;
+  peaks_.nearly.insert(on.element);
+  return true;
 }
 
 // --- Newton's operator ----------------------------------------------------------------------------------------------

@@ -2,12 +2,12 @@
 
 #include <initializer_list>
 #include <memory>
-#include <set>
 #include <vector>
 
 #include "model/mechanism.hpp"
 #include "model/phasor_sum.hpp"
 #include "solvers/interval.hpp"
+#include "statics/element_peaks.hpp"
 #include "statics/merged_mechanism.hpp"
 #include "statics/static_model.hpp"
 
@@ -73,9 +73,8 @@ class BoxProver {
   /// many as there are freedoms, at most one; else `open`.
   Verdict examine_closed_poses(CoordinateBox& box);
 
-  /// Elements of the scene, of those that push their points apart, that have no length somewhere in a box that was
-  /// found empty: their force has no direction there and the energy a peak, which is no equilibrium.
-  const std::set<int>& peaks() const { return peaks_; }
+  /// Elements that may have no length in boxes that were found empty.
+  const ElementPeaks& peaks() const { return peaks_; }
 
   /// Narrows the box by closures, and by the equations of balance of coordinates that are in no closure. False if it is
   /// empty.
@@ -165,6 +164,7 @@ class BoxProver {
   bool is_refused_by_elements(const CoordinateBox& box);
   void find_levers(Distance& on, const CoordinateBox& box);
   bool is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull);
+  bool is_passed(const Distance& on, const Interval& length, const Interval& pull);
   Finding newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
   void split(const CoordinateBox& box, Verdict& verdict) const;
 
@@ -172,7 +172,7 @@ class BoxProver {
   const Mechanism<double>& plain_;
   MergedMechanism mechanism_;
   std::vector<Distance> distances_;
-  std::set<int> peaks_;
+  ElementPeaks peaks_;
   std::vector<StopState> stops_;
   std::vector<int> rows_;       // constraint rows that hold; the first m_ are taken for independent
   std::vector<double> bounds_;  // their values

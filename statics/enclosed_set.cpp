@@ -109,7 +109,7 @@ class Search {
   }
 
   std::vector<std::vector<double>> found;
-  std::set<int> peaks;
+  ElementPeaks peaks;
   long boxes = 0;
 
   bool stopped() const { return stopped_; }
@@ -122,7 +122,7 @@ class Search {
   struct Chunk {
     std::vector<Task> waiting{}, left{}, locked{};
     std::vector<std::vector<double>> found{};
-    std::set<int> peaks{};
+    ElementPeaks peaks{};
     long boxes = 0;
     double decided = 0.0;
   };
@@ -141,7 +141,7 @@ class Search {
       std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));
       std::move(chunk.locked.begin(), chunk.locked.end(), std::back_inserter(locked_));
       std::move(chunk.waiting.begin(), chunk.waiting.end(), std::back_inserter(waiting_));
-      peaks.insert(chunk.peaks.begin(), chunk.peaks.end());
+      peaks.add(chunk.peaks);
       boxes += chunk.boxes;
       decided_ += chunk.decided;
       allowance_.use(chunk.boxes);
@@ -684,13 +684,12 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
   out.applies = true;
   const double share = 1.0 / static_cast<double>(cases.size());
   bool finished = true;
-  std::set<int> peaks;
   for (std::size_t c = 0; c < cases.size(); ++c) {
     Search search(model, cases[c], repeated, options, allowance, share * static_cast<double>(c), share);
     search.run(parts);
     out.found.insert(out.found.end(), search.found.begin(), search.found.end());
     out.boxes += search.boxes;
-    peaks.insert(search.peaks.begin(), search.peaks.end());
+    out.peaks.add(search.peaks);
     out.decided += share * search.decided();
     out.interrupted = out.interrupted || (search.stopped() && allowance.interrupted());
     for (UndecidedBox& box : search.stopped() ? around(search.left()) : joined(model, turns, search.left())) {
@@ -706,7 +705,6 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
       break;
     }
   }
-  out.peaks.assign(peaks.begin(), peaks.end());
   if (!finished) {
     out.applies = false;
     out.why_not =

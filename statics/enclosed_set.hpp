@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "statics/all_equilibria.hpp"
+#include "statics/element_peaks.hpp"
 #include "statics/loop_turns.hpp"
 
 namespace poise {
@@ -17,7 +18,7 @@ struct EnclosedSet {
   std::vector<std::vector<double>> found{};  ///< scaled coordinates of solutions, each proved to be the only one near
   std::vector<UndecidedBox> undecided{};     ///< outside these, `singular` and `found` there are none
   std::vector<UndecidedBox> singular{};      ///< as EquilibriumSet::singular
-  std::vector<int> peaks{};                  ///< elements without length, as BoxProver::peaks()
+  ElementPeaks peaks{};                      ///< elements without length
   std::string within{};                      ///< range of the proof, half a sentence; empty if it is the whole
   /// Where it is given, nothing is said of equilibria in which an angle whose turns count is further from the start,
   /// rad.

@@ -80,6 +80,123 @@ TEST(CompleteSets, ATrussWhoseApexMeetsAPin) {
   }
 }
 
+// A crank of 1 m on a spring of k = 100 N/m and 0.4 m from its tip to A, 1 m from its pin. Where they meet, and `miss`
+// m beside, the energy has a peak; elsewhere  V' = m g/2 cos t + k (l - L) dl/dt,  l^2 = 1 + a^2 - 2 a cos(t).
+TEST(CompleteSets, ACrankThatPassesTheOtherEndOfItsSpring) {
+  for (const double miss : {0.0, 1e-15, 1e-12, 1e-3, -1e-3}) {
+    for (const double weight : {0.0, 9.81, -30.0}) {
+      SCOPED_TRACE(fmt::format("{} {}", miss, weight));
+      const double a = 1.0 + miss;
+      const EquilibriumSet set = set_of(fmt::format(R"(
+gravity = [0, {}]
+[ground]
+points = {{ O = [0, 0], A = [{}, 0] }}
+[body.crank]
+points = {{ O = [0, 0], B = [1, 0] }}
+mass = 1
+center = [0.5, 0]
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[spring]]
+name = "s"
+points = ["ground.A", "crank.B"]
+stiffness = 100
+free_length = 0.4
+[start]
+crank = 1
+)",
+                                                    -weight, a));
+      EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+      const bool passes = std::abs(miss) < 1e-9;
+      EXPECT_EQ(contains(set.statement, "where spring \"s\" has no length the energy has a peak"), passes)
+          << set.statement;
+      const auto slope = [&](double t) {
+        const double length = std::sqrt(1.0 + a * a - 2.0 * a * std::cos(t));
+        return 0.5 * weight * std::cos(t) + 100.0 * (length - 0.4) * a * std::sin(t) / length;
+      };
+      std::size_t expected = 0;
+      constexpr int steps = 100'000;
+      for (int i = 0; i < steps; ++i) {
+        const double from = -M_PI + 2.0 * M_PI * (i + 0.3) / steps;
+        const double to = from + 2.0 * M_PI / steps;
+        if (passes && from < 0 && to > 0) continue;
+        if (slope(from) * slope(to) < 0) ++expected;
+      }
+      EXPECT_EQ(set.equilibria.size(), expected) << set.statement;
+    }
+  }
+}
+
+// A crank of a four-bar whose end passes one of a spring, in both assembly modes.
+TEST(CompleteSets, ALoopThatPassesTheOtherEndOfASpring) {
+  const EquilibriumSet set = set_of(R"(
+gravity = [0, -9.81]
+[ground]
+points = { A = [0, 0], D = [2, 0], S = [0.8, 0.6] }
+[body.crank]
+points = { A = [0, 0], B = [1, 0] }
+mass = 1
+center = [0.5, 0]
+[body.coupler]
+points = { B = [0, 0], C = [2, 0] }
+mass = 2
+center = [1, 0]
+[body.rocker]
+points = { D = [0, 0], C = [1.5, 0] }
+mass = 1
+center = [0.7, 0]
+[[pin]]
+points = ["ground.A", "crank.A"]
+[[pin]]
+points = ["crank.B", "coupler.B"]
+[[pin]]
+points = ["coupler.C", "rocker.C"]
+[[pin]]
+points = ["ground.D", "rocker.D"]
+[[spring]]
+name = "s"
+points = ["ground.S", "crank.B"]
+stiffness = 100
+free_length = 0.5
+[start]
+crank = 1
+coupler = 0.3
+rocker = 1.5
+)");
+  EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+  EXPECT_EQ(set.equilibria.size(), 6U) << set.statement;
+  EXPECT_TRUE(contains(set.statement, "where spring \"s\" has no length the energy has a peak")) << set.statement;
+}
+
+// The spring, which pushes with 5 N where the block is at its other end, holds no load above that.
+TEST(CompleteSets, ABlockThatIsPushedThroughTheEndOfItsSpring) {
+  for (const double force : {1.0, 4.9, 5.1}) {
+    SCOPED_TRACE(force);
+    const EquilibriumSet set = set_of(fmt::format(R"(
+[ground]
+points = {{ O = [0, 0], A = [0.3, 0.4] }}
+[body.block]
+points = {{ P = [0, 0] }}
+[[slide]]
+name = "x"
+points = ["ground.O", "block.P"]
+axis = [0.6, 0.8]
+[[force]]
+at = "block.P"
+vector = [{}, {}]
+[[spring]]
+name = "s"
+points = ["ground.A", "block.P"]
+stiffness = 10
+free_length = 0.5
+)",
+                                                  0.6 * force, 0.8 * force));
+    EXPECT_EQ(set.claim, Claim::complete) << set.statement;
+    EXPECT_EQ(set.equilibria.size(), force < 5.0 ? 2U : 1U) << set.statement;
+    EXPECT_EQ(contains(set.statement, "has no length the energy has a peak"), force < 5.0) << set.statement;
+  }
+}
+
 // The springs of the truss would hold any force up to 12 N at a pin if they pulled.
 TEST(CompleteSets, AnElementThatPullsItsPointsTogetherIsNamed) {
   const EquilibriumSet set = set_of(R"(
