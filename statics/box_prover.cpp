@@ -734,16 +734,18 @@ bool BoxProver::contract(CoordinateBox& box, bool balance) {
 }
 
 // Stops that are not active bound their measures, and others are at a limit:  g(x) = g(m) + sum_i G_i (x_i - m_i)  is
-// within these.
+// within these. Those that repeat other rows are so to within rounding.
 bool BoxProver::contract_stops(CoordinateBox& box) {
   if (plain_.stops() == 0) return true;
   mechanism_.place(box.data(), pose_.data());
   mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
+  const bool repeats = rows_.size() > static_cast<std::size_t>(m_);
+  const Interval slack = repeats ? Interval(-open_gap, open_gap) : Interval(0);
   const auto limits_of = [&](int s) {
     const double lower = plain_.lower()[s];
     const double upper = plain_.upper()[s];
-    if (stops_[s] == StopState::inactive) return Interval(lower, upper);
-    return stops_[s] == StopState::at_upper ? Interval(upper) : Interval(lower);
+    if (stops_[s] == StopState::inactive) return Interval(lower, upper) + slack;
+    return Interval(stops_[s] == StopState::at_upper ? upper : lower) + slack;
   };
   bool is_cut = false;
   for (int s = 0; s < plain_.stops(); ++s) {

@@ -235,12 +235,9 @@ mutant("a middle that leaves its place" statics/box_prover.cpp
 mutant("a loop that follows without what others leave open" statics/box_prover.cpp
   [=[by[drivers_.size()] = box[i] - thin_[i];]=]
   [=[by[drivers_.size()] = Interval(0);]=])
-mutant("a coordinate by a loop that is singular" statics/box_prover.cpp
-  [=[if (!det.excludes_zero()) break;]=]
-  [=[if (det.middle() == 0) break;]=])
 mutant("stops at the middle of other coordinates" statics/box_prover.cpp
   [=[own -= jacobian_[other] * (box[j] - middle[j]);]=]
-  [=[]=])
+  [=[own -= Interval(0);]=])
 mutant("a sliver of what a stop leaves" statics/box_prover.cpp
   [=[if (!box[i].meet(middle[i] + own / jacobian_[e])) return false;]=]
   [=[if (!box[i].meet(middle[i] + own / jacobian_[e] + Interval(1e-9))) return false;]=])
@@ -273,7 +270,7 @@ mutant("reactions without the change of the rows" statics/box_prover.cpp
   [=[]=])
 mutant("bounds of motions and reactions without what others add" statics/box_prover.cpp
   [=[sum += e_(i, j) * u[j];]=]
-  [=[]=])
+  [=[sum += 0.0;]=])
 mutant("more stops than freedoms are forgotten in singular poses" statics/box_prover.cpp
   [=[(most < small_pivot && !may_touch)]=]
   [=[(most < small_pivot)]=])
