@@ -237,6 +237,9 @@ class ReducedMotion {
 
   T kinetic_energy() const;
   T potential_energy() const { return mechanism_.energy(q_.data(), pose_.data()); }
+  /// Sum of the sizes of the multipliers: the change of potential energy and work, at most, where every loop and drive
+  /// is open by 1. After accelerate(), with drives.
+  T work_of_gaps() const;
   /// Power of everything without a potential: resistances (negative), follower loads, inputs less the constant loads in
   /// whose place they are, drives. After accelerate().
   T power() const;
@@ -307,7 +310,7 @@ class ReducedMotion {
   void set_load(InputLoad<T>& load) const;
   void make_rows();
   void make_room();
-  void predict(const T& dt, const T* z);
+  void predict(const T& t, const T* z);
   void residual(const T& t);
   void fill_jacobian();
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0

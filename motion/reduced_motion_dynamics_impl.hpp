@@ -457,6 +457,15 @@ T ReducedMotion<T>::kinetic_energy() const {
 }
 
 template <class T>
+T ReducedMotion<T>::work_of_gaps() const {
+  using std::abs;
+  T sum(0);
+  for (const T& one : multipliers_) sum += abs(one);
+  for (const T& one : drive_multipliers_) sum += abs(one);
+  return sum;
+}
+
+template <class T>
 T ReducedMotion<T>::power() const {
   std::fill(full_.begin(), full_.end(), T(0));
   mechanism_.add_resistance(resistances_.data(), full_.data());

@@ -338,18 +338,24 @@ void ReducedMotion<T>::expect(const T* q) {
   known_ = false;
 }
 
-// q + u + J^-1(-D2c[u, u]/2) with u = B dz + (rates of the drives) dt: the pose placed last continued to second order.
+// q + u + J^-1(-D2c[u, u]/2) with u = B dz + J^-1 (what the drives move until t): the pose placed last continued to
+// second order. Drives that begin to move smoothly have neither rates nor accelerations there.
 template <class T>
-void ReducedMotion<T>::predict(const T& dt, const T* z) {
+void ReducedMotion<T>::predict(const T& t, const T* z) {
   using std::abs;
   std::fill(full_.begin(), full_.end(), T(0));
+  if (drives() > 0) {
+    std::fill(rows_work_.begin(), rows_work_.end(), T(0));
+    for (int k = 0; k < drives(); ++k) {
+      const DriveRow& d = drives_[k];
+      rows_work_[mechanism_.equalities() + k] = d.target(t_, 0, near_at(t_)) - d.target(t, 0, near_at(t));
+    }
+    solve_rows(rows_work_.data(), full_.data());
+  }
   for (int k = 0; k < freedoms(); ++k) {
     const T dz = z[k] - q_[independent_[k]];
     const T* column = B(k);
     for (int i = 0; i < n_; ++i) full_[i] += dz * column[i];
-  }
-  if (drives() > 0) {
-    for (int i = 0; i < n_; ++i) full_[i] += dt * drift_[i];
   }
   mechanism_.phasors().second(pose_.data(), full_.data(), full_.data(), work_.data());
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
@@ -369,7 +375,7 @@ template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z) {
   using std::abs;
   const bool predicted = known_ && rank() > 0;
-  if (predicted) predict(t - t_, z);
+  if (predicted) predict(t, z);
   known_ = false;
   t_ = t;
   for (InputLoad<T>& load : input_loads_) set_load(load);

@@ -378,6 +378,9 @@ class Simulation {
     constexpr int places = 5;
     double margins[places + 1] = {margin_};
     double passed = 0.0;
+    end_.assign(reduced_.q(), reduced_.q() + n_);
+    reduced_.expect(node_.data());
+    system_->rates(t, y_.data(), dydt_new_.data());
     for (int k = 1; k <= places && passed == 0.0; ++k) {
       margins[k] = k == places ? margin_at_end : margin_within(t, static_cast<double>(k) / places);
       if (margins[k] < -past && k < places) passed = static_cast<double>(k) / places;
@@ -389,7 +392,7 @@ class Simulation {
       const double least = low - (before - after) * (before - after) / (8 * bend);
       if (least < close && margin_within(t, x) < -past) passed = x;
     }
-    reduced_.expect(node_.data());
+    reduced_.expect(end_.data());
     system_->rates(t + taken_, y_new_.data(), dydt_new_.data());
     return passed * taken_;
   }
@@ -557,7 +560,7 @@ class Simulation {
           stepper_->step(t, y_, dydt_, h, y_new_, error_) && system_->rates(t + h, y_new_.data(), dydt_new_.data());
       reduced_.set_singular_limit(0.0);
       if (evaluated) {
-        const double error = std::max(weigh_error(h, accuracy), weigh_reading(t, h) / (1000 * accuracy));
+        const double error = std::max(weigh_error(t, h, accuracy), weigh_reading(t, h) / (1000 * accuracy));
         if (error <= 1.0) {
           taken_ = h;
           h = solvers::next_step(h, error);
@@ -596,7 +599,7 @@ class Simulation {
   }
 
   /// Error of the step relative to the tolerance. Rounding errors, which shorter steps do not reduce, are left out.
-  double weigh_error(double h, double accuracy) const {
+  double weigh_error(double t, double h, double accuracy) const {
     const int f = reduced_.freedoms();
     double far = 0.0;
     double fast = 0.0;
@@ -611,7 +614,9 @@ class Simulation {
       // time only; the energies at both ends do.
       const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
       const double unbalanced = std::abs(energy - energy_ - (y_new_[0] - y_[0]));
-      const double rounding = 100 * eps * (std::abs(energy) + std::abs(energy_));
+      // Of energies, of places to which loops and drives are closed, and of the times at which power is taken.
+      const double rounding = 100 * eps * (std::abs(energy) + std::abs(energy_)) + 10 * eps * reduced_.work_of_gaps() +
+                              4 * eps * (t + h) * (std::abs(dydt_[0]) + std::abs(dydt_new_[0]));
       worst =
           std::max(0.0, unbalanced - rounding) / (1000 * accuracy * std::max(exchanged_, std::abs(y_new_[0])) + tiny);
     }
@@ -965,6 +970,7 @@ class Simulation {
   double ahead_ = 0.0;               // time in which choices of friction are told apart
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
   std::vector<double> node_;                                          // coordinates at the last node
+  std::vector<double> end_;                                           // and at the end of the step just made
   std::vector<double> pivot_;                                         // per node
   std::vector<double> y_, dydt_, y_new_, dydt_new_, error_, within_;
   std::unique_ptr<ReducedSystem> system_;

@@ -700,7 +700,7 @@ JudgedRubbing judge_rubbing(std::uint64_t seed, int finer) {
   // The rates after a step in which friction turns are wrong by up to the step times the change of the acceleration:
   // the numbers of steps have no common factors, so that these errors do not agree by chance.
   std::vector<std::vector<Few>> judged;
-  constexpr std::array parts{61, 89, 127, 181, 257};
+  constexpr std::array parts{33, 61, 89, 127, 181, 257};
   for (const int part : parts) judged.push_back(small_steps(*mechanism, samples * finer * part, samples));
   std::vector<int> coordinates;
   for (const Channel* channel : of) coordinates.push_back(channel->coordinate);

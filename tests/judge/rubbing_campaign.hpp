@@ -51,7 +51,7 @@ struct JudgedRubbing {
   double error = 0.0;    ///< as printed
   double beyond = 0.0;   ///< largest |difference| / (error of the program + error of the small steps)
   double apart = 0.0;    ///< that difference, rad or m
-  double unknown = 0.0;  ///< and the error of the small steps, from others up to four times as long
+  double unknown = 0.0;  ///< and the error of the small steps, from others up to eight times as long
   std::string where;     ///< coordinate and time of it
 };
 /// `finer`: by up to 16448 steps times that.

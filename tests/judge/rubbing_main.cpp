@@ -39,7 +39,7 @@ int main(int count, char** words) {
     int confirmed = 0, agree = 0;
     for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
       JudgedRubbing run = judge_rubbing(seed);
-      for (const int finer : {8, 64}) {
+      for (const int finer : {8, 64, 512}) {
         if (run.beyond > 1) run = judge_rubbing(seed, finer);
       }
       ++runs[run.kind];

@@ -212,6 +212,88 @@ width = 0
   }
 }
 
+// A ramp of the fifth degree begins with neither rate nor acceleration, from which nothing of it can be foreseen: where
+// nothing else moves, steps at its beginning failed.
+TEST(StickSlip, FollowsADriveThatBeginsSmoothlyWhereAllElseIsHeld) {
+  constexpr double to = -0.58, begin = 0.347, end = 1.49;
+  for (const bool with_wheel : {false, true}) {
+    const MotionModel model(resisted_by_joints(parse_scene(fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.driven]
+points = {{ O = [0, 0] }}
+inertia = 1
+[[pin]]
+points = ["ground.O", "driven.O"]
+[[drive]]
+bodies = ["ground", "driven"]
+time = {{ ramp = {{ to = {}, start = {}, end = {}, law = "polynomial_345" }} }}
+{})",
+                                                                       to, begin, end,
+                                                                       with_wheel ? R"([body.wheel]
+points = { O = [0, 0] }
+inertia = 0.3
+[[pin]]
+points = ["ground.O", "wheel.O"]
+friction = { torque = 1 }
+[[friction]]
+bodies = ["driven", "wheel"]
+torque = 0.25
+width = 0
+)"
+                                                                                  : ""),
+                                                           "wheels.toml")));
+    for (const double accuracy : {1e-7, 1e-10, 1e-12, 1e-13}) {
+      MotionOptions options;
+      options.duration = 2.2;
+      options.accuracy = accuracy;
+      const ConfirmedMotion found = simulate_and_confirm(model, test::released(model, {}), options);
+      ASSERT_TRUE(found.confirmed()) << accuracy << found.motion.why << found.why_unknown;
+      EXPECT_LT(found.motion.steps, 60) << accuracy;
+      const std::vector<test::Reading> read = test::read_at(found.motion, {0.3, 0.4, 0.9, 1.4, 2.0});
+      const auto driven = static_cast<std::size_t>(test::coordinate_of(model, "driven"));
+      const double times[] = {0.3, 0.4, 0.9, 1.4, 2.0};
+      for (std::size_t k = 0; k < read.size(); ++k) {
+        const double s = std::clamp((times[k] - begin) / (end - begin), 0.0, 1.0);
+        EXPECT_NEAR(read[k].q[driven], to * s * s * s * (10 + s * (6 * s - 15)), accuracy + 1e-14);
+      }
+    }
+  }
+}
+
+// What is held is looked at within steps too, however far they lead.
+TEST(StickSlip, HoldsWhatTurnsByMoreThanARadianInAStep) {
+  const MotionModel model(resisted_by_joints(parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.a]
+points = { O = [0, 0] }
+inertia = 0.5
+[body.b]
+points = { O = [0, 0] }
+inertia = 0.7
+[[pin]]
+points = ["ground.O", "a.O"]
+friction = { torque = 0.55 }
+[[torque]]
+on = "a"
+value = 1.75
+[[pin]]
+points = ["ground.O", "b.O"]
+[[friction]]
+bodies = ["a", "b"]
+torque = 0.9
+width = 0
+)",
+                                                         "wheels.toml")));
+  MotionOptions options;
+  options.duration = 4.0;
+  const ConfirmedMotion found = simulate_and_confirm(model, test::released(model, {}), options);
+  ASSERT_TRUE(found.confirmed()) << found.motion.why << found.why_unknown;
+  const test::Reading end = test::read_at(found.motion, {4.0}).front();
+  for (const double angle : end.q) EXPECT_NEAR(angle, 8.0, 1e-9);  // both with 1 rad/s^2
+}
+
 Scene two_arms(double width) {
   Scene scene = read_scene(test::dataset("double_pendulum.toml"));
   for (Element& element : scene.elements) {
