@@ -395,6 +395,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
       for (int j = 0; j < r; ++j) *a++ = jacobian(used_rows_[i], dependent_[j]);
     }
     pivot_ = lu_.factor();
+    // Rows that are left out may depend on a coordinate on which those used hardly do any more.
+    for (int j = 0; r < rows_ && j < r; ++j) {
+      T used(0), any(0);
+      for (const int i : used_rows_) used = std::max<T>(used, abs(jacobian(i, dependent_[j])));
+      for (int i = 0; i < rows_; ++i) any = std::max<T>(any, abs(jacobian(i, dependent_[j])));
+      if (used < pivot_ * any) pivot_ = used / any;
+    }
     if (!(pivot_ > singular_limit_)) return Status::singular;
     T gap(0);
     for (int i = 0; i < r; ++i) {

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "comparison/random.hpp"
+#include "comparison/redundant_scenes.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/seed.hpp"
@@ -18,7 +20,8 @@ namespace {
 
 using comparison::Random;
 
-/// The largest distance of the two points of a pin, and of a driven angle from its law, at any node.
+/// The largest distance of the two points of a pin, of a point from its slot, and of a driven angle from its law, at
+/// any node.
 double gap_of(const MotionModel& model, const Motion& motion) {
   const Scene& scene = model.scene();
   const Trajectory& path = motion.trajectory;
@@ -30,7 +33,11 @@ double gap_of(const MotionModel& model, const Motion& motion) {
     const std::vector<BodyPose<double>> poses =
         model.poses(model.from_si({first, first + static_cast<std::ptrdiff_t>(n)}));
     const auto world = [&](PointRef p) { return poses[static_cast<std::size_t>(p.body)].world(scene.local(p)); };
-    for (const Joint& joint : scene.joints) worst = std::max(worst, norm(world(joint.b) - world(joint.a)));
+    for (const Joint& joint : scene.joints) {
+      const Vec2 apart = world(joint.b) - world(joint.a);
+      const Vec2 along = joint.direction() * poses[static_cast<std::size_t>(joint.a.body)].direction();
+      worst = std::max(worst, joint.has_travel() ? std::abs(cross(along, apart)) : norm(apart));
+    }
     for (std::size_t d = 0; d < scene.drives.size(); ++d) {
       const Drive& drive = scene.drives[d];
       const double angle = poses[static_cast<std::size_t>(drive.on.body_b)].angle;
@@ -161,6 +168,26 @@ TEST(TornMotions, RandomOnesAreNeverConfirmed) {
     EXPECT_EQ(end_of(three_links(shorter, leaning, random.uniform(-9, 9)), 1), End::torn);
     EXPECT_EQ(end_of(three_links(0, leaning, random.uniform(-9, 9)), 1), End::confirmed);
   }
+}
+
+void expect_confirmed(std::uint64_t seed) {
+  const MotionModel model(comparison::redundant_scene(seed));
+  MotionOptions options;
+  options.duration = 0.5;
+  const ConfirmedMotion found = simulate_and_confirm(model, start_motion(model, {}), options);
+  ASSERT_TRUE(found.confirmed()) << seed << ": " << found.motion.why << found.why_unknown;
+  EXPECT_LE(gap_of(model, found.motion), *found.error * std::max(1.0, model.scales().length) + 1e-12) << seed;
+}
+
+TEST(TornMotions, WhatRepeatsEverywhereIsConfirmed) {
+  const int count = test::cases(60, 500);
+  for (int k = 0; k < count; ++k) expect_confirmed(test::seed(8000) + static_cast<std::uint64_t>(k));
+}
+
+// These pass places where the rows that are used do not depend on a coordinate any more, but those left out do: they
+// were called torn, or steps became too short.
+TEST(TornMotions, OtherRowsAreUsedWhereThoseUsedVanish) {
+  for (const std::uint64_t seed : {101U, 126U, 335U, 403U, 492U}) expect_confirmed(seed);
 }
 
 }  // namespace
