@@ -379,8 +379,9 @@ class Simulation {
     double margins[places + 1] = {margin_};
     double passed = 0.0;
     end_.assign(reduced_.q(), reduced_.q() + n_);
+    // From the node, whose rates these are already; those at the end are needed on the way.
     reduced_.expect(node_.data());
-    system_->rates(t, y_.data(), dydt_new_.data());
+    system_->rates(t, y_.data(), dydt_.data());
     for (int k = 1; k <= places && passed == 0.0; ++k) {
       margins[k] = k == places ? margin_at_end : margin_within(t, static_cast<double>(k) / places);
       if (margins[k] < -past && k < places) passed = static_cast<double>(k) / places;
