@@ -178,6 +178,8 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false);
   freedoms_ = reduced.freedoms();
+  const bool is_regular = reduced.rank() == assembled.model->mechanism().equalities() + reduced.drives();
+  mobility_ = freedoms_at(*assembled.model, x, is_regular ? std::optional(0) : std::nullopt);
   independent_ = reduced.independent();
   if (run_.equilibrium && freedoms_ != 1) {
     throw InputError(

@@ -10,6 +10,7 @@
 #include "identification/experiment.hpp"
 #include "identification/scene_parameter.hpp"
 #include "motion/simulate.hpp"
+#include "statics/mobility.hpp"
 
 namespace poise {
 
@@ -49,6 +50,8 @@ class RunModel {
   int columns() const { return unknowns() + nuisances(); }
   int sensors() const { return static_cast<int>(experiment_.sensors.size()); }
   int freedoms() const { return freedoms_; }
+  /// That the closures leave where the run starts, without its drives.
+  const Freedoms& mobility() const { return mobility_; }
   const Run& run() const { return run_; }
   /// The first unknowns.
   const std::vector<SceneParameter>& numbers() const { return numbers_; }
@@ -213,6 +216,7 @@ class RunModel {
   std::vector<double> closed_;        // a closed pose, SI
   std::vector<int> independent_;
   int freedoms_ = 0;
+  Freedoms mobility_{};
   bool equilibrium_unknown_ = false, start_unknown_ = true;
   int equilibrium_coordinate_ = -1;
   std::vector<std::vector<double>> times_;

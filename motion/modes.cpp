@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -154,6 +155,8 @@ class Linear {
     mass_ = reduced_mass(model, x, basis_);
     damping_ = reduced_damping(model, x, basis_);
     out_.freedoms = static_cast<int>(basis_.cols());
+    const bool is_regular = basis_.cols() == m.coordinates() - static_cast<Index>(rows.size());
+    out_.mobility = freedoms_at(model, x, is_regular ? std::optional(0) : std::nullopt);
     out_.held = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int row) {
       return row >= m.equalities() && !model.scene().stops[static_cast<std::size_t>(row - m.equalities())].couples();
     }));
@@ -162,6 +165,10 @@ class Linear {
   Modes modes() {
     if (out_.freedoms == 0) {
       out_.why = out_.held > 0 ? "it is held by its stops" : "its closures leave no degree of freedom";
+      return out_;
+    }
+    if (out_.mobility.finite == 0 && out_.mobility.by == Freedoms::By::curvature) {
+      out_.why = "its closures leave infinitesimal motion only";
       return out_;
     }
     if (!condense()) return out_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "motion/motion_model.hpp"
+#include "statics/mobility.hpp"
 
 namespace poise {
 
@@ -36,10 +37,11 @@ struct Vibration {
 /// The linear motions of a mechanism near an equilibrium.
 struct Modes {
   bool known = false;
-  std::string why;   ///< if not known: what is missing, one sentence
-  int freedoms = 0;  ///< degrees of freedom, columns of N
-  int massless = 0;  ///< directions without inertia, which follow the others (static condensation)
-  int held = 0;      ///< active stops; they count as closures
+  std::string why;    ///< if not known: what is missing, one sentence
+  int freedoms = 0;   ///< degrees of freedom, columns of N
+  int massless = 0;   ///< directions without inertia, which follow the others (static condensation)
+  int held = 0;       ///< active stops; they count as closures
+  Freedoms mobility;  ///< that the closures leave, whatever stops hold
   /// Unstable modes first (fastest first), then neutral ones, then by frequency.
   std::vector<Vibration> vibrations;
 };
@@ -50,6 +52,7 @@ struct Modes {
 /// lambda the multipliers of least norm in  grad V + J^T lambda = 0, D from the dampers and torsion dampers. Loads that
 /// follow a body make K unsymmetric. Frequencies and shapes are those of the pencil (K, M), exponents s those of
 ///   (s^2 M + s C + K) u = 0.
+/// Not known where it is proved that the closures leave no finite freedom: then nothing moves.
 /// Left out: dry friction, which is not linear, and drives, which statics leaves out too. x must be an equilibrium.
 Modes modes_of(const MotionModel& model, const std::vector<double>& x);
 

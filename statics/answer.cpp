@@ -46,7 +46,7 @@ std::optional<double> error_of(const Answer& answer) {
 }
 
 Answer measure(const StaticModel& model, Equilibrium equilibrium) {
-  Answer answer{std::move(equilibrium), std::nullopt, std::nullopt};
+  Answer answer{std::move(equilibrium), {}, {}, {}};
   const std::vector<double>& x = answer.equilibrium.x;
   const bool searched =
       answer.equilibrium.status != Status::not_applicable && answer.equilibrium.status != Status::not_solved;
@@ -57,9 +57,15 @@ Answer measure(const StaticModel& model, Equilibrium equilibrium) {
     answer.readings->elements[e].force = forces[e].value;
     answer.readings->elements[e].radius = forces[e].radius;
   }
-  if (!answer.equilibrium.found()) return answer;
-  answer.reference = refine(model, x);
-  answer.radii = enclose_values(model, answer.equilibrium.certificate);
+  if (answer.equilibrium.found()) {
+    answer.reference = refine(model, x);
+    answer.radii = enclose_values(model, answer.equilibrium.certificate);
+  }
+  const bool is_in_balance = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
+  if (!answer.readings || !is_in_balance) return answer;
+  // Without self-stress no closure repeats others.
+  const bool is_regular = answer.equilibrium.check.redundancy == 0;
+  answer.freedoms = freedoms_at(model, x, is_regular ? std::optional(0) : std::nullopt);
   return answer;
 }
 

@@ -5,6 +5,7 @@
 
 #include "statics/enclosed_values.hpp"
 #include "statics/equilibrium.hpp"
+#include "statics/mobility.hpp"
 #include "statics/readings.hpp"
 #include "statics/reference.hpp"
 
@@ -16,6 +17,7 @@ struct Answer {
   std::optional<Readings> readings;    ///< where the search ended; none when it did not begin
   std::optional<Reference> reference;  ///< of confirmed answers
   ValueRadii radii{};                  ///< of confirmed answers
+  std::optional<Freedoms> freedoms{};  ///< there, where it is in balance
 };
 
 /// What is known of a result, in a few words: "proved: stable", "degenerate, proved: stable", "neutral, proved:

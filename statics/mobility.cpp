@@ -13,6 +13,7 @@
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
 #include "statics/closure_rounding.hpp"
+#include "statics/curvature.hpp"
 #include "statics/equilibrium_problem.hpp"
 #include "statics/held_rows.hpp"
 #include "statics/sparse_least_squares.hpp"
@@ -26,6 +27,9 @@ constexpr int dense_mobility_limit = 400;
 // power of the distance they look closed within closed_in_place^(1/k): for k = 2 to 5 much nearer.
 constexpr double finite_step = 0.05;
 constexpr double closed_in_place = 1e-13;
+// Curvatures of the rows are known to this share of the largest: positions are closed to 1e-9.
+constexpr double bends_for_certain = 1e-6;
+constexpr int most_combinations = 100;
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -210,6 +214,39 @@ void find_redundancy(const ScaledModel& model, const std::vector<int>& rows, Mob
       model, rows, [&](int row) { return null.row(row).norm() > 1e-8; }, out);
 }
 
+// Whether  z^T (sum w_r c_r'') z  grows along all tangents z for some self-stress w: the combination of those of a
+// basis is moved towards those that hold the tangent that is held least, until it holds all (a perceptron).
+bool curvature_locks(const ScaledModel& model, const std::vector<int>& rows, const std::vector<double>& x,
+                     const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& tangents) {
+  const Eigen::MatrixXd stresses =
+      solvers::null_space(Eigen::MatrixXd(jacobian.transpose()), solvers::known_to::closed_point);
+  DensePoint<double> point(model.mechanism(), x, rows);
+  const Eigen::MatrixXd without = point.tangent(Eigen::VectorXd::Zero(stresses.rows()));
+  std::vector<Eigen::MatrixXd> bends;
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < stresses.cols(); ++k) {
+    const Eigen::MatrixXd whole = point.tangent(stresses.col(k)) - without;
+    bends.push_back(tangents.transpose() * (whole + whole.transpose()) * tangents / 2);
+    largest = std::max(largest, bends.back().cwiseAbs().maxCoeff());
+  }
+  if (!(largest > bends_for_certain)) return false;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(tangents.cols(), tangents.cols());
+  for (const Eigen::MatrixXd& bend : bends) sum += bend.trace() / largest * bend;
+  for (int turn = 0; turn < most_combinations; ++turn) {
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(sum);
+    if (eigen.values[0] > bends_for_certain * std::max(largest, eigen.values.cwiseAbs().maxCoeff())) return true;
+    const Eigen::VectorXd loose = eigen.vectors.col(0);
+    bool any = false;
+    for (const Eigen::MatrixXd& bend : bends) {
+      const double held = loose.dot(bend * loose) / largest;
+      any = any || std::abs(held) > bends_for_certain;
+      sum += held * bend;
+    }
+    if (!any) return false;
+  }
+  return false;
+}
+
 }  // namespace
 
 Mobility analyse_mobility(const ScaledModel& model) {
@@ -248,31 +285,65 @@ Mobility analyse_mobility(const ScaledModel& model) {
   return out;
 }
 
-std::optional<int> finite_freedoms(const ScaledModel& model, const Mobility& mobility) {
+std::string to_string(Freedoms::By by) {
+  switch (by) {
+    case Freedoms::By::rank:
+      return "rank";
+    case Freedoms::By::curvature:
+      return "curvature";
+    case Freedoms::By::closing_beside:
+      return "closing beside";
+    case Freedoms::By::nothing:
+      return "nothing";
+  }
+  return "";
+}
+
+Freedoms freedoms_at(const ScaledModel& model, const std::vector<double>& x, std::optional<int> repeating) {
   const std::vector<int> rows = rows_of_mechanism(model);
-  if (!mobility.assembled || rows.size() > dense_mobility_limit) return std::nullopt;
-  if (mobility.rank == mobility.closures || mobility.freedoms == 0) return mobility.freedoms;
-  const Eigen::MatrixXd tangents =
-      solvers::null_space(Eigen::MatrixXd(jacobian_of(model, rows, mobility.x)), solvers::known_to::closed_point);
+  const int coordinates = model.mechanism().coordinates(), closures = static_cast<int>(rows.size());
+  const auto number_at = [&](const std::vector<double>& at) {
+    if (rows.empty()) return coordinates;
+    const Eigen::SparseMatrix<double> jacobian = jacobian_of(model, rows, at);
+    if (closures > dense_mobility_limit) {
+      return coordinates - closures + SparseLeastSquares(jacobian).left_null_space().dimension;
+    }
+    return static_cast<int>(solvers::null_space(Eigen::MatrixXd(jacobian), solvers::known_to::closed_point).cols());
+  };
+  Freedoms out;
+  out.infinitesimal = repeating ? coordinates - closures + *repeating : number_at(x);
+  if (out.infinitesimal == coordinates - closures || out.infinitesimal == 0) {
+    out.finite = out.infinitesimal;
+    out.by = Freedoms::By::rank;
+    return out;
+  }
+  if (closures > dense_mobility_limit) return out;
+  const Eigen::MatrixXd jacobian(jacobian_of(model, rows, x));
+  const Eigen::MatrixXd tangents = solvers::null_space(jacobian, solvers::known_to::closed_point);
+  if (curvature_locks(model, rows, x, jacobian, tangents)) {
+    out.finite = 0;
+    out.by = Freedoms::By::curvature;
+    return out;
+  }
+  out.by = Freedoms::By::closing_beside;
   const EquilibriumProblem problem(model.mechanism());
   solvers::Newton newton(problem);
   std::minstd_rand random(1);
   std::normal_distribution<double> normal;
-  int out = 0;
-  for (int trial = 0; trial < 4 + 4 * mobility.freedoms && out < mobility.freedoms; ++trial) {
+  int most = 0;
+  for (int trial = 0; trial < 4 + 4 * out.infinitesimal && most < out.infinitesimal; ++trial) {
     const Eigen::VectorXd along = Eigen::VectorXd::NullaryExpr(tangents.cols(), [&] { return normal(random); });
     const Eigen::VectorXd step = finite_step * (tangents * along.normalized());
-    std::vector<double> x = mobility.x;
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += step[static_cast<Eigen::Index>(i)];
-    const solvers::NewtonResult& closed = newton.close(x);
+    std::vector<double> beside = x;
+    for (std::size_t i = 0; i < x.size(); ++i) beside[i] += step[static_cast<Eigen::Index>(i)];
+    const solvers::NewtonResult& closed = newton.close(beside);
     if (closed.outcome != solvers::Outcome::converged || !(closed.constraint_error <= closed_in_place)) continue;
     double moved = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) moved = std::hypot(moved, closed.x[i] - mobility.x[i]);
-    if (moved < finite_step / 10) continue;
-    const Eigen::MatrixXd there(jacobian_of(model, rows, closed.x));
-    out = std::max(out, static_cast<int>(solvers::null_space(there, solvers::known_to::closed_point).cols()));
+    for (std::size_t i = 0; i < x.size(); ++i) moved = std::hypot(moved, closed.x[i] - x[i]);
+    if (moved >= finite_step / 10) most = std::max(most, number_at(closed.x));
   }
-  return std::min(out, mobility.freedoms);
+  out.finite = std::min(most, out.infinitesimal);
+  return out;
 }
 
 std::vector<double> close_loops(const ScaledModel& model) {

@@ -35,11 +35,34 @@ class AssemblyError : public InputError {
 
 Mobility analyse_mobility(const ScaledModel& model);
 
-/// Degrees of freedom with which it can move from its assembled start by more than an infinitesimal amount: fewer than
-/// mobility.freedoms where loops repeat each other at the start only (a shaky structure, a change point). Where
-/// closures are independent both are equal; else found by closing the loops again at places 0.05 (rad, sizes) away
-/// along random tangents, which is no proof. Nothing of mechanisms of more than 400 closures.
-std::optional<int> finite_freedoms(const ScaledModel& model, const Mobility& mobility);
+/// Degrees of freedom in a position in which the loops are closed. A mechanism can leave it by more than an
+/// infinitesimal amount with fewer of them where loops repeat each other there only (a shaky structure, a change
+/// point).
+struct Freedoms {
+  enum class By {
+    rank,            ///< its closures are independent, so that every freedom is finite
+    curvature,       ///< to second order none is: see freedoms_at()
+    closing_beside,  ///< loops were closed again at places beside it, which is no proof
+    nothing          ///< it was not looked for, in mechanisms of more than 400 closures
+  };
+  int infinitesimal = 0;      ///< coordinates - rank of the closure Jacobian J
+  std::optional<int> finite;  ///< at most `infinitesimal`
+  By by = By::nothing;
+
+  bool is_shaky() const { return finite && *finite < infinitesimal; }
+};
+
+/// "rank", "curvature", "closing beside", "nothing".
+std::string to_string(Freedoms::By by);
+
+/// The freedoms at closed scaled coordinates x. `repeating`: the number of rows that repeat others, where it is known.
+///
+/// Let the rows of Z span the motions z with J z = 0, and w^T J = 0 for the self-stresses w. The rows c can stay closed
+/// along a motion only if  sum w_r z^T c_r'' z = 0  for all w. Where that sum is positive for some w and all z, nothing
+/// moves (R. Connelly, W. Whiteley, "Second-order rigidity and prestress stability for tensegrity frameworks", 1996):
+/// a proof to rounding, with a margin of 1e-6. Elsewhere the loops are closed again at places 0.05 (rad, sizes) away
+/// along random tangents, and the largest number of freedoms met there is taken.
+Freedoms freedoms_at(const ScaledModel& model, const std::vector<double>& x, std::optional<int> repeating = {});
 
 /// Throws AssemblyError if the loops are not closed, InputError if no pose can close them.
 void expect_closed(const ScaledModel& model, const Mobility& mobility);

@@ -123,6 +123,32 @@ std::string in_words(const Certificate& certificate) {
   return text;
 }
 
+std::string shaky_in_words(const Freedoms& freedoms) {
+  if (!freedoms.is_shaky()) return "";
+  const std::string finite = *freedoms.finite == 0 ? "none" : std::to_string(*freedoms.finite);
+  const std::string known = freedoms.by == Freedoms::By::curvature
+                                ? "to second order they would open along every motion"
+                                : "found by closing the loops again at places beside it, which is no proof";
+  return fmt::format(
+      "joints repeat each other in this position and not beside it: {} of infinitesimal motion, {} of "
+      "finite motion ({})",
+      count(freedoms.infinitesimal, "degree of freedom", "degrees of freedom"), finite, known);
+}
+
+void add_freedoms(Group& group, const Freedoms& freedoms) {
+  group.data("degrees_of_freedom", freedoms.infinitesimal);
+  group.data("finite_degrees_of_freedom", freedoms.finite);
+  group.data("known_by", to_string(freedoms.by));
+}
+
+void add_mobility(Group& group, const std::optional<Freedoms>& freedoms) {
+  if (!freedoms) {
+    group.data("mobility", nullptr);
+    return;
+  }
+  add_freedoms(group.group("mobility", "", Verbosity::data), *freedoms);
+}
+
 Tone tone_of(Stability stability) {
   switch (stability) {
     case Stability::stable:

@@ -3,6 +3,7 @@
 // What the results of several commands have in common. Values are given in SI and are shown in the units of the
 // scene.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,13 @@ std::string with_unit(const ScaledModel& model, double si, Quantity quantity, in
 /// "1 unstable direction", ...; nothing where there is none.
 std::string in_words(const Certificate& certificate);
 Tone tone_of(Stability stability);
+
+/// Where not all freedoms of a position are finite: that joints repeat each other there, how many freedoms are left,
+/// and how that is known; empty elsewhere.
+std::string shaky_in_words(const Freedoms& freedoms);
+/// Adds them as data; a group `mobility` of them, or null without a position.
+void add_freedoms(Group& group, const Freedoms& freedoms);
+void add_mobility(Group& group, const std::optional<Freedoms>& freedoms);
 
 /// "stable, -131.69 N m"; the energy where it is known.
 std::string stability_and_energy(const ScaledModel& model, const Equilibrium& equilibrium);

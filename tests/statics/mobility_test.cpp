@@ -205,22 +205,43 @@ l3 = -1.5707963267948966
                      "links.toml");
 }
 
-std::optional<int> finite_freedoms_of(const Scene& scene, int infinitesimal) {
+Freedoms freedoms_of(const Scene& scene, int infinitesimal) {
   const StaticModel model(scene);
   const Mobility mobility = analyse_mobility(model);
   EXPECT_EQ(mobility.freedoms, infinitesimal);
-  return finite_freedoms(model, mobility);
+  const Freedoms out = freedoms_at(model, mobility.x);
+  EXPECT_EQ(out.infinitesimal, infinitesimal);
+  return out;
 }
 
+// Turned by a, the tips of links of the lengths 1, L, 1 that stay parallel leave the line of the bed by (1 - L) a^2 /
+// 2: to second order unless L = 1.
 TEST(Mobility, OfAShakyStructureIsInfinitesimal) {
-  EXPECT_EQ(finite_freedoms_of(three_links(0.0), 1), 1);
-  for (const double shorter : {0.5, 0.1, 0.01, 1e-3, -0.1}) EXPECT_EQ(finite_freedoms_of(three_links(shorter), 1), 0);
-  EXPECT_EQ(finite_freedoms_of(test::parallelogram(5, 1.0, 1.0), 1), 1);
-  EXPECT_EQ(finite_freedoms_of(test::scissor(4, 1.0, 1.0, 0.5), 1), 1);
+  for (const double shorter : {0.5, 0.1, 0.01, 1e-3, -0.1}) {
+    const Freedoms none = freedoms_of(three_links(shorter), 1);
+    EXPECT_EQ(none.finite, 0) << shorter;
+    EXPECT_EQ(none.by, Freedoms::By::curvature) << shorter;
+    EXPECT_TRUE(none.is_shaky());
+  }
+  for (const Scene& scene : {three_links(0.0), test::parallelogram(5, 1.0, 1.0)}) {
+    const Freedoms one = freedoms_of(scene, 1);
+    EXPECT_EQ(one.finite, 1);
+    EXPECT_EQ(one.by, Freedoms::By::closing_beside);
+    EXPECT_FALSE(one.is_shaky());
+  }
+  for (const Scene& scene : {test::parallelogram(2, 1.0, 1.0), test::scissor(4, 1.0, 1.0, 0.5)}) {
+    const Freedoms one = freedoms_of(scene, 1);
+    EXPECT_EQ(one.finite, 1);
+    EXPECT_EQ(one.by, Freedoms::By::rank);
+  }
 }
 
 // A flat parallelogram can go on in two ways, each of one degree of freedom.
-TEST(Mobility, OfAChangePointIsThatBeyond) { EXPECT_EQ(finite_freedoms_of(test::parallelogram(2, 0.0, 1.0), 2), 1); }
+TEST(Mobility, OfAChangePointIsThatBeyond) {
+  const Freedoms one = freedoms_of(test::parallelogram(2, 0.0, 1.0), 2);
+  EXPECT_EQ(one.finite, 1);
+  EXPECT_EQ(one.by, Freedoms::By::closing_beside);
+}
 
 TEST(Mobility, NamesTheJointsOfTheParallelogram) {
   const Scene scene = read_scene(dataset("redundant_parallelogram.toml"));

@@ -31,6 +31,16 @@ std::vector<double> in_units(const std::vector<double>& rms, const Experiment& e
   return out;
 }
 
+/// Freedoms where the runs start.
+void add_mobilities(Group& content, const FitProblem& problem) {
+  Branch& runs = content.array("mobility");
+  for (std::size_t r = 0; r < problem.experiment().runs.size(); ++r) {
+    Group& one = runs.parts.emplace_back();
+    one.data("run", problem.run(r).run().name);
+    add_freedoms(one, problem.run(r).mobility());
+  }
+}
+
 std::string kind_in_words(StandardErrors::Kind kind) {
   switch (kind) {
     case StandardErrors::Kind::white:
@@ -166,6 +176,12 @@ void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vec
 std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
+  for (std::size_t r = 0; r < problem.experiment().runs.size(); ++r) {
+    const RunModel& run = problem.run(r);
+    if (!run.mobility().is_shaky()) continue;
+    out.push_back(
+        doubtful(fmt::format("At the start of run \"{}\" {}.", run.run().name, shaky_in_words(run.mobility()))));
+  }
   if (!fitted.usable()) return out;
   if (withheld(fitted) > 0) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
@@ -713,6 +729,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   out.verdict = verdict(problem, fitted);
   out.warnings = warnings(problem, answer);
   Group& content = out.content;
+  add_mobilities(content, problem);
   add_estimates(content, problem, fitted);
   add_covariance(content, fitted);
   add_standard_errors(content, fitted);

@@ -170,7 +170,16 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(answer);
   add_data(out.content, model, answer);
+  const Freedoms& freedoms = answer.modes.mobility;
+  add_mobility(out.content, answer.x.empty() ? std::nullopt : std::optional(freedoms));
   if (!answer.equilibrium.found()) return out;
+  if (freedoms.is_shaky()) {
+    const char* const of_modes =
+        "; modes along the others are of no motion that the joints allow, and rest on joint forces that are not "
+        "determined";
+    out.warnings.push_back(
+        doubtful(fmt::format("Here {}{}.", shaky_in_words(freedoms), answer.modes.known ? of_modes : "")));
+  }
   add_facts(out.content, model, answer);
   add_modes(out.content, model, answer.modes);
   const std::vector<Element>& elements = model.scene().elements;

@@ -16,18 +16,12 @@
 namespace poise::app {
 namespace {
 
-Line verdict(const Mobility& mobility, std::optional<int> finite) {
+Line verdict(const Mobility& mobility, const std::optional<Freedoms>& freedoms) {
   if (!mobility.assembled) return bad("Cannot be assembled: " + mobility.gap + ".");
   if (mobility.freedoms == 0) {
     return doubtful("All loops close; no degree of freedom that carries a load.");
   }
-  if (finite && *finite < mobility.freedoms) {
-    return doubtful(fmt::format(
-        "All loops close; {} of finite motion, where {} of infinitesimal motion: joints repeat each other in "
-        "this position and not beside it.",
-        *finite == 0 ? "no degree of freedom" : count(*finite, "degree of freedom", "degrees of freedom"),
-        mobility.freedoms == 1 ? "it has one" : fmt::format("it has {}", mobility.freedoms)));
-  }
+  if (freedoms && freedoms->is_shaky()) return doubtful("All loops close; " + shaky_in_words(*freedoms) + ".");
   return good(fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")));
 }
 
@@ -224,8 +218,9 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
                     const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   Result out = scene_result(scene, settings);
-  const std::optional<int> finite = finite_freedoms(model, mobility);
-  out.verdict = verdict(mobility, finite);
+  std::optional<Freedoms> freedoms;
+  if (mobility.assembled) freedoms = freedoms_at(model, mobility.x, mobility.closures - mobility.rank);
+  out.verdict = verdict(mobility, freedoms);
   Group& content = out.content;
   content.data("assembled", mobility.assembled);
   content.data("gap", mobility.gap);
@@ -236,21 +231,20 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
         std::pair{"gruebler", mobility.gruebler}}) {
     content.data(key, number);
   }
-  if (finite)
-    content.data("finite_degrees_of_freedom", *finite);
-  else
-    content.data("finite_degrees_of_freedom", nullptr);
+  content.data("finite_degrees_of_freedom", freedoms ? freedoms->finite : std::nullopt);
+  content.data("finite_known_by", to_string(freedoms ? freedoms->by : Freedoms::By::nothing));
   content.fact("mechanism", count(mobility.bodies, "moving body", "moving bodies") + ", " +
                                 count(mobility.joints, "joint", "joints"));
   content.fact("model", fmt::format("{}, {} of rank {}", count(mobility.coordinates, "coordinate", "coordinates"),
                                     count(mobility.closures, "closure equation", "closure equations"), mobility.rank));
-  content.fact("mobility",
-               fmt::format("{}{}; counting bodies and joints (Gruebler) gives {}",
-                           mobility.freedoms > 0 ? count(mobility.freedoms, "degree of freedom", "degrees of freedom")
-                                                 : "no degree of freedom that carries a load",
-                           finite && *finite < mobility.freedoms ? fmt::format(", {} of finite motion", *finite) : "",
-                           mobility.gruebler),
-               mobility.freedoms > 0 ? Tone::plain : Tone::doubtful);
+  content.fact(
+      "mobility",
+      fmt::format("{}{}; counting bodies and joints (Gruebler) gives {}",
+                  mobility.freedoms > 0 ? count(mobility.freedoms, "degree of freedom", "degrees of freedom")
+                                        : "no degree of freedom that carries a load",
+                  freedoms && freedoms->is_shaky() ? fmt::format(", {} of finite motion", *freedoms->finite) : "",
+                  mobility.gruebler),
+      mobility.freedoms > 0 ? Tone::plain : Tone::doubtful);
   content.fact("constraints",
                mobility.redundant.empty() ? "no constraint repeats or contradicts another"
                : mobility.assembled       ? "some constraints are redundant"

@@ -512,6 +512,10 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   } else {
     content.fact("why", equilibrium.why);
   }
+  if (answer.freedoms && answer.freedoms->is_shaky()) {
+    out.warnings.push_back(doubtful("Here " + shaky_in_words(*answer.freedoms) + "."));
+  }
+  add_mobility(content, answer.freedoms);
   show_settling(out, model, equilibrium);
   if (as_drawn != nullptr) {
     Group& friction = content.group("as_drawn", "", Verbosity::normal);
