@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,10 +13,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "comparison/redundant_scenes.hpp"
 #include "model/scene.hpp"
 #include "statics/closure_rounding.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/seed.hpp"
 
 namespace poise::mobility_test {
 namespace {
@@ -233,6 +236,16 @@ TEST(Mobility, OfAShakyStructureIsInfinitesimal) {
     const Freedoms one = freedoms_of(scene, 1);
     EXPECT_EQ(one.finite, 1);
     EXPECT_EQ(one.by, Freedoms::By::rank);
+  }
+}
+
+TEST(Mobility, OfMechanismsThatRepeatThemselvesEverywhereIsFinite) {
+  const int count = test::cases(40, 2000);
+  for (int k = 0; k < count; ++k) {
+    const std::uint64_t seed = test::seed(9000) + static_cast<std::uint64_t>(k);
+    const Freedoms one = freedoms_of(comparison::redundant_scene(seed), 1);
+    EXPECT_EQ(one.finite, 1) << seed;
+    EXPECT_EQ(one.by, Freedoms::By::closing_beside) << seed;
   }
 }
 
