@@ -124,6 +124,7 @@ LinearResponse::LinearResponse(NumberedEquations equations, std::vector<double> 
     change = n > 0 ? dz.cwiseAbs().maxCoeff() : 0.0;
     if (change < converged) break;
   }
+  next_step_ = solvers::minimum_norm_solution<double>(at_.by_unknowns, -at_.residual, rank_tolerance);
   double moved = 0.0;
   for (Eigen::Index i = 0; i < bodies; ++i) moved = std::max(moved, std::abs(z_[i] - from[i]));
   if (!(change < 1e-9) || !(moved < farthest)) why_ = "the free-body equations do not converge to the equilibrium";

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include <fmt/format.h>
@@ -274,6 +275,50 @@ void fill(QuantitySensitivity& out, const NumberedEquations& equations, const st
   }
 }
 
+/// Derivatives by every number, and the sizes of the terms that they are sums of.
+struct SumsOfTerms {
+  Eigen::VectorXd sums, sizes;
+};
+
+/// by_numbers - mu^T dR/dp
+SumsOfTerms derivatives(const Eigen::VectorXd& by_numbers, const Eigen::VectorXd& mu, const Eigen::MatrixXd& residual) {
+  return {by_numbers - residual.transpose() * mu,
+          by_numbers.cwiseAbs() + mu.norm() * residual.colwise().norm().transpose()};
+}
+
+/// Derivatives at z, by(z), in which those are 0 that are not told from 0: they are rounding of their terms, or differ
+/// by their own size at places that rounding does not tell from z. At each of these every unknown is off by a few units
+/// in its last place, of either sign, and by the step that Newton's method was still to take.
+template <class By>
+Eigen::VectorXd known_derivatives(const LinearResponse& response, By by) {
+  constexpr double ulps = 4.0 * std::numeric_limits<double>::epsilon(), margin = 4.0;
+  const SumsOfTerms at = by(response.z());
+  Eigen::VectorXd rounding = sum_rounding * at.sizes;
+  std::minstd_rand signs(1);
+  for (const double sense : {1.0, -1.0}) {
+    std::vector<double> z = response.z();
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      z[i] += (signs() % 2 == 0 ? ulps : -ulps) * std::max(1.0, std::abs(z[i])) +
+              sense * response.next_step()[static_cast<Eigen::Index>(i)];
+    }
+    rounding = rounding.cwiseMax(margin * (by(z).sums - at.sums).cwiseAbs());
+  }
+  return (at.sums.array().abs() > rounding.array()).select(at.sums, 0.0);
+}
+
+/// dm/dp of a quantity whose gradient at z is gradient(z), by the factors of (dR/dz)^T at the equilibrium.
+template <class Gradient>
+Eigen::VectorXd derivatives_of(const LinearResponse& response, const solvers::LeastSquares<double>& transposed,
+                               Gradient gradient) {
+  const Eigen::VectorXd mu = transposed.solve(gradient(response.z()).by_unknowns);
+  return known_derivatives(response, [&](const std::vector<double>& z) {
+    const QuantityGradient of = gradient(z);
+    const ResidualDerivatives residual = response.at(z);
+    const Eigen::VectorXd left = of.by_unknowns - residual.by_unknowns.transpose() * mu;
+    return derivatives(of.by_numbers, mu + transposed.solve(left), residual.by_numbers);
+  });
+}
+
 /// Quantities at one equilibrium.
 class AtEquilibrium {
  public:
@@ -291,7 +336,7 @@ class AtEquilibrium {
   QuantitySensitivity of(const SoughtQuantity& quantity) const {
     QuantitySensitivity out;
     out.of = quantity;
-    const QuantityGradient gradient = response_.gradient(quantity);
+    const QuantityGradient gradient = response_.gradient(quantity, response_.z());
     out.value = gradient.value / quantity.dimension.per_scale(scales_);
     if (!gradient.by_unknowns.allFinite() || !gradient.by_numbers.allFinite()) {
       out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
@@ -329,19 +374,18 @@ class AtEquilibrium {
       out.why = "the equilibrium is neutral: how this changes depends on where on its curve of equilibria it stands";
       return out;
     }
-    const Eigen::VectorXd mu = transposed_.solve(gradient.by_unknowns);
-    const Eigen::MatrixXd& by_numbers = response_.by_numbers();
+    const Eigen::VectorXd known = derivatives_of(
+        response_, transposed_, [&](const std::vector<double>& z) { return response_.gradient(quantity, z); });
     fill(out, response_.equations(), columns_, scales_, [&](int row, std::string& why) {
+      const Eigen::VectorXd by_number = response_.by_numbers().col(row);
       if (left_null_.cols() > 0) {
-        const double opens = (left_null_.transpose() * by_numbers.col(row)).cwiseAbs().maxCoeff();
-        if (opens > nothing * std::max(1.0, by_numbers.col(row).norm())) {
+        const double opens = (left_null_.transpose() * by_number).cwiseAbs().maxCoeff();
+        if (opens > nothing * std::max(1.0, by_number.norm())) {
           why = "it cannot change alone: constraints that repeat others would contradict them, or the balance is lost";
           return 0.0;
         }
       }
-      const double by = gradient.by_numbers[row] - mu.dot(by_numbers.col(row));
-      const double size = std::abs(gradient.by_numbers[row]) + mu.norm() * by_numbers.col(row).norm();
-      return std::abs(by) > sum_rounding * size ? by : 0.0;
+      return known[row];
     });
     return out;
   }
@@ -456,22 +500,22 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
     } else {
       condition.on = equations.scene().elements[found.spring].on;
     }
-    QuantityGradient gradient = response.gradient(condition);
-    if (found.stop < 0) {
+    const auto gradient = [&](const std::vector<double>& z) {
+      QuantityGradient of = response.gradient(condition, z);
       for (std::size_t k = 0; k < equations.rows().size(); ++k) {
         const ParameterPlace& place = equations.rows()[k].place;
         if (place.owner == Owner::element && place.item == found.spring && place.number == 1) {
-          gradient.by_numbers[static_cast<Eigen::Index>(k)] -= 1.0;
+          of.by_numbers[static_cast<Eigen::Index>(k)] -= 1.0;
         }
       }
-    }
+      return of;
+    };
     const solvers::LeastSquares<double> transposed(response.by_unknowns().transpose(), response_rank_tolerance);
     if (transposed.rank() < equations.unknowns()) {
       out.why = "redundant constraints leave the forces at the fold undetermined";
       return out;
     }
-    const Eigen::VectorXd mu = transposed.solve(gradient.by_unknowns);
-    const Eigen::VectorXd by = gradient.by_numbers - response.by_numbers().transpose() * mu;
+    const Eigen::VectorXd by = derivatives_of(response, transposed, gradient);
     fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return -by[row] / by[load]; });
     return out;
   }
@@ -481,8 +525,14 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
     out.why = "redundant constraints or neutral directions leave the fold undetermined";
     return out;
   }
-  const Eigen::VectorXd by = response.by_numbers().transpose() * values.left.col(last);
-  fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return -by[row] / by[load]; });
+  const Eigen::VectorXd by = known_derivatives(response, [&](const std::vector<double>& z) {
+    const ResidualDerivatives residual = response.at(z);
+    const solvers::SingularValues parts = solvers::singular_value_decomposition(residual.by_unknowns);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(residual.by_numbers.cols());
+    const SumsOfTerms moves = derivatives(none, parts.left.col(last), residual.by_numbers);
+    return SumsOfTerms{moves.sums / -moves.sums[load], moves.sizes / std::abs(moves.sums[load])};
+  });
+  fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return by[row]; });
   return out;
 }
 
