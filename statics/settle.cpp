@@ -30,7 +30,7 @@ constexpr double least_tolerance = 1e-11;
 constexpr double accurate_within = 0.02;
 constexpr double beside_start[] = {1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2};  // distances of displaced starts
 constexpr double flat_curvature = 1e-9;   // curvature, relative to the largest, below which a direction may be unstable
-constexpr double drive_rounding = 1e-13;  // of forces, relative to the largest
+constexpr double drive_rounding = 1e-13;  // of forces, relative to the largest, and to the model's unit of force
 constexpr double course_step = 0.05;      // of motions whose poses are kept, so that they can be shown
 
 class Settler {
@@ -272,7 +272,7 @@ class Settler {
     }
     if (!(way.norm() > 0.3 * beside_start[0])) return std::numeric_limits<double>::quiet_NaN();
     const double drive = -point.force.dot(way.normalized());
-    return std::abs(drive) <= drive_rounding * (1e-3 + point.force.cwiseAbs().maxCoeff()) ? 0.0 : drive;
+    return std::abs(drive) <= drive_rounding * (1.0 + point.force.cwiseAbs().maxCoeff()) ? 0.0 : drive;
   }
 
   std::string describe() const {

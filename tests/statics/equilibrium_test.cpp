@@ -636,33 +636,41 @@ INSTANTIATE_TEST_SUITE_P(Methods, Invariance, testing::ValuesIn(methods),
 
 // Balanced in every position by a spring of free length zero, in numbers that are not exact in binary.
 TEST(Equilibrium, ABalancedArmStaysWhereItStarts) {
-  for (const double degrees : {60.0, 20.0, 89.9, -75.0, 151.3}) {
-    const double start = degrees * M_PI / 180;
-    const StaticModel model(parse_scene(fmt::format(R"(
+  struct Arm {
+    double mass, center, hook, eye, stiffness;
+  };
+  for (const Arm& arm : {Arm{0.7, 0.35, 0.3, 0.2, 40.0575}, Arm{1.2, 0.5, 0.3, 0.1, 196.2}}) {
+    for (const double degrees : {60.0, 30.0, 20.0, 89.9, -75.0, 151.3}) {
+      const double start = degrees * M_PI / 180;
+      const StaticModel model(parse_scene(fmt::format(R"(
 gravity = [0, -9.81]
 [ground]
-points = {{ O = [0, 0], S = [0, 0.3] }}
+points = {{ O = [0, 0], S = [0, {}] }}
 [body.arm]
-points = {{ O = [0, 0], A = [0.2, 0] }}
-mass = 0.7
-center = [0.35, 0]
+points = {{ O = [0, 0], A = [{}, 0] }}
+mass = {}
+center = [{}, 0]
 [[pin]]
 points = ["ground.O", "arm.O"]
 [[spring]]
 name = "k"
 points = ["ground.S", "arm.A"]
-stiffness = 40.0575
+stiffness = {}
 free_length = 0
 [start]
 arm = {:.17g}
 )",
-                                                    start),
-                                        "arm.toml"));
-    for (const Seek seek : {Seek::settle, Seek::any, Seek::stable}) {
-      const Equilibrium found = solve(model, {.seek = seek});
-      EXPECT_EQ(found.status, Status::confirmed);
-      EXPECT_EQ(found.certificate.outcome, Outcome::neutral);
-      EXPECT_NEAR(model.to_si(found.x)[0], start, 1e-12) << to_string(seek);
+                                                      arm.hook, arm.eye, arm.mass, arm.center, arm.stiffness, start),
+                                          "arm.toml"));
+      for (const Seek seek : {Seek::settle, Seek::any, Seek::stable}) {
+        const Equilibrium found = solve(model, {.seek = seek});
+        EXPECT_EQ(found.status, Status::confirmed);
+        EXPECT_EQ(found.certificate.outcome, Outcome::neutral);
+        EXPECT_NEAR(model.to_si(found.x)[0], start, 1e-12) << to_string(seek);
+        if (!found.settling) continue;
+        EXPECT_EQ(found.settling->end, Settling::End::settled) << "falls by rounding from " << degrees << " deg";
+        EXPECT_TRUE(found.settling->sides.empty());
+      }
     }
   }
 }
