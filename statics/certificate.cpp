@@ -474,7 +474,8 @@ Certifier::Settled Certifier::settle() const {
     return moved(s) + (s.finding.unstable > 0 || !touched_stops(s).weak.empty() ? place_rounding : 0.0);
   };
   std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
-  if (out.consistent && out.active.size() == always.size() + contact.size()) return out;
+  const bool all = out.consistent && out.active.size() == always.size() + contact.size();
+  if (all && moved(out) <= place_rounding) return out;
   for (unsigned set = 0; set < 1U << contact.size(); ++set) {
     std::vector<ActiveStop> active = always;
     for (std::size_t k = 0; k < contact.size(); ++k) {
