@@ -454,13 +454,13 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
   // The rider along a curved slot carries nothing, a line of centres what the contact does.
+  std::set<std::string> hidden;
+  for (const Joint& joint : model.scene().joints) {
+    if (is_of_track(model.scene(), joint)) hidden.insert(joint.name);
+  }
   std::vector<Reaction> reactions;
   for (const Reaction& reaction : answer.equilibrium.check.reactions) {
-    const auto& joints = model.scene().joints;
-    const bool is_hidden = !reaction.of_stop && std::any_of(joints.begin(), joints.end(), [&](const Joint& joint) {
-      return joint.name == reaction.name && is_of_track(model.scene(), joint);
-    });
-    if (!is_hidden) reactions.push_back(reaction);
+    if (reaction.of_stop || hidden.count(reaction.name) == 0) reactions.push_back(reaction);
   }
   reactions = reaction_rows(reactions);
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
