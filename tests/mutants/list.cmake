@@ -268,9 +268,12 @@ mutant("a row without what is left of closure" statics/box_prover.cpp
 mutant("reactions without the change of the rows" statics/box_prover.cpp
   [=[next -= error[static_cast<std::size_t>(i) * m_ + l] * y[i];]=]
   [=[]=])
-mutant("bounds of motions and reactions without what others add" statics/box_prover.cpp
-  [=[sum += e_(i, j) * u[j];]=]
-  [=[sum += 0.0;]=])
+mutant("reactions of a half of their bounds" statics/box_prover.cpp
+  [=[y[l] = Interval(-u[l], u[l]);]=]
+  [=[y[l] = Interval(-0.5 * u[l], 0.5 * u[l]);]=])
+mutant("motions of a half of their bounds" statics/box_prover.cpp
+  [=[x[k] = Interval(-u[k], u[k]);]=]
+  [=[x[k] = Interval(-0.5 * u[k], 0.5 * u[k]);]=])
 mutant("more stops than freedoms are forgotten in singular poses" statics/box_prover.cpp
   [=[(most < small_pivot && !may_touch)]=]
   [=[(most < small_pivot)]=])
