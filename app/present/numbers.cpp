@@ -40,6 +40,13 @@ std::string small_number(double value) {
   return fmt::format("{:.1e}", value);
 }
 
+double to_rank(double value) {
+  constexpr int bits = 30;
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return std::ldexp(std::round(std::ldexp(mantissa, bits)), exponent - bits);
+}
+
 int known_digits(int digits, double scale, double radius) {
   if (!(scale > 0.0) || !(radius > 0.0) || !std::isfinite(scale)) return digits;
   if (!(radius < scale)) return 1;

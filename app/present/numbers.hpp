@@ -28,6 +28,9 @@ std::string small_number(double value);
 /// the number is known to within `radius`.
 int known_digits(int digits, double scale, double radius);
 
+/// The value to 30 bits, by which rows are put in order: those that differ by rounding only stay as they are.
+double to_rank(double value);
+
 /// A column of numbers with their decimal points aligned, as many decimals as give a number of the size `scale` so many
 /// significant digits; what rounds to zero is "0", not a number is "-".
 std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale);

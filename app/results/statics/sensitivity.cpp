@@ -59,8 +59,9 @@ EffectRow row_of(const Sensitivity& s, const QuantitySensitivity& quantity, cons
 std::vector<EffectRow> ranked(const QuantitySensitivity& quantity, const Sensitivities& found, const Units& units) {
   std::vector<EffectRow> rows;
   for (const Sensitivity& s : quantity.by) rows.push_back(row_of(s, quantity, found, units));
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const EffectRow& a, const EffectRow& b) { return std::abs(a.effect) > std::abs(b.effect); });
+  std::stable_sort(rows.begin(), rows.end(), [](const EffectRow& a, const EffectRow& b) {
+    return to_rank(std::abs(a.effect)) > to_rank(std::abs(b.effect));
+  });
   return rows;
 }
 

@@ -96,7 +96,8 @@ std::vector<Share> shares_of(const ToleranceBand& band, const std::vector<Tolera
     const double own = band.slopes[t] * tolerances[t].sigma;
     out.push_back({&tolerances[t], band.sigma > 0.0 ? own * own / (band.sigma * band.sigma) : 0.0, band.slopes[t]});
   }
-  std::stable_sort(out.begin(), out.end(), [](const Share& a, const Share& b) { return a.share > b.share; });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Share& a, const Share& b) { return to_rank(a.share) > to_rank(b.share); });
   return out;
 }
 
