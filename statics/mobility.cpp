@@ -226,7 +226,7 @@ bool curvature_locks(const ScaledModel& model, const std::vector<int>& rows, con
   double largest = 0.0;
   for (Eigen::Index k = 0; k < stresses.cols(); ++k) {
     const Eigen::MatrixXd whole = point.tangent(stresses.col(k)) - without;
-    bends.push_back(tangents.transpose() * (whole + whole.transpose()) * tangents / 2);
+    bends.emplace_back(tangents.transpose() * (whole + whole.transpose()) * tangents / 2);
     largest = std::max(largest, bends.back().cwiseAbs().maxCoeff());
   }
   if (!(largest > bends_for_certain)) return false;
