@@ -104,7 +104,7 @@ QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& 
 }
 
 LinearResponse::LinearResponse(NumberedEquations equations, std::vector<double> poses, double rank_tolerance)
-    : equations_(std::move(equations)), z_(std::move(poses)) {
+    : equations_(std::move(equations)), z_(std::move(poses)), rank_tolerance_(rank_tolerance) {
   z_.resize(equations_.unknowns(), 0.0);
   equations_.count_turns(z_.data());
   const Eigen::Index n = equations_.unknowns(), bodies = equations_.poses();
@@ -118,16 +118,19 @@ LinearResponse::LinearResponse(NumberedEquations equations, std::vector<double> 
   const std::vector<double> from = z_;
   double change = 0.0;
   for (int step = 0; step < most_steps; ++step) {
-    const Eigen::VectorXd dz = solvers::minimum_norm_solution<double>(at_.by_unknowns, -at_.residual, rank_tolerance);
+    const Eigen::VectorXd dz = next_step();
     for (Eigen::Index i = 0; i < n; ++i) z_[i] += dz[i];
     at_ = differentiate(equations_, equations_.numbers(), z_, true);
     change = n > 0 ? dz.cwiseAbs().maxCoeff() : 0.0;
     if (change < converged) break;
   }
-  next_step_ = solvers::minimum_norm_solution<double>(at_.by_unknowns, -at_.residual, rank_tolerance);
   double moved = 0.0;
   for (Eigen::Index i = 0; i < bodies; ++i) moved = std::max(moved, std::abs(z_[i] - from[i]));
   if (!(change < 1e-9) || !(moved < farthest)) why_ = "the free-body equations do not converge to the equilibrium";
+}
+
+Eigen::VectorXd LinearResponse::next_step() const {
+  return solvers::minimum_norm_solution<double>(at_.by_unknowns, -at_.residual, rank_tolerance_);
 }
 
 LinearResponse response_at(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,

@@ -79,8 +79,9 @@ class LinearResponse {
   const std::string& why() const { return why_; }
   const Eigen::MatrixXd& by_unknowns() const { return at_.by_unknowns; }  ///< dR/dz
   const Eigen::MatrixXd& by_numbers() const { return at_.by_numbers; }    ///< dR/dp
+  const ResidualDerivatives& derivatives() const { return at_; }          ///< these, and R
   /// The step that Newton's method would take next: rounding, or less.
-  const Eigen::VectorXd& next_step() const { return next_step_; }
+  Eigen::VectorXd next_step() const;
   /// R and its derivatives at z, and those of a quantity.
   ResidualDerivatives at(const std::vector<double>& z) const {
     return differentiate(equations_, equations_.numbers(), z, true);
@@ -94,7 +95,7 @@ class LinearResponse {
   std::vector<double> z_;
   std::string why_;
   ResidualDerivatives at_;
-  Eigen::VectorXd next_step_;
+  double rank_tolerance_;
 };
 
 /// The same where a model is in equilibrium at scaled coordinates x, the stops `active` holding.

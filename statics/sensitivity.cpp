@@ -286,36 +286,53 @@ SumsOfTerms derivatives(const Eigen::VectorXd& by_numbers, const Eigen::VectorXd
           by_numbers.cwiseAbs() + mu.norm() * residual.colwise().norm().transpose()};
 }
 
-/// Derivatives at z, by(z), in which those are 0 that are not told from 0: they are rounding of their terms, or differ
-/// by their own size at places that rounding does not tell from z. At each of these every unknown is off by a few units
-/// in its last place, of either sign, and by the step that Newton's method was still to take.
-template <class By>
-Eigen::VectorXd known_derivatives(const LinearResponse& response, By by) {
-  constexpr double ulps = 4.0 * std::numeric_limits<double>::epsilon(), margin = 4.0;
-  const SumsOfTerms at = by(response.z());
-  Eigen::VectorXd rounding = sum_rounding * at.sizes;
+/// A place of the unknowns, with the equations' derivatives there.
+struct Place {
+  std::vector<double> z;
+  ResidualDerivatives residual;
+};
+
+/// The equilibrium, and places that rounding does not tell from it: at each of these every unknown is off by a few
+/// units in its last place, of either sign, and by the step that Newton's method was still to take.
+std::vector<Place> places_of(const LinearResponse& response) {
+  constexpr double ulps = 4.0 * std::numeric_limits<double>::epsilon();
+  std::vector<Place> out{{response.z(), response.derivatives()}};
+  const Eigen::VectorXd step = response.next_step();
   std::minstd_rand signs(1);
   for (const double sense : {1.0, -1.0}) {
     std::vector<double> z = response.z();
     for (std::size_t i = 0; i < z.size(); ++i) {
       z[i] += (signs() % 2 == 0 ? ulps : -ulps) * std::max(1.0, std::abs(z[i])) +
-              sense * response.next_step()[static_cast<Eigen::Index>(i)];
+              sense * step[static_cast<Eigen::Index>(i)];
     }
-    rounding = rounding.cwiseMax(margin * (by(z).sums - at.sums).cwiseAbs());
+    ResidualDerivatives there = response.at(z);
+    out.push_back({std::move(z), std::move(there)});
+  }
+  return out;
+}
+
+/// Derivatives at the first place, by(place), in which those are 0 that are not told from 0: they are rounding of their
+/// terms, or differ by their own size at the other places.
+template <class By>
+Eigen::VectorXd known_derivatives(const std::vector<Place>& places, By by) {
+  constexpr double margin = 4.0;
+  const SumsOfTerms at = by(places.front());
+  Eigen::VectorXd rounding = sum_rounding * at.sizes;
+  for (auto other = places.begin() + 1; other != places.end(); ++other) {
+    rounding = rounding.cwiseMax(margin * (by(*other).sums - at.sums).cwiseAbs());
   }
   return (at.sums.array().abs() > rounding.array()).select(at.sums, 0.0);
 }
 
 /// dm/dp of a quantity whose gradient at z is gradient(z), by the factors of (dR/dz)^T at the equilibrium.
 template <class Gradient>
-Eigen::VectorXd derivatives_of(const LinearResponse& response, const solvers::LeastSquares<double>& transposed,
+Eigen::VectorXd derivatives_of(const std::vector<Place>& places, const solvers::LeastSquares<double>& transposed,
                                Gradient gradient) {
-  const Eigen::VectorXd mu = transposed.solve(gradient(response.z()).by_unknowns);
-  return known_derivatives(response, [&](const std::vector<double>& z) {
-    const QuantityGradient of = gradient(z);
-    const ResidualDerivatives residual = response.at(z);
-    const Eigen::VectorXd left = of.by_unknowns - residual.by_unknowns.transpose() * mu;
-    return derivatives(of.by_numbers, mu + transposed.solve(left), residual.by_numbers);
+  const Eigen::VectorXd mu = transposed.solve(gradient(places.front().z).by_unknowns);
+  return known_derivatives(places, [&](const Place& place) {
+    const QuantityGradient of = gradient(place.z);
+    const Eigen::VectorXd left = of.by_unknowns - place.residual.by_unknowns.transpose() * mu;
+    return derivatives(of.by_numbers, mu + transposed.solve(left), place.residual.by_numbers);
   });
 }
 
@@ -325,6 +342,7 @@ class AtEquilibrium {
   AtEquilibrium(const LinearResponse& response, const Scales& scales, std::vector<Column> columns, double tolerance,
                 bool is_neutral)
       : response_(response),
+        places_(places_of(response)),
         scales_(scales),
         columns_(std::move(columns)),
         transposed_(response.by_unknowns().transpose(), tolerance),
@@ -375,10 +393,10 @@ class AtEquilibrium {
       return out;
     }
     const Eigen::VectorXd known = derivatives_of(
-        response_, transposed_, [&](const std::vector<double>& z) { return response_.gradient(quantity, z); });
+        places_, transposed_, [&](const std::vector<double>& z) { return response_.gradient(quantity, z); });
     fill(out, response_.equations(), columns_, scales_, [&](int row, std::string& why) {
-      const Eigen::VectorXd by_number = response_.by_numbers().col(row);
       if (left_null_.cols() > 0) {
+        const auto by_number = response_.by_numbers().col(row);
         const double opens = (left_null_.transpose() * by_number).cwiseAbs().maxCoeff();
         if (opens > nothing * std::max(1.0, by_number.norm())) {
           why = "it cannot change alone: constraints that repeat others would contradict them, or the balance is lost";
@@ -392,6 +410,7 @@ class AtEquilibrium {
 
  private:
   const LinearResponse& response_;
+  std::vector<Place> places_;  // the same for all quantities
   Scales scales_;
   std::vector<Column> columns_;
   solvers::LeastSquares<double> transposed_;
@@ -515,7 +534,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
       out.why = "redundant constraints leave the forces at the fold undetermined";
       return out;
     }
-    const Eigen::VectorXd by = derivatives_of(response, transposed, gradient);
+    const Eigen::VectorXd by = derivatives_of(places_of(response), transposed, gradient);
     fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return -by[row] / by[load]; });
     return out;
   }
@@ -525,8 +544,8 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
     out.why = "redundant constraints or neutral directions leave the fold undetermined";
     return out;
   }
-  const Eigen::VectorXd by = known_derivatives(response, [&](const std::vector<double>& z) {
-    const ResidualDerivatives residual = response.at(z);
+  const Eigen::VectorXd by = known_derivatives(places_of(response), [&](const Place& place) {
+    const ResidualDerivatives& residual = place.residual;
     const solvers::SingularValues parts = solvers::singular_value_decomposition(residual.by_unknowns);
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(residual.by_numbers.cols());
     const SumsOfTerms moves = derivatives(none, parts.left.col(last), residual.by_numbers);
