@@ -511,14 +511,14 @@ class Finder {
     out_.claim = !is_proved ? Claim::sampled : out_.undecided.empty() ? Claim::complete : Claim::incomplete;
     switch (out_.claim) {
       case Claim::complete:
-        out_.statement = fmt::format("{}, complete, proved{}{}{}{}{}", what_is_found(), within(), close(), unreached(),
-                                     turns(), neutral());
+        out_.statement = fmt::format("{}, complete, proved{}{}{}{}{}{}", what_is_found(), within(), change_points(),
+                                     close(), unreached(), turns(), neutral());
         break;
       case Claim::incomplete:
-        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}", what_is_found(),
+        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}{}", what_is_found(),
                                      number_of(out_.undecided.size(), "undecided box", "undecided boxes"),
-                                     100.0 * std::max(0.0, 1.0 - out_.decided), within(), close(), missing(),
-                                     unreached(), turns(), neutral());
+                                     100.0 * std::max(0.0, 1.0 - out_.decided), within(), change_points(), close(),
+                                     missing(), unreached(), turns(), neutral());
         break;
       case Claim::sampled:
         out_.statement =
@@ -566,6 +566,9 @@ class Finder {
     return place * std::ceil(x / place * (1.0 + 1e-12));
   }
 
+  // To a power of ten.
+  static double rounded_down(double x) { return std::pow(10.0, std::floor(std::log10(x))); }
+
   std::string why_sampled() const {
     if (contradicted_) return "one of them lies where a proof leaves none: an error of Poise, please report it";
     return wants_proof() && !proof_.why_not.empty() ? proof_.why_not : "random starts can miss some";
@@ -574,9 +577,11 @@ class Finder {
   std::string within() const {
     std::string out = proof_.within.empty() ? "" : ", " + proof_.within;
     if (!out_.singular.empty()) {
+      const auto least = std::min_element(out_.singular.begin(), out_.singular.end(),
+                                          [](const auto& a, const auto& b) { return a.joint_force < b.joint_force; });
       out += fmt::format("; any in {} would need joint forces above {:g} times the loads, and are left out",
                          number_of(out_.singular.size(), "singular pose", "singular poses"),
-                         EquilibriumSet::largest_joint_force);
+                         rounded_down(least->joint_force));
     }
     const auto name_of = [&](int element) {
       const Element& of = model_.scene().elements[static_cast<std::size_t>(element)];
@@ -598,6 +603,13 @@ class Finder {
   // Where some may be too close to each other to be told apart.
   std::string close() const {
     return close_ == 0 ? "" : fmt::format("; of those nearer to each other than {:g} one is given", close_within_);
+  }
+
+  std::string change_points() const {
+    const auto all = std::count_if(out_.equilibria.begin(), out_.equilibria.end(), is_change_point);
+    if (all == 0) return "";
+    return fmt::format("; {} of them {} change point{}, where branches of motion cross", all, all == 1 ? "is a" : "are",
+                       all == 1 ? "" : "s");
   }
 
   std::string unreached() const {
@@ -676,6 +688,11 @@ std::string to_string(Claim claim) {
       return "sampled";
   }
   return "unknown";
+}
+
+bool is_change_point(const Equilibrium& equilibrium) {
+  return equilibrium.found() && equilibrium.certificate.outcome == Outcome::degenerate &&
+         equilibrium.certificate.singular;
 }
 
 Scene positions_alone(Scene scene) {

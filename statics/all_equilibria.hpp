@@ -44,6 +44,7 @@ struct UndecidedBox {
   std::vector<double> lower, upper;  ///< scaled coordinates
   bool neutral = false;              ///< equilibria within it form a curve or more
   std::string why;                   ///< one sentence
+  double joint_force = 0.0;          ///< of a singular pose: that equilibria in it need at least, times the loads
 };
 
 inline constexpr const char* neutral_curve = "equilibria in it are neutral: they form a curve";
@@ -55,9 +56,8 @@ struct EquilibriumSet {
   std::vector<Equilibrium> equilibria;  ///< by energy, the lowest first
   std::vector<UndecidedBox> undecided;
   /// Around singular poses, in which the closures lose rank: an equilibrium in one of these needs a joint force of more
-  /// than `largest_joint_force` times the loads. The claim is about all others.
+  /// than `joint_force` times the loads, 1e4 or more. The claim is about all others.
   std::vector<UndecidedBox> singular;
-  static constexpr double largest_joint_force = 1e6;
   /// Where it is given, the claim is not about equilibria in which an angle that springs or stops act on is further
   /// from the closed start, rad: it is not known which turns of the loops motion leads to, and there may be ever more.
   std::optional<double> angles_within{};
@@ -102,5 +102,9 @@ EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptio
 /// The scene without gravity, loads, force elements and what follows from them: for assemblies, which are positions
 /// alone. Joints and stops remain.
 Scene positions_alone(Scene scene);
+
+/// Whether it is one where the closures lose rank, as where a parallelogram lies flat, and branches of motion cross: no
+/// load does work along any of them.
+bool is_change_point(const Equilibrium& equilibrium);
 
 }  // namespace poise

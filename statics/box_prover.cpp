@@ -8,8 +8,6 @@
 
 #include <Eigen/LU>
 
-#include "statics/all_equilibria.hpp"
-
 namespace poise {
 
 namespace {
@@ -29,7 +27,12 @@ constexpr double always_further = 1e-8;   // rad or sizes
 constexpr double turning = 0.5;    // of its length by which an element may be longer whose direction a box leaves open
 constexpr double stiff = 1.0;      // loads: elements whose force a box leaves open by more
 constexpr double open_gap = 1e-9;  // mechanism sizes: what rounding leaves open of loops that others close
-constexpr double small_pivot = 0.01;  // below, the rows that remain are taken for dependent
+constexpr double small_pivot = 0.01;         // below, the rows that remain are taken for dependent
+constexpr double narrow_for_crossing = 0.5;  // rad or sizes
+// Loads: joint forces that equilibria at singular poses need which are left out, found by halving boxes, and at change
+// points, where halves tell no more.
+constexpr double largest_joint_force = 1e6;
+constexpr double least_joint_force = 1e4;
 constexpr double wide = 0.2;  // rad or sizes: pairs of a loop are solved together, and driving coordinates halved
 constexpr double much_narrower = 0.01;
 constexpr double much_wider = 4.0;               // the coordinates of a dyad than what they follow from
@@ -190,6 +193,8 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
   multipliers_.resize(plain_.constraints());
   dense_.resize(rows_.size() * static_cast<std::size_t>(n_));
   drives_ = driving();
+  const bool are_zero = std::all_of(bounds_.begin(), bounds_.end(), [](double b) { return b == 0.0; });
+  if (repeated == 0 && are_zero && 0 < m_ && m_ < n_) crossings_.emplace(model, mechanism_, rows_);
   const Scene scene = model.scaled_scene();
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
     const Element& element = scene.elements[e];
@@ -1085,15 +1090,7 @@ bool BoxProver::balance_possible(CoordinateBox& box) {
 // Of a single row every q gives y_s itself. Nothing is concluded of lost rank where more stops may touch: there more of
 // them can be needed than there are freedoms elsewhere, and no case has so many.
 BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
-  bool may_touch = false;
-  if (plain_.stops() > 0) {
-    mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
-    for (int s = 0; s < plain_.stops(); ++s) {
-      const Interval& measure = constraint_[plain_.stop_row(s)];
-      const bool is_within = measure < Interval(plain_.upper()[s]) && measure > Interval(plain_.lower()[s]);
-      may_touch = may_touch || (stops_[s] == StopState::inactive && !is_within);
-    }
-  }
+  const bool may_touch = may_touch_stops(box);
   const auto n = static_cast<std::size_t>(n_);
   left_.assign(dense_.begin(), dense_.end());
   left_.insert(left_.end(), force_.begin(), force_.end());
@@ -1121,7 +1118,7 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
         for (int k = 0; k < rows; ++k) {
           if (row_done_[k] == 0 && rank < m_) slope += at(k, q).magnitude();
         }
-        const bool never = EquilibriumSet::largest_joint_force * slope - at(rows, q).mignitude() < 0;
+        const bool never = largest_joint_force * slope - at(rows, q).mignitude() < 0;
         if (never) return rank < m_ ? Finding::locked : Finding::empty;
       }
       if (rank == rows - 1 && rank < m_) {
@@ -1143,6 +1140,56 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
     }
   }
   return Finding::open;
+}
+
+// Whether a stop that is not active is reached in the box, whose phasors are placed.
+bool BoxProver::may_touch_stops(const CoordinateBox& box) {
+  if (plain_.stops() == 0) return false;
+  mechanism_.constraint(box.data(), pose_.data(), constraint_.data());
+  for (int s = 0; s < plain_.stops(); ++s) {
+    const Interval& measure = constraint_[plain_.stop_row(s)];
+    const bool is_within = measure < Interval(plain_.upper()[s]) && measure > Interval(plain_.lower()[s]);
+    if (stops_[s] == StopState::inactive && !is_within) return true;
+  }
+  return false;
+}
+
+// --- change points --------------------------------------------------------------------------------------------------
+
+// The change point next to the middle of the box, unless one was looked for there.
+void BoxProver::look_for_crossing(const CoordinateBox& box) {
+  const double size = widest(box);
+  if (!crossings_ || !(size < narrow_for_crossing)) return;
+  const auto is_near = [&](const std::vector<double>& x) {
+    for (int i = 0; i < n_; ++i) {
+      if (!(abs(box[i] - Interval(x[i])).lower() < size)) return false;
+    }
+    return true;
+  };
+  if (std::any_of(looked_for_crossing_.begin(), looked_for_crossing_.end(), is_near)) return;
+  std::vector<double> middle;
+  for (const Interval& x : box) middle.push_back(x.middle());
+  std::optional<CrossingBranches::Region> region = crossings_->around(middle);
+  looked_for_crossing_.push_back(region ? region->at : std::move(middle));
+  if (region) regions_.push_back(std::move(*region));
+}
+
+// Of a box next to a change point that core alone is left where equilibria may be.
+bool BoxProver::is_decided_by_crossing(CoordinateBox& box, Verdict& verdict) {
+  const auto region = std::find_if(regions_.begin(), regions_.end(),
+                                   [&](const CrossingBranches::Region& one) { return one.contains(box); });
+  if (region == regions_.end()) return false;
+  verdict.finding = Finding::empty;
+  CoordinateBox both = box;
+  for (int i = 0; i < n_; ++i) {
+    if (!both[i].meet(region->core[i])) return true;
+  }
+  box = region->core;
+  mechanism_.place(box.data(), pose_.data());
+  verdict.joint_force = region->joint_force;
+  const bool is_locked = region->joint_force > least_joint_force && !may_touch_stops(box);
+  verdict.finding = is_locked ? Finding::locked : Finding::crossing;
+  return true;
 }
 
 // --- elements along distances ---------------------------------------------------------------------------------------
@@ -1495,6 +1542,7 @@ void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
 
 BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
   Verdict out;
+  if (is_decided_by_crossing(box, out)) return out;
   out.finding = Finding::empty;
   bool has_motions = false;
   for (int round = 0; round < 4; ++round) {
@@ -1522,7 +1570,10 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
         evaluate(box);
         mechanism_.negative_force(box.data(), pose_.data(), force_.data());
         out.finding = near_singular(box);
+        out.joint_force = largest_joint_force;
         if (out.finding != Finding::open) return out;
+        look_for_crossing(box);
+        if (is_decided_by_crossing(box, out)) return out;
         out.finding = Finding::empty;
       }
     }

@@ -2,11 +2,13 @@
 
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "model/mechanism.hpp"
 #include "model/phasor_sum.hpp"
 #include "solvers/interval.hpp"
+#include "statics/crossing_branches.hpp"
 #include "statics/element_peaks.hpp"
 #include "statics/merged_mechanism.hpp"
 #include "statics/static_model.hpp"
@@ -51,14 +53,16 @@ class BoxProver {
   BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated);
 
   enum class Finding {
-    empty,   ///< no equilibrium
-    locked,  ///< closures nearly lose rank: an equilibrium has a multiplier above the largest joint force
-    unique,  ///< at most one, which exists: `at` is near it
-    open     ///< nothing is decided; the box may be smaller
+    empty,     ///< no equilibrium
+    locked,    ///< closures nearly lose rank: an equilibrium has a multiplier above `joint_force`
+    crossing,  ///< nothing is decided of a change point; the box is around it, and halves would tell no more
+    unique,    ///< at most one, which exists: `at` is near it
+    open       ///< nothing is decided; the box may be smaller
   };
   struct Verdict {
     Finding finding = Finding::open;
     std::vector<double> at{};
+    double joint_force = 0.0;
     int split = 0;        ///< coordinate to be halved
     double split_at = 0;  ///< where
     /// Cuts there: of two copies of the box one keeps the lower part, the other the upper.
@@ -161,6 +165,9 @@ class BoxProver {
   bool balance_possible(const Winding& winding, Interval& rounds) const;
   bool solve_transposed(std::vector<Interval>& y) const;
   Finding near_singular(const CoordinateBox& box);
+  bool may_touch_stops(const CoordinateBox& box);
+  void look_for_crossing(const CoordinateBox& box);
+  bool is_decided_by_crossing(CoordinateBox& box, Verdict& verdict);
   bool is_refused_by_elements(const CoordinateBox& box);
   void find_levers(Distance& on, const CoordinateBox& box);
   bool is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull);
@@ -191,6 +198,9 @@ class BoxProver {
   int loose_ = -1;                      // a coordinate of the first dyad that does not follow and is wide by itself
   Gap gap_;
   std::vector<Interval> parts_;
+  std::optional<CrossingBranches> crossings_;             // of rows whose value is zero
+  std::vector<CrossingBranches::Region> regions_;         // that were found
+  std::vector<std::vector<double>> looked_for_crossing_;  // near these
   // Workspace.
   std::vector<Planar<Interval>> pose_;
   std::vector<Interval> jacobian_, constraint_, force_, tangent_, multipliers_;

@@ -42,6 +42,7 @@ struct Task {
   double share = 0.0;  // of the volume
   const Winding* winding = nullptr;
   Interval rounds{};
+  double joint_force = 0.0;  // that an equilibrium in it needs
 };
 
 // The box after N rounds.
@@ -105,7 +106,9 @@ class Search {
       left_.clear();
       if (waiting_.empty()) break;
     }
-    for (Task& task : waiting_) left_.push_back(std::move(task));
+    for (std::vector<Task>* others : {&waiting_, &crossings_}) {
+      std::move(others->begin(), others->end(), std::back_inserter(left_));
+    }
   }
 
   std::vector<std::vector<double>> found;
@@ -120,7 +123,7 @@ class Search {
  private:
   // A part of a round, which one thread works on: the boxes that wait, the last first, and what became of them.
   struct Chunk {
-    std::vector<Task> waiting{}, left{}, locked{};
+    std::vector<Task> waiting{}, left{}, crossings{}, locked{};
     std::vector<std::vector<double>> found{};
     ElementPeaks peaks{};
     long boxes = 0;
@@ -139,6 +142,7 @@ class Search {
     for (Chunk& chunk : chunks) {
       std::move(chunk.found.begin(), chunk.found.end(), std::back_inserter(found));
       std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));
+      std::move(chunk.crossings.begin(), chunk.crossings.end(), std::back_inserter(crossings_));
       std::move(chunk.locked.begin(), chunk.locked.end(), std::back_inserter(locked_));
       std::move(chunk.waiting.begin(), chunk.waiting.end(), std::back_inserter(waiting_));
       peaks.add(chunk.peaks);
@@ -162,7 +166,9 @@ class Search {
             task.winding == nullptr ? prover.examine(task.box) : prover.examine(task.box, *task.winding, task.rounds);
       }
       if (verdict.finding == BoxProver::Finding::unique) chunk.found.push_back(std::move(verdict.at));
+      task.joint_force = verdict.joint_force;
       if (verdict.finding == BoxProver::Finding::locked) chunk.locked.push_back(task);
+      if (verdict.finding == BoxProver::Finding::crossing) chunk.crossings.push_back(task);
       if (verdict.finding != BoxProver::Finding::open) {
         chunk.decided += task.share;
         continue;
@@ -207,7 +213,7 @@ class Search {
   Allowance& allowance_;
   const double share_before_, share_;
   double width_ = widths[0];
-  std::vector<Task> waiting_, left_, locked_;
+  std::vector<Task> waiting_, left_, crossings_, locked_;
   double decided_ = 0.0, shown_ = 0.0;
   std::mutex mutex_;
   std::atomic<bool> stopped_ = false;
@@ -464,7 +470,7 @@ class OpenAngles {
   std::vector<Interval> at_zero_, jacobian_;
 };
 
-UndecidedBox undecided(const CoordinateBox& box) { return {lower_corner(box), upper_corner(box), false, ""}; }
+UndecidedBox undecided(const CoordinateBox& box) { return {lower_corner(box), upper_corner(box), false, "", 0.0}; }
 
 // One box around all, of which there may be many where the search was stopped.
 std::vector<UndecidedBox> around(const std::vector<Task>& tasks) {
@@ -482,6 +488,7 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
   std::vector<UndecidedBox> out;
   for (const Task& task : tasks) {
     UndecidedBox box = undecided(task.box);
+    box.joint_force = task.joint_force;
     bool grown = true;
     std::vector<double> by(box.lower.size());
     while (grown) {
@@ -502,6 +509,7 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
           box.lower[i] = std::min(box.lower[i] + by[i], out[k].lower[i]);
           box.upper[i] = std::max(box.upper[i] + by[i], out[k].upper[i]);
         }
+        box.joint_force = std::min(box.joint_force, out[k].joint_force);
         out.erase(out.begin() + static_cast<std::ptrdiff_t>(k));
         grown = true;
       }

@@ -72,7 +72,8 @@ TEST(EquilibriaCommand, WritesTheSameSetEverywhere) {
   }
   const std::string lines = contents(table);
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 4);
-  EXPECT_EQ(lines.substr(0, lines.find('\n')), "index,energy,stability,unstable_directions,guide,settles_here");
+  EXPECT_EQ(lines.substr(0, lines.find('\n')),
+            "index,energy,stability,unstable_directions,guide,settles_here,change_point");
   const std::string svg = contents(picture);
   EXPECT_EQ(objection_to_xml(svg), "");
   for (const char* id : {"multiple1", "multiple2", "multiple3"}) EXPECT_TRUE(contains(svg, id)) << id;

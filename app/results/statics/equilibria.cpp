@@ -70,12 +70,15 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   add_coordinate_columns(table, model, answers);
   table.flags("settles_here",
               each(rows, [&](std::size_t k) { return static_cast<int>(k) == set.settles_into ? 1.0 : 0.0; }));
+  table.flags("change_point",
+              each(answers, [](const Answer& a) { return is_change_point(a.equilibrium) ? 1.0 : 0.0; }));
   table.remarks(each(rows, [&](std::size_t k) {
     const Equilibrium& equilibrium = answers[k].equilibrium;
     std::vector<std::string> remarks;
     if (static_cast<int>(k) == set.settles_into) {
       remarks.emplace_back(assemblies ? "the start closes this way" : "solve settles here");
     }
+    if (is_change_point(equilibrium)) remarks.emplace_back("change point");
     if (!equilibrium.found()) remarks.push_back(in_few_words(equilibrium));
     for (const int stop : equilibrium.certificate.active_stops) {
       const Stop& held = model.scene().stops[static_cast<std::size_t>(stop)];
@@ -118,7 +121,10 @@ void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& s
     Group& one = branch.parts.emplace_back();
     add_coordinate_data(one, "lower", model, box.lower);
     add_coordinate_data(one, "upper", model, box.upper);
-    if (!undecided) continue;
+    if (!undecided) {
+      one.data("joint_force", box.joint_force);
+      continue;
+    }
     one.data("neutral", box.neutral);
     one.data("why", box.why);
   }
