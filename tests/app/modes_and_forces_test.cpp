@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/app/run_poise.hpp"
+#include "tests/support/parallel_links.hpp"
 
 namespace poise::app_tests::modes_and_forces_test {
 namespace {
@@ -67,48 +68,6 @@ TEST(ModesCommand, JsonHoldsRootsAndShape) {
   EXPECT_NEAR(mode["shape"]["re"][0], 1 / std::sqrt(0.96), 1e-12);
 }
 
-// A bed on three parallel links of which the one in the middle is shorter: it can begin to move, to first order.
-constexpr const char* shaky = R"(
-[ground]
-points = { P1 = [0, 0], P2 = [1, 0], P3 = [2, 0] }
-[body.bed]
-points = { T1 = [0, 0], T2 = [1, 0.1], T3 = [2, 0] }
-mass = 2
-center = [1, 0]
-inertia = 0.5
-[body.l1]
-points = { A = [0, 0], T = [1, 0] }
-[body.l2]
-points = { A = [0, 0], T = [0.9, 0] }
-[body.l3]
-points = { A = [0, 0], T = [1, 0] }
-[[pin]]
-points = ["ground.P1", "l1.A"]
-[[pin]]
-points = ["ground.P2", "l2.A"]
-[[pin]]
-points = ["ground.P3", "l3.A"]
-[[pin]]
-points = ["l1.T", "bed.T1"]
-[[pin]]
-points = ["l2.T", "bed.T2"]
-[[pin]]
-points = ["l3.T", "bed.T3"]
-[[force]]
-name = "P"
-at = "bed.T1"
-vector = [0, -10]
-[[torsion_spring]]
-bodies = ["ground", "l1"]
-stiffness = 10
-free_angle = -1.5707963267948966
-[start]
-bed = 0
-l1 = -1.5707963267948966
-l2 = -1.5707963267948966
-l3 = -1.5707963267948966
-)";
-
 constexpr const char* shaky_experiment = R"(
 scene = "shaky.toml"
 [[sensor]]
@@ -127,7 +86,7 @@ seed = 1
 
 TEST(ShakyMechanism, IsNamedByEveryCommandThatMeetsIt) {
   const TempFolder folder;
-  const std::string scene = folder.write("shaky.toml", shaky);
+  const std::string scene = folder.write("shaky.toml", test::three_links(0.1));
   const std::string experiment = folder.write("experiment.toml", shaky_experiment);
   const std::string words =
       "joints repeat each other in this position and not beside it: 1 degree of freedom of infinitesimal motion, none "
@@ -136,8 +95,8 @@ TEST(ShakyMechanism, IsNamedByEveryCommandThatMeetsIt) {
     std::string command, file;
     int exit_code;
   };
-  for (const Case& one :
-       {Case{"check", scene, 0}, Case{"solve", scene, 0}, Case{"modes", scene, 1}, Case{"identify", experiment, 1}}) {
+  for (const Case& one : {Case{"check", scene, 0}, Case{"solve", scene, 0}, Case{"compare", scene, 0},
+                          Case{"equilibria", scene, 0}, Case{"modes", scene, 1}, Case{"identify", experiment, 1}}) {
     const Outcome run = run_poise({one.command, one.file});
     EXPECT_EQ(run.exit_code, one.exit_code) << one.command << run.out << run.err;
     EXPECT_NE(run.out.find(words), std::string::npos) << one.command << run.out;
@@ -157,11 +116,7 @@ TEST(ShakyMechanism, IsNamedByEveryCommandThatMeetsIt) {
 // With links of one length it is a parallelogram with a third crank, whose closures repeat each other everywhere.
 TEST(ShakyMechanism, IsNoParallelogram) {
   const TempFolder folder;
-  std::string text = shaky;
-  for (const auto& [from, to] : {std::pair{"T2 = [1, 0.1]", "T2 = [1, 0]"}, std::pair{"T = [0.9, 0]", "T = [1, 0]"}}) {
-    text.replace(text.find(from), std::string(from).size(), to);
-  }
-  const std::string scene = folder.write("parallelogram.toml", text);
+  const std::string scene = folder.write("parallelogram.toml", test::three_links(0));
   for (const std::string command : {"solve", "modes"}) {
     const Outcome run = run_poise({command, scene});
     EXPECT_EQ(run.exit_code, 0) << command << run.out << run.err;

@@ -13,6 +13,7 @@
 #include "comparison/redundant_scenes.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "tests/support/motions.hpp"
+#include "tests/support/parallel_links.hpp"
 #include "tests/support/seed.hpp"
 
 namespace poise::torn_motions_test {
@@ -77,26 +78,6 @@ std::string four_bar(double crank, double coupler_length, double rocker_length, 
                      std::atan2(cy, cx - 3));
 }
 
-/// Parallel links of length 1 on a level ground carry a bed; the middle one is shorter by `shorter`, and its pin on the
-/// bed higher.
-std::string three_links(double shorter, double angle, double push) {
-  const auto link = [&](int k) {
-    return body(fmt::format("l{}", k), fmt::format("A = [0, 0], T = [{}, 0]", k == 2 ? 1 - shorter : 1.0));
-  };
-  const double rise_x = -shorter * std::cos(angle), rise_y = -shorter * std::sin(angle);
-  std::string text =
-      fmt::format("gravity = [{}, -9.81]\n[ground]\npoints = {{ P1 = [0, 0], P2 = [1, 0], P3 = [2, 0] }}\n", push) +
-      body("bed", fmt::format("T1 = [0, 0], T2 = [{}, {}], T3 = [2, 0]", 1 + rise_x, rise_y)) + link(1) + link(2) +
-      link(3);
-  std::string start = "[start]\nbed = 0\n";
-  for (int k = 1; k <= 3; ++k) {
-    text += pin(fmt::format("A{}", k), fmt::format("ground.P{}", k), fmt::format("l{}.A", k)) +
-            pin(fmt::format("B{}", k), fmt::format("l{}.T", k), fmt::format("bed.T{}", k));
-    start += fmt::format("l{} = {}\n", k, angle);
-  }
-  return text + start;
-}
-
 enum class End { refused, torn, confirmed, other };
 
 End end_of(const std::string& text, double duration) {
@@ -147,8 +128,8 @@ TEST(TornMotions, ADrivenTriangleIsRefused) {
 }
 
 TEST(TornMotions, ShakyLinksDoNotFall) {
-  EXPECT_EQ(end_of(three_links(0.01, -M_PI / 2, 3), 2), End::torn);
-  EXPECT_EQ(end_of(three_links(0.0, -M_PI / 2, 3), 2), End::confirmed);
+  EXPECT_EQ(end_of(test::three_links(0.01, -M_PI / 2, 3), 2), End::torn);
+  EXPECT_EQ(end_of(test::three_links(0.0, -M_PI / 2, 3), 2), End::confirmed);
 }
 
 // No motion is confirmed whose joints open; what is redundant everywhere stays confirmed.
@@ -167,10 +148,10 @@ TEST(TornMotions, RandomOnesAreNeverConfirmed) {
     EXPECT_EQ(end_of(linkage + drive("one", "crank", rate) + drive("two", "crank", rate, other), 1), End::torn);
     const double shorter = std::pow(10, random.uniform(-3, -0.7)), leaning = -random.uniform(0.4, 2.7);
     // Where gravity happens to point along the links they hardly move.
-    const End shaky = end_of(three_links(shorter, leaning, random.uniform(-9, 9)), 1);
+    const End shaky = end_of(test::three_links(shorter, leaning, random.uniform(-9, 9)), 1);
     EXPECT_TRUE(shaky == End::torn || shaky == End::confirmed);
     at_rest += shaky == End::confirmed ? 1 : 0;
-    EXPECT_EQ(end_of(three_links(0, leaning, random.uniform(-9, 9)), 1), End::confirmed);
+    EXPECT_EQ(end_of(test::three_links(0, leaning, random.uniform(-9, 9)), 1), End::confirmed);
   }
   EXPECT_LE(at_rest, count / 100);
 }

@@ -18,6 +18,7 @@
 #include "statics/closure_rounding.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/parallel_links.hpp"
 #include "tests/support/seed.hpp"
 
 namespace poise::mobility_test {
@@ -169,44 +170,7 @@ TEST(Mobility, NamesTheRedundantBeamAmongManyLoops) {
   }
 }
 
-// Three parallel links of which the middle one is shorter: its end moves on a circle of another curvature.
-Scene three_links(double shorter) {
-  return parse_scene(fmt::format(R"(
-[ground]
-points = {{ P1 = [0, 0], P2 = [1, 0], P3 = [2, 0] }}
-[body.bed]
-points = {{ T1 = [0, 0], T2 = [1, {0}], T3 = [2, 0] }}
-[body.l1]
-points = {{ A = [0, 0], T = [1, 0] }}
-[body.l2]
-points = {{ A = [0, 0], T = [{1}, 0] }}
-[body.l3]
-points = {{ A = [0, 0], T = [1, 0] }}
-[[pin]]
-points = ["ground.P1", "l1.A"]
-[[pin]]
-points = ["ground.P2", "l2.A"]
-[[pin]]
-points = ["ground.P3", "l3.A"]
-[[pin]]
-points = ["l1.T", "bed.T1"]
-[[pin]]
-points = ["l2.T", "bed.T2"]
-[[pin]]
-points = ["l3.T", "bed.T3"]
-[[force]]
-name = "P"
-at = "bed.T1"
-vector = [1, 1]
-[start]
-bed = 0
-l1 = -1.5707963267948966
-l2 = -1.5707963267948966
-l3 = -1.5707963267948966
-)",
-                                 shorter, 1 - shorter),
-                     "links.toml");
-}
+Scene three_links(double shorter) { return parse_scene(test::three_links(shorter), "links.toml"); }
 
 Freedoms freedoms_of(const Scene& scene, int infinitesimal) {
   const StaticModel model(scene);
