@@ -135,6 +135,22 @@ std::string shaky_in_words(const Freedoms& freedoms) {
       count(freedoms.infinitesimal, "degree of freedom", "degrees of freedom"), finite, known);
 }
 
+void warn_of_shaky(Result& result, const std::string& where, const std::vector<Answer>& answers,
+                   const std::vector<std::string>& names) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;  // words, and the answers that they are about
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    if (!answers[k].freedoms || !answers[k].freedoms->is_shaky()) continue;
+    const std::string words = shaky_in_words(*answers[k].freedoms);
+    auto same = std::find_if(said.begin(), said.end(), [&](const auto& one) { return one.first == words; });
+    if (same == said.end()) same = said.insert(same, {words, {}});
+    if (!names.empty()) same->second.push_back(names[k]);
+  }
+  for (const auto& [words, about] : said) {
+    const std::string place = about.empty() ? where : fmt::format("{} {}:", where, fmt::join(about, ", "));
+    result.warnings.push_back(doubtful(fmt::format("{} {}.", place, words)));
+  }
+}
+
 void add_freedoms(Group& group, const Freedoms& freedoms) {
   group.data("degrees_of_freedom", freedoms.infinitesimal);
   group.data("finite_degrees_of_freedom", freedoms.finite);

@@ -50,7 +50,11 @@ Tone tone_of(Stability stability);
 /// Where not all freedoms of a position are finite: that joints repeat each other there, how many freedoms are left,
 /// and how that is known; empty elsewhere.
 std::string shaky_in_words(const Freedoms& freedoms);
-/// Adds them as data; a group `mobility` of them, or null without a position.
+/// Warns in these words of answers whose freedoms are not all finite, those of which the same is to be said together:
+/// `where` and their names ("In no." and "2", "3").
+void warn_of_shaky(Result& result, const std::string& where, const std::vector<Answer>& answers,
+                   const std::vector<std::string>& names = {});
+/// Adds freedoms as data; a group `mobility` of them, or null without a position.
 void add_freedoms(Group& group, const Freedoms& freedoms);
 void add_mobility(Group& group, const std::optional<Freedoms>& freedoms);
 

@@ -106,7 +106,10 @@ TEST(ShakyMechanism, IsNamedByEveryCommandThatMeetsIt) {
       EXPECT_EQ(r["finite_known_by"], "curvature");
       continue;
     }
-    const json& mobility = one.command == "identify" ? r["mobility"][0] : r["mobility"];
+    const json& mobility = one.command == "identify"     ? r["mobility"][0]
+                           : one.command == "compare"    ? r["methods"][1]["mobility"]
+                           : one.command == "equilibria" ? r["equilibria"][0]["mobility"]
+                                                         : r["mobility"];
     EXPECT_EQ(mobility["degrees_of_freedom"], 1) << one.command;
     EXPECT_EQ(mobility["finite_degrees_of_freedom"], 0) << one.command;
     EXPECT_EQ(mobility["known_by"], "curvature") << one.command;

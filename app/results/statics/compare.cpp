@@ -146,6 +146,8 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
     out.warnings.push_back(bad(fmt::format("{}, {}: {}.", to_string(answer.equilibrium.method),
                                            to_string(answer.equilibrium.status), answer.equilibrium.why)));
   }
+  warn_of_shaky(out, "At the end of", answers,
+                each(answers, [](const Answer& a) { return to_string(a.equilibrium.method); }));
   warn_of_friction(out, model.scene());
   Group& content = out.content;
   // Every method was given the same settled pose.

@@ -20,6 +20,10 @@ Tone tone_of_claim(Claim claim) { return claim == Claim::complete ? Tone::good :
 /// "no. 3", as the table counts them.
 std::string number_in_list(int index) { return std::to_string(index + 1); }
 
+std::vector<std::string> numbers_in_list(const std::vector<std::size_t>& rows) {
+  return each(rows, [](std::size_t k) { return number_in_list(static_cast<int>(k)); });
+}
+
 double energy_of(const StaticModel& model, const Answer& answer) {
   return in_unit(or_gap(answer.equilibrium.energy), Quantity::energy, model.scene().units);
 }
@@ -56,7 +60,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   table.shown = Table::Shown::first;
   const std::vector<std::size_t> rows = places(answers.size());
   table.numbers("index", "no.", "", each(rows, [](std::size_t k) { return static_cast<double>(k); })).texts =
-      each(rows, [](std::size_t k) { return number_in_list(static_cast<int>(k)); });
+      numbers_in_list(rows);
   if (!assemblies) {
     Column& energy = table.numbers("energy", "energy", unit_name(Quantity::energy, model.scene().units),
                                    each(answers, [&](const Answer& a) { return energy_of(model, a); }),
@@ -160,6 +164,7 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
     out.warnings.push_back(
         doubtful(fmt::format("From the start it settles in none of these: {}.", set.settles_nowhere)));
   }
+  warn_of_shaky(out, "In no.", answers, numbers_in_list(places(answers.size())));
   Group& content = out.content;
   content.data("claim", to_string(set.claim));
   content.data("statement", set.statement);

@@ -440,6 +440,7 @@ void add_search_data(Group& group, const StaticModel& model, const Answer& answe
   group.data("microseconds", equilibrium.microseconds);
   group.data("error", error_of(answer));
   add_reference(group, model, answer);
+  add_mobility(group, answer.freedoms);
   // Of a method that does not apply there is no pose.
   if (answer.readings) return;
   for (const char* key :
@@ -512,10 +513,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   } else {
     content.fact("why", equilibrium.why);
   }
-  if (answer.freedoms && answer.freedoms->is_shaky()) {
-    out.warnings.push_back(doubtful("Here " + shaky_in_words(*answer.freedoms) + "."));
-  }
-  add_mobility(content, answer.freedoms);
+  warn_of_shaky(out, "Here", {answer});
   show_settling(out, model, equilibrium);
   if (as_drawn != nullptr) {
     Group& friction = content.group("as_drawn", "", Verbosity::normal);
