@@ -62,7 +62,7 @@ class RunModel {
   /// A change of a number over which the mechanism changes considerably, SI: the mechanism's size, its gravity, of any
   /// other number its own size, at least 1.
   double reach(const SceneParameter& number) const;
-  /// Of the mechanism, m.
+  /// Size of the mechanism, m.
   double size() const { return size_; }
   /// Names of the nuisances: "equilibrium", "start obd", "start rate obd".
   std::vector<std::string> nuisance_names() const;
@@ -73,9 +73,9 @@ class RunModel {
   std::vector<double> released() const;
   /// Per sensor: the times of its readings, of the record or of the simulated run; empty where it is not read.
   const std::vector<std::vector<double>>& times() const { return times_; }
-  /// Readings of each sensor up to the time `until`, s.
+  /// Number of readings of each sensor up to the time `until`, s.
   std::vector<std::size_t> counts(double until) const;
-  /// Of all sensors up to the time `until`.
+  /// Number of readings of all sensors together up to the time `until`, s.
   std::size_t readings(double until) const;
   /// Time of the last reading, s.
   double span() const;
@@ -131,7 +131,7 @@ class RunModel {
     double reading = 0.0;  ///< of the first sensor there; not set where that is not read in this run
     double reading_by_z = 0.0, equilibrium_by_z = 0.0;
   };
-  /// Of mass 0 where there is no such equilibrium.
+  /// The small motion about that equilibrium; its mass is 0 where there is none.
   Oscillator oscillator(const double* unknowns, double equilibrium) const;
   /// Undamped natural frequencies of small motions, Hz, ascending, one per degree of freedom:  sqrt(eigenvalues of
   /// -dalpha/dz) / 2 pi  without rates, in the equilibrium pose where the run has one, else at the independent
@@ -169,7 +169,7 @@ class RunModel {
     double set_by_at = 0.0;             // of the one that the equilibrium sets, by the equilibrium's coordinate
     std::vector<double> set_by;         // and by the numbers
   };
-  /// Those of the run, and the functions of time of the scene in SI for the others.
+  /// Inputs are those of the run; the others are the functions of time of the scene, in SI.
   std::vector<MotionInput> inputs_in(const Scene& scene) const { return with_inputs_of(scene, inputs_); }
   bool sets_numbers(const double* unknowns, Scene& scene, std::string& why) const;
   Built build(const double* unknowns, double equilibrium, bool derivatives) const;

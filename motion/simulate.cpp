@@ -615,14 +615,15 @@ class Simulation {
       // time only; the energies at both ends do.
       const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
       const double unbalanced = std::abs(energy - energy_ - (y_new_[0] - y_[0]));
-      // Of energies, of places to which loops and drives are closed, and of the times at which power is taken.
+      // Rounding is that of energies, of places to which loops and drives are closed, and of the times at which power
+      // is taken.
       const double rounding = 100 * eps * (std::abs(energy) + std::abs(energy_)) + 10 * eps * reduced_.work_of_gaps() +
                               4 * eps * (t + h) * (std::abs(dydt_[0]) + std::abs(dydt_new_[0]));
       worst =
           std::max(0.0, unbalanced - rounding) / (1000 * accuracy * std::max(exchanged_, std::abs(y_new_[0])) + tiny);
     }
     for (int k = 0; k < f; ++k) {
-      // With balanced forces, accelerations are about the rounding of a coordinate times stiffness over inertia.
+      // Where forces balance, accelerations are about the rounding of a coordinate times stiffness over inertia.
       const double balanced = eps * fastest_ * fastest_ * (1 + std::abs(y_[static_cast<std::size_t>(k)]));
       const double uncertain = h * (singular + balanced);
       const double z = accuracy * std::max(reach_of(k, h), 1e-3 * far) + h * uncertain;
@@ -921,7 +922,7 @@ class Simulation {
     stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what));
   }
 
-  /// Of a force that its joints leave open from the start the scene is to blame.
+  /// The scene is to blame for a force that its joints leave open from the start.
   void refuse_undetermined(double t) {
     if (t > 0 || reduced_.undetermined() < 0) {
       return stop(MotionStatus::stuck,

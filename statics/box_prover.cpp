@@ -446,7 +446,7 @@ void BoxProver::set_middle(int i, double x, const CoordinateBox& box) {
   if (i < angles_) thin_unit_[i] = unit(thin_[i]);
 }
 
-// Of a coordinate that does not follow its box is known alone.
+// The box is all that is known of a coordinate that does not follow the driving ones.
 void BoxProver::forget(int i, const CoordinateBox& box) {
   set_middle(i, box[i].middle(), box);
   Interval* by = followed(i);
@@ -1087,7 +1087,7 @@ bool BoxProver::balance_possible(CoordinateBox& box) {
 // Where J loses rank or nearly so: elimination with full pivoting leaves, of F + J^T y = 0, for the rows s without a
 // pivot and the columns q without one
 //   F'_q + sum_s J'_sq y_s = 0,   so that   max_s |y_s| >= |F'_q| / sum_s |J'_sq|.
-// Of a single row every q gives y_s itself. Nothing is concluded of lost rank where more stops may touch: there more of
+// A single row gives y_s itself by every q. Nothing is concluded of lost rank where more stops may touch: there more of
 // them can be needed than there are freedoms elsewhere, and no case has so many.
 BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
   const bool may_touch = may_touch_stops(box);
@@ -1197,7 +1197,8 @@ bool BoxProver::is_decided_by_crossing(CoordinateBox& box, Verdict& verdict) {
 // Where the points of an element do not coincide it pulls with T along e = d / |d|. With motions X of closed poses
 // (motions()), D = d' and the force F of everything else, balance is
 //   X_p . F + T e . (D X_p) = 0   for all p.
-// Of stiff elements T is known in tiny boxes only, and of short ones e. Two of these equations have no common T where
+// T of stiff elements is known in tiny boxes only, and so is e of short ones. Two of these equations have no common T
+// where
 //   (X_p . F) (d . D X_q) - (X_q . F) (d . D X_p)
 // has no zero; and they give the vector T e, which has to be the same from any two, and of the size of T.
 bool BoxProver::is_refused_by_elements(const CoordinateBox& box) {
@@ -1257,9 +1258,9 @@ bool BoxProver::is_balanced_by(const Distance& on, const Planar<Interval>& d, co
   return false;
 }
 
-// Of one freedom, with the lever v = D X: whether the element is too weak to balance everything else, or its points
-// pass each other and it pushes them apart by more than that. If d = 0 anywhere in the box, then d = v' (p - p_0)
-// elsewhere, v' of the same enclosure, and |T e . v| >= |T| min (v' . v) / |v'|.
+// Tells of one freedom, with the lever v = D X, whether the element is too weak to balance everything else, or its
+// points pass each other and it pushes them apart by more than that. If d = 0 anywhere in the box, then d = v' (p -
+// p_0) elsewhere, v' of the same enclosure, and |T e . v| >= |T| min (v' . v) / |v'|.
 bool BoxProver::is_passed(const Distance& on, const Interval& length, const Interval& pull) {
   const Planar<Interval>& lever = levers_.front();
   const Planar<Interval> other = lever;  // of which all numbers are taken with all of `lever`
@@ -1515,7 +1516,8 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
 
 // --- one box --------------------------------------------------------------------------------------------------------
 
-// Of a box that is wide the widest driving coordinate, unless others are much wider all the same; else the widest.
+// A wide box is split across its widest driving coordinate, unless others are much wider all the same; else across the
+// widest.
 // Coordinates that balance could give drive too where it does not.
 void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
   int most = 0;

@@ -69,8 +69,8 @@ class BoxProver {
     void cut(CoordinateBox& lower, CoordinateBox& upper) const;
   };
   Verdict examine(CoordinateBox& box);
-  /// The same with several rounds, of which impossible ones are taken out of `rounds`; it does not decide that an
-  /// equilibrium is unique. Only for mechanisms without stops.
+  /// Examines a box with several rounds, of which impossible ones are taken out of `rounds`; it does not decide that an
+  /// equilibrium is unique. The mechanism must have no stops.
   Verdict examine(CoordinateBox& box, const Winding& winding, Interval& rounds);
 
   /// Narrows the box by closures alone. `empty`: it has no closed pose; `unique`: for given values of coordinates, as

@@ -68,8 +68,8 @@ struct Certificate {
   std::vector<int> active_stops;                 ///< indices of Scene::stops
   /// Stops at their limit whose measure active ones already hold: how these share the load is not determined.
   std::vector<int> sharing_stops;
-  /// Of both where several share loads: the stops without which no forces of the others balance the loads, because
-  /// some motion leaves all these, and the loads do work in it. Only such of which that is proved.
+  /// Where stops share loads: those, active or sharing, without which no forces of the others balance the loads. It is
+  /// proved of each of them that some motion leaves all others, and that the loads do work in it.
   std::vector<int> needed_stops;
   /// Every touched stop presses, and no one-way spring is exactly at its free length.
   bool strict = true;

@@ -527,8 +527,23 @@ class RangeSearch {
     }
     return out;
   }
-  /// Learns the values around one that is held, and on from them in one direction.
-  void look_at(const Eigen::VectorXd& v, bool upwards) { add_inner(v, upwards); }
+  /// Learns the values around one that is held, v, and on from them in one direction: what is possible with the
+  /// directions at v, then with those at the end that this leads to, and so on.
+  void add_inner(Eigen::VectorXd v, bool upwards) {
+    double before = -no_end;
+    for (int step = 0; step < 8; ++step) {
+      const std::vector<Row> rows = problem_.rows(problem_.choice_at(v), 1.0, Side::inner);
+      const LoadReach found = reach(problem_, rows, span_);
+      if (!found.any) return;
+      Inner& inner = inner_.emplace_back(Inner{found.lower, found.upper, {}, {}});
+      if (found.multipliers_lower.size() > 0) inner.slips_lower = slips_of(problem_, rows, found.multipliers_lower);
+      if (found.multipliers_upper.size() > 0) inner.slips_upper = slips_of(problem_, rows, found.multipliers_upper);
+      const double end = upwards ? found.upper : -found.lower;
+      if (!(end > before + 1e-15 * std::abs(before)) || std::isinf(end)) return;
+      before = end;
+      v = upwards ? found.at_upper : found.at_lower;
+    }
+  }
 
  private:
   struct Node {
@@ -548,23 +563,6 @@ class RangeSearch {
     add_inner(node.outer.at_upper, true);
     add_inner(node.outer.at_lower, false);
     nodes_.push_back(std::move(node));
-  }
-
-  /// Ascends: what is possible with the directions at a point, then with those at its end, ...
-  void add_inner(Eigen::VectorXd v, bool upwards) {
-    double before = -no_end;
-    for (int step = 0; step < 8; ++step) {
-      const std::vector<Row> rows = problem_.rows(problem_.choice_at(v), 1.0, Side::inner);
-      const LoadReach found = reach(problem_, rows, span_);
-      if (!found.any) return;
-      Inner& inner = inner_.emplace_back(Inner{found.lower, found.upper, {}, {}});
-      if (found.multipliers_lower.size() > 0) inner.slips_lower = slips_of(problem_, rows, found.multipliers_lower);
-      if (found.multipliers_upper.size() > 0) inner.slips_upper = slips_of(problem_, rows, found.multipliers_upper);
-      const double end = upwards ? found.upper : -found.lower;
-      if (!(end > before + 1e-15 * std::abs(before)) || std::isinf(end)) return;
-      before = end;
-      v = upwards ? found.at_upper : found.at_lower;
-    }
   }
 
   static double tolerance(double at) { return 1e-13 * std::max(std::abs(at), 1e-3); }
@@ -761,8 +759,8 @@ class RangeFinder {
       q = *some;
     }
     if (const Eigen::VectorXd v = held_at(q); v.size() > 0) {
-      search.look_at(v, true);
-      search.look_at(v, false);
+      search.add_inner(v, true);
+      search.add_inner(v, false);
     }
     std::optional<RangeSearch::Part> part = search.run(q);
     if (!part) {
@@ -779,7 +777,7 @@ class RangeFinder {
         const double from = end(), by = step * std::max(std::abs(from), 1e-3);
         const Eigen::VectorXd v = held_at(up ? std::min(from + by, limit) : std::max(from - by, limit));
         if (v.size() > 0) {
-          search.look_at(v, up);
+          search.add_inner(v, up);
           part = search.part_of(q);
           step *= 4;
           if (end() == from) break;

@@ -31,8 +31,8 @@ bool is_all_negative(const std::vector<Form>& forms, const std::vector<Ball>& v)
   return std::all_of(forms.begin(), forms.end(), [&](const Form& a) { return product(a, v) < Ball(0); });
 }
 
-// The same cones for rates w of v = W w: curvatures along the new axes are about 1, so that boxes are as long as wide.
-// Nothing if W is not proved regular.
+// Expresses cones in rates w of v = W w: curvatures along the new axes are about 1, so that boxes are as long as wide.
+// Returns nothing if W is not proved regular.
 std::optional<Cones> rescaled(const Cones& cones) {
   const std::size_t d = cones.hessian.size();
   const auto n = static_cast<Eigen::Index>(d);
@@ -202,7 +202,7 @@ StabilityOnCones stability_on_cones(const Cones& cones) {
   return {division.stability(), false};
 }
 
-// Of all sums with l >= 0 and sum l = 1 the shortest, sum_s l_s a_s, is opposite to such a v, if there is one (Gordan).
+// The shortest of all sums  sum_s l_s a_s  with l >= 0 and sum l = 1 is opposite to such a v, if there is one (Gordan).
 bool is_left_together(const std::vector<std::vector<Ball>>& forms) {
   if (forms.empty()) return true;
   const std::size_t d = forms.front().size();
@@ -222,7 +222,7 @@ bool is_left_together(const std::vector<std::vector<Ball>>& forms) {
   return is_all_negative(forms, v);
 }
 
-// With v = (n, o):  H_oo o = -H_on n.
+// The other rates follow from the neutral ones, v = (n, o):  H_oo o = -H_on n.
 bool goes_on_beside(const Cones& cones, std::size_t neutral) {
   if (neutral == 0) return false;
   const std::size_t d = cones.hessian.size();
