@@ -9,11 +9,10 @@ namespace poise {
 namespace {
 
 /// What a stop carries in one pose: 0 where it is not in contact.
-double stop_force(const Stop& stop, const Forces& forces) {
-  for (const Reaction& r : forces.reactions) {
-    if (r.of_stop && r.name == stop.name) return stop.on.is_angle() ? r.moment : r.axial;
-  }
-  return 0.0;
+double stop_force(const Scene& scene, std::size_t stop, const Forces& forces) {
+  const Reaction* const reaction = reaction_of_stop(forces.reactions, stop);
+  if (reaction == nullptr) return 0.0;
+  return scene.stops[stop].on.is_angle() ? reaction->moment : reaction->axial;
 }
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
@@ -81,8 +80,9 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     if (!scene.joints[j].keeps_angle()) continue;
     add_force(name + ".moment", Quantity::moment, [j](const Forces& f) { return f.reactions[j].moment; });
   }
-  for (const Stop& stop : scene.stops) {
-    add_force("stop." + stop.name, effort_of(stop.on), [&stop](const Forces& f) { return stop_force(stop, f); });
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    add_force("stop." + scene.stops[s].name, effort_of(scene.stops[s].on),
+              [&scene, s](const Forces& f) { return stop_force(scene, s, f); });
   }
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];

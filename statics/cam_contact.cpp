@@ -1,18 +1,12 @@
 #include "statics/cam_contact.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "statics/contact_loads.hpp"
 
 namespace poise {
 namespace {
-
-const Reaction* reaction_of(const Stop& stop, const std::vector<Reaction>& reactions) {
-  const auto found = std::find_if(reactions.begin(), reactions.end(),
-                                  [&](const Reaction& r) { return r.of_stop && r.name == stop.name; });
-  return found == reactions.end() ? nullptr : &*found;
-}
 
 /// In a pose in which the roller is on the pitch curve.
 std::optional<CamContact> contact_of(const Scene& scene, const Stop& stop, const CamGeometry& cam,
@@ -28,10 +22,11 @@ std::optional<CamContact> contact_of(const Scene& scene, const Stop& stop, const
 std::vector<CamReading> cam_readings(const Scene& scene, const std::vector<BodyPose<double>>& poses,
                                      const std::vector<Reaction>& reactions) {
   std::vector<CamReading> out;
-  for (const Stop& stop : scene.stops) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
     const std::optional<CamGeometry> cam = cam_geometry(scene, stop);
     if (!cam) continue;
-    const Reaction* const reaction = reaction_of(stop, reactions);
+    const Reaction* const reaction = reaction_of_stop(reactions, s);
     out.push_back({stop.name, std::nullopt});
     if (stop.holds() || reaction != nullptr) {
       out.back().contact = contact_of(scene, stop, *cam, poses, reaction ? effort_of(stop, *reaction) : 0.0);

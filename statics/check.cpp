@@ -164,12 +164,11 @@ class EquilibriumCheck {
   void add_idle_stops() {
     std::vector<Reaction> stops;
     const auto first =
-        std::find_if(out_.reactions.begin(), out_.reactions.end(), [](const Reaction& r) { return r.of_stop; });
+        std::find_if(out_.reactions.begin(), out_.reactions.end(), [](const Reaction& r) { return r.of_stop(); });
     auto next = first;
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       if (touching_[s] == 0) continue;
-      const bool carries =
-          next != out_.reactions.end() && next->name == scene_.stops[s].name && next->kind == scene_.stops[s].table;
+      const bool carries = next != out_.reactions.end() && next->stop == static_cast<int>(s);
       stops.push_back(carries ? std::move(*next++) : idle_reaction(scene_, poses_, static_cast<int>(s)));
     }
     out_.reactions.erase(first, out_.reactions.end());
@@ -220,11 +219,10 @@ class EquilibriumCheck {
   void look_at_wheels() {
     const double least = -negligible_pull * out_.largest_force;
     for (const Reaction& reaction : out_.reactions) {
-      if (!reaction.of_stop || !reaction.kind.starts_with("rolling")) continue;
-      const auto row = std::find_if(scene_.stops.begin(), scene_.stops.end(),
-                                    [&](const Stop& stop) { return stop.name == reaction.name; });
+      if (!reaction.of_stop() || !reaction.kind.starts_with("rolling")) continue;
+      const Stop* const row = &scene_.stops[static_cast<std::size_t>(reaction.stop)];
       if (coupling_kind(*row)->row > 0) continue;
-      if (row->table.starts_with("rolling_profile")) look_at_profile(&*row);
+      if (row->table.starts_with("rolling_profile")) look_at_profile(row);
       const bool is_too_large = row->table == "rolling_on_circle" && row->max <= 0.0;
       if (!is_too_large && -row->sense * reaction.axial >= least) continue;
       out_.keeps_contacts = false;
@@ -313,6 +311,25 @@ class EquilibriumCheck {
 };
 
 }  // namespace
+
+const Reaction* reaction_of_stop(const std::vector<Reaction>& reactions, std::size_t stop) {
+  const auto found = std::find_if(reactions.begin(), reactions.end(),
+                                  [&](const Reaction& r) { return r.stop == static_cast<int>(stop); });
+  return found == reactions.end() ? nullptr : &*found;
+}
+
+Resultant resultant_of_stops(const std::vector<Reaction>& reactions, std::size_t first, std::size_t count) {
+  Vec2 sum{};
+  Resultant out;
+  for (std::size_t s = first; s < first + count; ++s) {
+    const Reaction* const one = reaction_of_stop(reactions, s);
+    if (one == nullptr) continue;
+    sum += one->force;
+    out.radius += one->radius;
+  }
+  out.force = norm(sum);
+  return out;
+}
 
 Check check(const StaticModel& model, const std::vector<double>& x, const CheckTolerances& tolerances,
             const std::vector<int>* active, const std::vector<int>& sharing) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
@@ -26,7 +27,7 @@ struct Reaction {
   std::string name;
   std::string
       kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "drive", or the table of a stop: "stop", "gear", ...
-  bool of_stop = false;  ///< of an item of Scene::stops
+  int stop = -1;  ///< index in Scene::stops; -1 of a joint, bar or drive
   int body_a = 0, body_b = 0;
   Vec2 at{};
   /// A stop on a rope has those on its last contact, one on a sum (of a coupling, a cam) those on its first measure.
@@ -35,17 +36,30 @@ struct Reaction {
   double axial = 0.0;  ///< bars, stops on lengths: N, tension positive
   /// False: statically indeterminate, the set of minimum norm (moments over size) in which one-sided stops push.
   bool determined = true;
-  /// Of an undetermined stop: true if others that touch can carry its loads, to 1e-9 of the largest force, so that it
-  /// may be slack; false if it is proved that they cannot (Certificate::needed_stops).
+  /// An undetermined stop may be slack if others that touch can carry its loads, to 1e-9 of the largest force; false if
+  /// it is proved that they cannot (Certificate::needed_stops).
   std::optional<bool> may_be_idle{};
   /// Proved distances of `force` (its length) and `axial`, N, and of `moment`, N m, from the exact ones; infinite where
   /// nothing is proved (statics/enclosed_reactions.hpp).
   double radius = std::numeric_limits<double>::infinity();
   double moment_radius = std::numeric_limits<double>::infinity();
-  /// Of a stop that acts on more than two places (a rope, a sum), or elsewhere than its measure is taken (teeth, the
-  /// roller of a cam): all that acts, one entry for each body, the ground too, and point.
+  /// A stop that acts on more than two places (a rope, a sum), or elsewhere than its measure is taken (teeth, the
+  /// roller of a cam), has all that acts here: one entry for each body, the ground too, and point.
   std::vector<BodyForce> parts{};
+
+  bool of_stop() const { return stop >= 0; }
 };
+
+/// The reaction of a stop, an index of Scene::stops; null where it does not act.
+const Reaction* reaction_of_stop(const std::vector<Reaction>& reactions, std::size_t stop);
+
+/// Size of a resultant force, N, and its proved distance from the exact one; infinite where nothing is proved.
+struct Resultant {
+  double force = 0.0, radius = 0.0;
+};
+
+/// Resultant of the forces of so many stops from the first on; 0 where none of them acts.
+Resultant resultant_of_stops(const std::vector<Reaction>& reactions, std::size_t first, std::size_t count);
 
 /// Static force T of an element, N or N m, positive where it tends to reduce its measure, and its proved distance from
 /// the exact one.

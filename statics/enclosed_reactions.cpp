@@ -135,7 +135,7 @@ class Enclosure {
   }
 
  private:
-  static bool is_idle(const Reaction& r) { return r.of_stop && r.force == Vec2{} && r.moment == 0.0; }
+  static bool is_idle(const Reaction& r) { return r.of_stop() && r.force == Vec2{} && r.moment == 0.0; }
 
   // f of least |f| with A f = -load, where stops that do not carry anything would only make it longer:
   //   f + A^T z = 0,  A f = -load,
@@ -190,7 +190,7 @@ class Enclosure {
     if (!separates(stop)) return Ball(0);
     if (either_way) return Ball(0).widened(1.0);
     const auto found = std::find_if(check.reactions.begin(), check.reactions.end(),
-                                    [&](const Reaction& one) { return one.of_stop && one.name == stop.name; });
+                                    [&](const Reaction& one) { return one.of_stop() && one.name == stop.name; });
     const double sign = found != check.reactions.end() && effort_of(stop, *found) < 0 ? -1.0 : 1.0;
     signs_.emplace_back(equations_.unknowns().size(), sign);
     return Ball(sign);

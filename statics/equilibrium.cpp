@@ -165,11 +165,11 @@ void search(const StaticModel& model, const std::vector<double>& x, const SolveO
   throw std::invalid_argument(fmt::format("there is no method {}", static_cast<int>(options.method)));
 }
 
-void mark_needed(const StaticModel& model, const Certificate& certificate, Check& check) {
-  for (const int s : certificate.needed_stops) {
-    const Stop& stop = model.scene().stops[static_cast<std::size_t>(s)];
-    for (Reaction& reaction : check.reactions) {
-      if (reaction.of_stop && reaction.name == stop.name && reaction.kind == stop.table) reaction.may_be_idle = false;
+void mark_needed(const Certificate& certificate, Check& check) {
+  for (Reaction& reaction : check.reactions) {
+    const std::vector<int>& needed = certificate.needed_stops;
+    if (reaction.of_stop() && std::find(needed.begin(), needed.end(), reaction.stop) != needed.end()) {
+      reaction.may_be_idle = false;
     }
   }
 }
@@ -190,7 +190,7 @@ void certify_answer(const StaticModel& model, const SolveOptions& options, Equil
   confirmed = confirmed && std::isfinite(out.check.largest_force);  // nothing could be said of its forces
   confirmed = confirmed && out.check.keeps_contacts;
   if (confirmed) {
-    mark_needed(model, out.certificate, out.check);
+    mark_needed(out.certificate, out.check);
     enclose_reactions(model, out.certificate, out.check);
   }
   out.energy = energy_at(model, out.x);
@@ -298,10 +298,8 @@ std::vector<double> beside(const StaticModel& model, std::vector<double> x, cons
 }
 
 bool touches_one_side(const Scene& scene, const Check& check) {
-  return std::any_of(scene.stops.begin(), scene.stops.end(), [&](const Stop& stop) {
-    return stop.min < stop.max && std::any_of(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
-             return r.of_stop && r.name == stop.name && r.kind == stop.table;
-           });
+  return std::any_of(check.reactions.begin(), check.reactions.end(), [&](const Reaction& r) {
+    return r.of_stop() && !scene.stops[static_cast<std::size_t>(r.stop)].holds();
   });
 }
 

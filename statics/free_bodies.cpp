@@ -28,7 +28,7 @@ std::vector<Reaction> reactions_of(const Equations& equations) {
     Reaction& reaction = out.emplace_back();
     reaction.name = *item.name;
     reaction.kind = item.kind;
-    reaction.of_stop = item.stop >= 0;
+    reaction.stop = item.stop;
     reaction.at = item.at;
   }
   for (const Equations::Unknown& unknown : equations.unknowns()) {
@@ -107,7 +107,7 @@ class Statics {
 
   // Marks the reactions of stops without which the others that touch carry the loads too.
   void mark_idle(const std::vector<int>& sides, FreeBodies& bodies) {
-    const auto is_undetermined = [](const Reaction& r) { return r.of_stop && !r.determined; };
+    const auto is_undetermined = [](const Reaction& r) { return r.of_stop() && !r.determined; };
     if (std::none_of(bodies.reactions.begin(), bodies.reactions.end(), is_undetermined)) return;
     const OneSided stops = one_sided(sides);
     for (std::size_t k = 0; k < stops.index.size(); ++k) {

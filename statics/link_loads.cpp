@@ -173,10 +173,8 @@ class Actions {
 
   void add_reaction(const Reaction& reaction) {
     const std::string name = reaction.kind + " " + reaction.name;
-    if (reaction.of_stop) {
-      const auto stop = std::find_if(scene_.stops.begin(), scene_.stops.end(),
-                                     [&](const Stop& one) { return one.name == reaction.name; });
-      return add_stop(name, *stop, reaction);
+    if (reaction.of_stop()) {
+      return add_stop(name, scene_.stops[static_cast<std::size_t>(reaction.stop)], reaction);
     }
     const auto joint = std::find_if(scene_.joints.begin(), scene_.joints.end(),
                                     [&](const Joint& one) { return one.name == reaction.name; });

@@ -30,8 +30,8 @@ Reaction NamedEquilibrium::reaction(const std::string& joint) const {
 }
 
 Reaction NamedEquilibrium::stop_reaction(const std::string& stop) const {
-  find_stop(stop);
-  return find_reaction(stop, true).value_or(Reaction{.name = stop, .kind = "stop", .of_stop = true});
+  const auto index = static_cast<int>(&find_stop(stop) - scene().stops.data());
+  return find_reaction(stop, true).value_or(Reaction{.name = stop, .kind = "stop", .stop = index});
 }
 
 std::optional<double> NamedEquilibrium::energy() const {
@@ -47,7 +47,7 @@ NamedEquilibrium NamedEquilibrium::in(const Units& units) const {
 
 std::optional<Reaction> NamedEquilibrium::find_reaction(const std::string& name, bool of_stop) const {
   for (const Reaction& reaction : result().check.reactions) {
-    if (reaction.name != name || reaction.of_stop != of_stop) continue;
+    if (reaction.name != name || reaction.of_stop() != of_stop) continue;
     Reaction converted = reaction;
     converted.at = shown(reaction.at, dimension::length);
     converted.force = shown(reaction.force, dimension::force);

@@ -491,13 +491,9 @@ Vec2 TrackedEquilibrium::force_of_hand() const {
   Vec2 sum{};
   if (!hand_ || !equilibrium_.found()) return sum;
   for (std::size_t k = 0; k < hand_->along.size(); ++k) {
-    const std::size_t stop = scene_.stops.size() + k;
-    for (const Reaction& reaction : equilibrium_.check.reactions) {
-      // Of a sum of measures its force alone says how large it is.
-      if (reaction.of_stop && reaction.name == held_scene().stops[stop].name) {
-        sum += -reaction.axial * hand_->along[k];
-      }
-    }
+    // The axial force alone says how large the force of a stop on a sum of measures is.
+    const Reaction* const held = reaction_of_stop(equilibrium_.check.reactions, scene_.stops.size() + k);
+    if (held != nullptr) sum += -held->axial * hand_->along[k];
   }
   return sum;
 }

@@ -250,7 +250,7 @@ void draw_reactions(Stage& stage) {
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
     const auto joint = joints.find(reaction.name);
-    if (!reaction.of_stop && joint != joints.end() && !is_of_track(stage.scene, *joint->second))
+    if (!reaction.of_stop() && joint != joints.end() && !is_of_track(stage.scene, *joint->second))
       draw_reaction(stage, reaction, *joint->second);
   }
   stage.canvas.close();

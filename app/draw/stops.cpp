@@ -19,7 +19,7 @@ const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
   if (!stage.picture.reactions) return nullptr;
   const auto& reactions = *stage.picture.reactions;
   const auto found = std::find_if(reactions.begin(), reactions.end(),
-                                  [&](const Reaction& r) { return r.of_stop && r.name == stop.name; });
+                                  [&](const Reaction& r) { return r.of_stop() && r.name == stop.name; });
   return found == reactions.end() ? nullptr : &*found;
 }
 

@@ -35,7 +35,7 @@ double force_of(const Stage& stage, std::size_t first, std::size_t rows) {
   if (!stage.picture.reactions) return 0.0;
   for (const Reaction& reaction : *stage.picture.reactions) {
     for (std::size_t s = first; s < first + rows; ++s) {
-      if (reaction.of_stop && reaction.name == stage.scene.stops[s].name) sum += reaction.force;
+      if (reaction.of_stop() && reaction.name == stage.scene.stops[s].name) sum += reaction.force;
     }
   }
   return norm(sum);

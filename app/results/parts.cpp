@@ -312,7 +312,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   const int digits = known_digits(force_digits, largest, widest(each(reactions, &Reaction::radius)));
   const std::vector<double> moments = each(reactions, &Reaction::moment);
   const std::string heading =
-      any([](const Reaction& r) { return r.of_stop; }) ? "Forces of joints and active stops" : "Joint forces";
+      any([](const Reaction& r) { return r.of_stop(); }) ? "Forces of joints and active stops" : "Joint forces";
   Table& table = group.table("reactions", heading + " on the named body, along world axes", Rows::list, level);
   table.words("name", "joint", each(reactions, &Reaction::name));
   table.words("kind", "kind", each(reactions, &Reaction::kind));
@@ -352,7 +352,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   if (redundancy > 0) {
     table.footnotes.push_back(count(redundancy, "state of self-stress", "states of self-stress") +
                               ": statics does not determine the marked forces; shown are those of minimum norm" +
-                              (any([](const Reaction& r) { return r.of_stop && !r.determined; })
+                              (any([](const Reaction& r) { return r.of_stop() && !r.determined; })
                                    ? " with which ropes pull and stops push"
                                    : ""));
   }

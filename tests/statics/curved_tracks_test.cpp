@@ -364,8 +364,8 @@ TEST(CurvedSlots, ABeadIsHeldByTheEndOfItsTrack) {
   // Along the tangent there: 30 N less the weight.
   const double slope = std::atan(0.8);
   const auto& reactions = found.check.reactions;
-  const auto end =
-      std::find_if(reactions.begin(), reactions.end(), [](const Reaction& r) { return r.of_stop && r.name == "slot"; });
+  const auto end = std::find_if(reactions.begin(), reactions.end(),
+                                [](const Reaction& r) { return r.of_stop() && r.name == "slot"; });
   ASSERT_NE(end, reactions.end());
   EXPECT_NEAR(norm(end->force), 30 * std::cos(slope) - 10 * std::sin(slope), 0.5);
 }

@@ -46,7 +46,7 @@ std::set<std::string> pressing_stops(const Check& check) {
   std::set<std::string> names;
   for (const Reaction& reaction : check.reactions) {
     const double moment = std::abs(reaction.moment);
-    if (reaction.of_stop && norm(reaction.force) + moment > 0.0) names.insert(reaction.name);
+    if (reaction.of_stop() && norm(reaction.force) + moment > 0.0) names.insert(reaction.name);
   }
   return names;
 }

@@ -99,7 +99,7 @@ double bisect(const std::function<double(double)>& f, double low, double high) {
 /// Of a row of the contact; the travel along the curve has the name of the first.
 const Reaction& row_of(const Equilibrium& found, const std::string& row) {
   const auto& all = found.check.reactions;
-  const auto is_it = [&](const Reaction& one) { return one.of_stop && one.name == row; };
+  const auto is_it = [&](const Reaction& one) { return one.of_stop() && one.name == row; };
   return *std::find_if(all.begin(), all.end(), is_it);
 }
 

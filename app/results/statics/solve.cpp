@@ -258,7 +258,8 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
 double force_of(const Check& check, const std::vector<std::string>& stops) {
   Vec2 sum{};
   for (const Reaction& reaction : check.reactions) {
-    if (reaction.of_stop && std::find(stops.begin(), stops.end(), reaction.name) != stops.end()) sum += reaction.force;
+    if (reaction.of_stop() && std::find(stops.begin(), stops.end(), reaction.name) != stops.end())
+      sum += reaction.force;
   }
   return norm(sum);
 }
@@ -267,7 +268,7 @@ double force_of(const Check& check, const std::vector<std::string>& stops) {
 double radius_of_force(const Check& check, const std::vector<std::string>& stops) {
   double sum = 0.0;
   for (const Reaction& reaction : check.reactions) {
-    if (!reaction.of_stop || std::find(stops.begin(), stops.end(), reaction.name) == stops.end()) continue;
+    if (!reaction.of_stop() || std::find(stops.begin(), stops.end(), reaction.name) == stops.end()) continue;
     if (std::isfinite(reaction.radius)) sum += reaction.radius;
   }
   return sum;
@@ -290,7 +291,7 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   const std::vector<std::size_t> rows = places(stops.size());
   const auto limit = [&](std::size_t i) -> std::string {
     const bool in_contact = std::any_of(check.reactions.begin(), check.reactions.end(),
-                                        [&](const Reaction& r) { return r.of_stop && r.name == stops[i].name; });
+                                        [&](const Reaction& r) { return r.of_stop() && r.name == stops[i].name; });
     return in_contact ? pressed_limit(stops[i], readings.stops[i]).name : "";
   };
   const bool any_coupling =
@@ -461,7 +462,7 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   }
   std::vector<Reaction> reactions;
   for (const Reaction& reaction : answer.equilibrium.check.reactions) {
-    if (reaction.of_stop || hidden.count(reaction.name) == 0) reactions.push_back(reaction);
+    if (reaction.of_stop() || hidden.count(reaction.name) == 0) reactions.push_back(reaction);
   }
   reactions = reaction_rows(reactions);
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
