@@ -59,7 +59,7 @@ Answer measure(const StaticModel& model, Equilibrium equilibrium) {
   }
   if (answer.equilibrium.found()) {
     answer.reference = refine(model, x);
-    answer.radii = enclose_values(model, answer.equilibrium.certificate);
+    answer.radii = enclose_values(model, answer.equilibrium.certificate, answer.equilibrium.check.reactions);
   }
   const bool is_in_balance = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
   if (!answer.readings || !is_in_balance) return answer;

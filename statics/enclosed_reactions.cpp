@@ -32,12 +32,38 @@ Planar<Ball> body_measures::in_any_direction() {
 
 namespace {
 
+// At least the exact result of a sum of non-negative doubles, or of a few operations on them, that was rounded to v.
+double above(double v) { return v == 0.0 ? 0.0 : v * (1.0 + 1e-6) + std::numeric_limits<double>::min(); }
+
+}  // namespace
+
+std::vector<PlacedBody<Ball>> enclosed_bodies(const StaticModel& model, const Certificate& certificate) {
+  std::vector<Ball> q;
+  for (std::size_t i = 0; i < certificate.x.size(); ++i) {
+    q.push_back(certificate.rest.empty()
+                    ? Ball(certificate.x[i]).widened(certificate.radius)
+                    : (Ball(certificate.x[i]) + Ball(certificate.rest[i])).widened(certificate.rest_radius));
+  }
+  std::vector<BodyPose<Ball>> poses = model.balls().exact.poses(q.data(), model.layout().anchor);
+  std::vector<PlacedBody<Ball>> out;
+  out.reserve(poses.size());
+  const Ball unit_length(model.scales().length);
+  // Every arm on the way to a body may be open in both components.
+  std::size_t arms = 0;
+  for (const Link& link : model.layout().links) arms += 1 + link.arms.size();
+  const double open = above(2.0 * static_cast<double>(arms) * certificate.gap);
+  for (BodyPose<Ball>& pose : poses) {
+    pose.origin = {unit_length * pose.origin.x.widened(open), unit_length * pose.origin.y.widened(open)};
+    out.emplace_back(pose);
+  }
+  return out;
+}
+
+namespace {
+
 using BallBody = PlacedBody<Ball>;
 using BallEquations = FreeBodyEquations<BallBody>;
 using Effort = UnitEffortOf<Ball>;
-
-// At least the exact result of a sum of non-negative doubles, or of a few operations on them, that was rounded to v.
-double above(double v) { return v == 0.0 ? 0.0 : v * (1.0 + 1e-6) + std::numeric_limits<double>::min(); }
 
 constexpr int most_refinements = 4;
 constexpr int dense_reactions_limit = 40;  // unknowns; residuals in balls make up for what sparse factors lose
@@ -65,7 +91,7 @@ class Enclosure {
       : model_(model),
         scene_(model.scene()),
         certificate_(certificate),
-        bodies_(placed()),
+        bodies_(enclosed_bodies(model, certificate)),
         equations_(scene_, bodies_, model.scales().length),
         load_(static_cast<std::size_t>(equations_.rows())) {
     const auto push = [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
@@ -122,25 +148,44 @@ class Enclosure {
       equations_.add_stop(stop, 2);
     }
     if (equations_.items().size() != check.reactions.size() || !hold_neutral_coordinates()) return;
-    column_.assign(equations_.unknowns().size(), 0);
-    for (std::size_t u = 0; u < column_.size(); ++u) {
-      const int item = equations_.unknowns()[u].item;
-      column_[u] = item >= 0 && is_idle(check.reactions[static_cast<std::size_t>(item)]) ? -1 : columns_++;
+    std::vector<int> idle;
+    for (std::size_t k = 0; k < check.reactions.size(); ++k) {
+      if (is_idle(check.reactions[k])) idle.push_back(static_cast<int>(k));
     }
-    make_matrix();
     of_least_norm_ = true;
     reported_ = equations_.items().size();
-    const std::optional<std::vector<Ball>> f = least_norm();
-    if (f) report(*f, check);
+    // Stops whose push is not told from none are taken to carry nothing, once.
+    for (const bool again : {false, true}) {
+      leave_out(idle);
+      make_matrix();
+      std::vector<int> pushless;
+      if (const std::optional<std::vector<Ball>> f = least_norm(pushless)) return report(*f, check);
+      if (again || pushless.empty()) return;
+      idle.insert(idle.end(), pushless.begin(), pushless.end());
+    }
   }
 
  private:
+  // Numbers the unknowns but those of idle items.
+  void leave_out(const std::vector<int>& idle) {
+    column_.assign(equations_.unknowns().size(), 0);
+    columns_ = 0;
+    for (std::size_t u = 0; u < column_.size(); ++u) {
+      const bool is_idle = std::find(idle.begin(), idle.end(), equations_.unknowns()[u].item) != idle.end();
+      column_[u] = is_idle ? -1 : columns_++;
+    }
+  }
+
   static bool is_idle(const Reaction& r) { return r.of_stop() && r.force == Vec2{} && r.moment == 0.0; }
 
   // f of least |f| with A f = -load, where stops that do not carry anything would only make it longer:
   //   f + A^T z = 0,  A f = -load,
-  // of rows of A that are independent, which imply the others. None where that is not proved.
-  std::optional<std::vector<Ball>> least_norm() const {
+  // of rows of A that are independent, which imply the others. Pushes p_s >= 0 of the n stops that carry nothing in f
+  // make it longer at the rates r_s. Let g be the set of least norm, A g = A f, and r_s >= -e of all of them:
+  //   |g - f|^2 = g . (g - f) - f . (g - f) <= -sum_s r_s p_s <= e sum_s p_s <= e sqrt(n) |g - f|,
+  // because g . (f - g) >= 0 (g is nearest to 0 in a convex set that f is in). So |g - f| <= e sqrt(n). There is none
+  // where that is not proved. Stops whose push is not told from none are appended to `pushless`.
+  std::optional<std::vector<Ball>> least_norm(std::vector<int>& pushless) {
     const auto [rank, order] =
         solvers::pivot_order<double>(Eigen::MatrixXd(middle_).transpose(), solvers::known_to::solution);
     std::vector<solvers::RegularSet::Entry> entries;
@@ -156,12 +201,17 @@ class Enclosure {
     const solvers::RegularSet system(static_cast<int>(b.size()), true, entries);
     if (b.empty() || !system.regular()) return std::nullopt;
     b = system.solve(std::move(b));
+    double shortening = 0.0;
+    int idle = 0;
     for (std::size_t u = 0; u < column_.size(); ++u) {
       const int item = equations_.unknowns()[u].item;
       const int side = item < 0 ? 2 : side_of(equations_.items()[static_cast<std::size_t>(item)].stop);
       if (side == 2) continue;
       if (column_[u] >= 0) {
-        if (!(Ball(side) * b[static_cast<std::size_t>(column_[u])] < Ball(0))) return std::nullopt;
+        const Ball pull = Ball(side) * b[static_cast<std::size_t>(column_[u])];
+        if (pull < Ball(0)) continue;
+        if (pull > Ball(0)) return std::nullopt;
+        pushless.push_back(item);
         continue;
       }
       Ball longer(0.0);  // rate of |f|^2 / 2 with its push
@@ -169,9 +219,14 @@ class Enclosure {
         const int z = place[static_cast<std::size_t>(row)];
         if (z >= 0) longer -= Ball(side) * value * b[static_cast<std::size_t>(z)];
       });
-      if (!(longer >= Ball(0))) return std::nullopt;
+      ++idle;
+      if (longer < Ball(0)) return std::nullopt;
+      if (!(longer >= Ball(0))) shortening = std::max(shortening, longer.greatest());
     }
+    if (!pushless.empty() || !std::isfinite(shortening)) return std::nullopt;
     b.resize(static_cast<std::size_t>(columns_));
+    idle_within_ = above(shortening * std::sqrt(static_cast<double>(idle)));
+    for (Ball& value : b) value = value.widened(idle_within_);
     return b;
   }
 
@@ -189,33 +244,10 @@ class Enclosure {
     const Stop& stop = scene_.stops[static_cast<std::size_t>(index)];
     if (!separates(stop)) return Ball(0);
     if (either_way) return Ball(0).widened(1.0);
-    const auto found = std::find_if(check.reactions.begin(), check.reactions.end(),
-                                    [&](const Reaction& one) { return one.of_stop() && one.name == stop.name; });
-    const double sign = found != check.reactions.end() && effort_of(stop, *found) < 0 ? -1.0 : 1.0;
+    const Reaction* const found = reaction_of_stop(check.reactions, static_cast<std::size_t>(index));
+    const double sign = found != nullptr && effort_of(stop, *found) < 0 ? -1.0 : 1.0;
     signs_.emplace_back(equations_.unknowns().size(), sign);
     return Ball(sign);
-  }
-
-  std::vector<BallBody> placed() const {
-    std::vector<Ball> q;
-    for (std::size_t i = 0; i < certificate_.x.size(); ++i) {
-      q.push_back(certificate_.rest.empty()
-                      ? Ball(certificate_.x[i]).widened(certificate_.radius)
-                      : (Ball(certificate_.x[i]) + Ball(certificate_.rest[i])).widened(certificate_.rest_radius));
-    }
-    std::vector<BodyPose<Ball>> poses = model_.balls().exact.poses(q.data(), model_.layout().anchor);
-    std::vector<BallBody> out;
-    out.reserve(scene_.bodies.size());
-    const Ball unit_length(model_.scales().length);
-    // Every arm on the way to a body may be open in both components.
-    std::size_t arms = 0;
-    for (const Link& link : model_.layout().links) arms += 1 + link.arms.size();
-    const double open = above(2.0 * static_cast<double>(arms) * certificate_.gap);
-    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-      poses[i].origin = {unit_length * poses[i].origin.x.widened(open), unit_length * poses[i].origin.y.widened(open)};
-      out.emplace_back(poses[i]);
-    }
-    return out;
   }
 
   // The effort on a coordinate; none for the angle of a bar.
@@ -276,7 +308,7 @@ class Enclosure {
   }
 
   void make_matrix() {
-    rows_.resize(load_.size());
+    rows_.assign(load_.size(), {});
     std::vector<Eigen::Triplet<double>> middles;
     for (std::size_t u = 0; u < column_.size(); ++u) {
       if (column_[u] < 0) continue;
@@ -395,11 +427,12 @@ class Enclosure {
       const BallEquations::Unknown& unknown = equations_.unknowns()[u];
       if (unknown.item < 0) continue;
       Sum& sum = sums[static_cast<std::size_t>(unknown.item)];
-      if (column_[u] < 0) {
+      const bool is_idle = column_[u] < 0 && of_least_norm_;
+      if (column_[u] < 0 && !is_idle) {
         sum.complete = false;
         continue;
       }
-      const Ball& value = f[static_cast<std::size_t>(column_[u])];
+      const Ball value = is_idle ? Ball(0).widened(idle_within_) : f[static_cast<std::size_t>(column_[u])];
       sum.force += value * unknown.force;
       sum.moment += value * unknown.moment;
       sum.pressure -= value;
@@ -475,6 +508,7 @@ class Enclosure {
   int columns_ = 0;
   std::size_t reported_ = 0;  // items
   bool of_least_norm_ = false;
+  double idle_within_ = 0.0;  // of what idle stops carry in the set of least norm
   std::set<int> frames_of_repeated_;
   std::vector<std::vector<Entry>> rows_;  // of A
   Eigen::SparseMatrix<double> middle_;

@@ -35,9 +35,10 @@ namespace poise {
 ///
 ///   [I A^T; A 0] (f, z) = (0, -load),
 ///
-/// is proved to be regular; that each stop pushes to its side; and that the push of any other would make f longer,
-/// which z tells. Where the pose is not known to more digits than are printed, the values of `check` remain, and the
-/// radii are the distances to the farthest.
+/// is proved to be regular; that each stop pushes to its side; and that the push of any other makes f longer, which z
+/// tells, or shorter at a rate of at most e, so that f is within sqrt(n) e of the least, with n such stops. Where the
+/// pose is not known to more digits than are printed, the values of `check` remain, and the radii are the distances to
+/// the farthest.
 ///
 /// Without enclosure remain reactions of which that is not proved, or beyond `enclosed_unknowns` of them, of those of
 /// least norm `least_norm_unknowns`. Element forces are enclosed wherever an equilibrium is proved.

@@ -1,12 +1,52 @@
 #include "statics/enclosed_values.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "statics/balance_system.hpp"
+#include "statics/ball_measures.hpp"
+#include "statics/contact_loads.hpp"
 
 namespace poise {
+namespace {
 
-ValueRadii enclose_values(const StaticModel& model, const Certificate& certificate) {
+// Distances of a contact's numbers from all that the bodies at these places and the effort leave open.
+CamContact radii_of(const CamContact& shown, const CamPush<Ball>& push, const Ball& effort) {
+  const auto radius = [](const Ball& ball, double value) { return (ball - Ball(value)).greatest(); };
+  const Ball force = effort / push.lever;
+  return {radius(angle_of(Ball(1), push.tangent), shown.pressure_angle),
+          radius(force * hypot(Ball(1), push.tangent), shown.normal), radius(force * push.tangent, shown.side)};
+}
+
+std::vector<CamContact> enclose_cams(const StaticModel& model, const Certificate& certificate,
+                                     const std::vector<Reaction>& reactions) {
+  const Scene& scene = model.scene();
+  const std::vector<CamReading> cams = cam_readings(scene, model.poses(certificate.x), reactions);
+  if (cams.empty()) return {};
+  const std::vector<PlacedBody<Ball>> bodies = enclosed_bodies(model, certificate);
+  std::vector<CamContact> out;
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    const std::optional<CamGeometry> cam = cam_geometry(scene, stop);
+    if (!cam) continue;
+    const std::optional<CamContact>& shown = cams[out.size()].contact;
+    out.emplace_back();
+    if (!shown) continue;
+    const Reaction* const reaction = reaction_of_stop(reactions, s);
+    Ball effort(0);
+    if (reaction != nullptr) {
+      effort =
+          Ball(effort_of(stop, *reaction)).widened(stop.on.is_angle() ? reaction->moment_radius : reaction->radius);
+    }
+    out.back() = radii_of(*shown, *cam_push(PlacedCoupling<PlacedBody<Ball>>{scene, stop, bodies}, *cam), effort);
+  }
+  return out;
+}
+
+}  // namespace
+
+ValueRadii enclose_values(const StaticModel& model, const Certificate& certificate,
+                          const std::vector<Reaction>& reactions) {
   const Mechanism<double>& m = model.mechanism();
   const std::vector<double>& x = certificate.x;
   std::vector<Planar<double>> pose(m.pose_size());
@@ -31,6 +71,7 @@ ValueRadii enclose_values(const StaticModel& model, const Certificate& certifica
     const double unit = model.scene().stops[static_cast<std::size_t>(s)].on.is_angle() ? 1.0 : model.scales().length;
     out.stops.push_back(radius(enclosed[row], shown[row]) * unit);
   }
+  out.cams = enclose_cams(model, certificate, reactions);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "statics/cam_contact.hpp"
 #include "statics/certificate.hpp"
 #include "statics/static_model.hpp"
 
@@ -12,10 +13,13 @@ namespace poise {
 struct ValueRadii {
   double energy = 0.0;        ///< N m
   std::vector<double> stops;  ///< of the measure of each stop, rad or m
+  /// Those of each contact of cam_readings(); infinite where nothing is proved.
+  std::vector<CamContact> cams;
 };
 
-/// Encloses the energy and the measures of the stops in all that a confirmed certificate leaves open, in ball
-/// arithmetic.
-ValueRadii enclose_values(const StaticModel& model, const Certificate& certificate);
+/// Encloses the energy, the measures of the stops and the contacts of cams in all that a confirmed certificate leaves
+/// open, in ball arithmetic. `reactions`: those of Certificate::x, enclosed by enclose_reactions().
+ValueRadii enclose_values(const StaticModel& model, const Certificate& certificate,
+                          const std::vector<Reaction>& reactions);
 
 }  // namespace poise

@@ -112,9 +112,10 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     Vec2 beside = quarter_turn(b - a);
     if (beside.y > 0) beside = -beside;
     const std::string name = stage.short_name(joint);
-    stage.canvas.item(item, stage.value(reaction.axial, Quantity::force) + mark);
-    stage.label((name.empty() ? "" : name + " = ") + stage.value(reaction.axial, Quantity::force) + mark, 0.5 * (a + b),
-                beside, 0.5 * stage.bar_width + 4, colour);
+    stage.canvas.item(item, stage.value(reaction.axial, Quantity::force, reaction.radius) + mark);
+    stage.label(
+        (name.empty() ? "" : name + " = ") + stage.value(reaction.axial, Quantity::force, reaction.radius) + mark,
+        0.5 * (a + b), beside, 0.5 * stage.bar_width + 4, colour);
     if (!reaction.determined) stage.signs.insert(Sign::undetermined_reaction);
     return;
   }
@@ -126,9 +127,11 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const std::string_view dash = reaction.determined ? "" : "4 3";
   const double width = at_ground ? 1.5 : 1.0;
   const std::string name = stage.short_name(joint);
+  const auto shown = [&](double value, Quantity quantity) {
+    return stage.value(value, quantity, quantity == Quantity::force ? reaction.radius : reaction.moment_radius) + mark;
+  };
   const auto text = [&](double value, Quantity quantity, int body) {
-    return (name.empty() ? "" : name + ": ") + stage.value(value, quantity) + mark + " on " +
-           stage.scene.bodies[body].name;
+    return (name.empty() ? "" : name + ": ") + shown(value, quantity) + " on " + stage.scene.bodies[body].name;
   };
   // Of action and reaction the one whose arrow leaves the joint where less is drawn; rather that on a moving body.
   int body = joint.b.body != 0 ? joint.b.body : joint.a.body;
@@ -140,13 +143,13 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
     const double cost_b = covered_by(stage, at, on_b) + (joint.b.body == 0 ? on_ground : 0.0);
     const bool acts_on_b = stage.least(item, {cost_b, cost_a}, covered_for_change) == 0;
     body = acts_on_b ? joint.b.body : joint.a.body;
-    stage.canvas.item(item, stage.value(size, Quantity::force) + mark + " on " + stage.scene.bodies[body].name);
+    stage.canvas.item(item, shown(size, Quantity::force) + " on " + stage.scene.bodies[body].name);
     draw_force(stage, at, acts_on_b ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);
   }
   if (has_moment) {
     const double moment = body == joint.b.body ? reaction.moment : -reaction.moment;
     stage.canvas.item("moment of " + Stage::item_of(joint),
-                      stage.value(std::abs(moment), Quantity::moment) + mark + " on " + stage.scene.bodies[body].name);
+                      shown(std::abs(moment), Quantity::moment) + " on " + stage.scene.bodies[body].name);
     draw_turning(stage, at, 17.0, moment, text(std::abs(moment), Quantity::moment, body), colour, width, dash);
   }
 }

@@ -138,12 +138,21 @@ std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture) 
   return svg_document(page, width + 2 * sheet::margin, height, title_of(scene), picture.heading);
 }
 
+void add_forces(MechanismPicture& picture, const StaticModel& model, const Equilibrium& equilibrium) {
+  picture.reactions = equilibrium.check.reactions;
+  if (!equilibrium.found()) return;
+  // Angles between bodies take two coordinates, lengths may take them all.
+  const double radius = equilibrium.certificate.radius;
+  picture.angle_radius = 2.0 * radius;
+  picture.length_radius = radius * model.scales().length * model.mechanism().coordinates();
+  for (const ElementForce& force : equilibrium.check.element_forces) picture.element_radii.push_back(force.radius);
+}
+
 MechanismPicture picture_of(const StaticModel& model, const Equilibrium& equilibrium,
                             const std::vector<double>& start) {
-  MechanismPicture picture{.poses = model.poses(equilibrium.x),
-                           .heading = heading_of(equilibrium),
-                           .confirmed = equilibrium.found(),
-                           .reactions = equilibrium.check.reactions};
+  MechanismPicture picture{
+      .poses = model.poses(equilibrium.x), .heading = heading_of(equilibrium), .confirmed = equilibrium.found()};
+  add_forces(picture, model, equilibrium);
   if (!start.empty()) picture.others.push_back({"starting position", model.poses(start)});
   return picture;
 }

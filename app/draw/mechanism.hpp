@@ -45,6 +45,10 @@ struct MechanismPicture {
   bool loads = true;      ///< forces, torques and gravity of the scene
   /// Forces of joints and active stops in this position. Where absent, springs have no forces either.
   std::optional<std::vector<Reaction>> reactions{};
+  /// To which angles, rad, and lengths, m, of the position and the forces of elements, N or N m, are known; no radii of
+  /// elements where nothing is proved.
+  double angle_radius = 0.0, length_radius = 0.0;
+  std::vector<double> element_radii{};
   std::vector<DriveEffort> drives{};  ///< of the scene's drives, by their names
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
@@ -59,6 +63,9 @@ struct MechanismPicture {
 /// A figure for a report (SVG 1.1, UTF-8, no outside resources), 900 px wide, with values in the scene's units. A force
 /// acts on the body that its label names and at the tail of its arrow.
 std::string draw_mechanism(const Scene& scene, const MechanismPicture& picture);
+
+/// Adds the forces of an equilibrium, and, where it was found, to which radii they and the position are known.
+void add_forces(MechanismPicture& picture, const StaticModel& model, const Equilibrium& equilibrium);
 
 /// What a figure shows of an equilibrium, which need not be confirmed: its verdict, forces and, as a shadow, the
 /// position at the scaled coordinates `start` (none where empty).

@@ -81,8 +81,9 @@ std::string state_of(const Stage& stage, const Element& element, const ElementRe
   if (!stores_energy(element.law)) return state;
   if (reading.slack) return state + ", slack";
   if (!stage.picture.reactions) return state;
-  if (element.on.is_angle()) return state + ", " + stage.value(-reading.force, Quantity::moment);
-  state += ", " + stage.value(std::abs(reading.force), Quantity::force);
+  if (element.on.is_angle()) return state + ", " + stage.value(-reading.force, Quantity::moment, reading.radius);
+  state += ", " + stage.value(std::abs(reading.force), Quantity::force, reading.radius);
+  if (std::isfinite(reading.radius) && std::abs(reading.force) <= reading.radius) return state;
   return state + (reading.force < 0 ? ", in compression" : ", in tension");
 }
 
@@ -114,27 +115,30 @@ void draw_strung(Stage& stage, const Strung& strung, Vec2 shift) {
   if (norm(shift) > 0 ? dot(toward, shift) < 0 : toward.y > 0) toward = -toward;
   std::string text = element.name;
   if (spring && reading.slack) text += ": slack";
-  if (spring && !reading.slack && stage.picture.reactions) text += " = " + stage.value(reading.force, Quantity::force);
+  if (spring && !reading.slack && stage.picture.reactions) {
+    text += " = " + stage.value(reading.force, Quantity::force, reading.radius);
+  }
   stage.label(text, 0.5 * (a + b) + shift, toward, 9, !spring ? ink::damper : reading.slack ? ink::faint : ink::spring);
 }
 
 /// A spiral; the next one at the same pivot lies round it.
 void draw_torsion_spring(Stage& stage, std::size_t i, std::vector<Vec2>& pivots) {
   const Element& spring = stage.scene.elements[i];
+  const ElementReading& reading = stage.now.elements[i];
   const Vec2 at = stage.pivot(spring.on.body_a, spring.on.body_b);
   const auto around = std::count_if(pivots.begin(), pivots.end(), [&](Vec2 p) { return norm(p - at) < 1.0; });
   pivots.push_back(at);
   const int turning = spring.on.body_b != 0 ? spring.on.body_b : spring.on.body_a;
   const Vec2 end = stage.page_direction(unit(stage.now.poses[turning].angle));
   const bool full = stage.detail == Detail::full;
-  stage.canvas.item(spring.family() + " " + spring.name, state_of(stage, spring, stage.now.elements[i]));
+  stage.canvas.item(spring.family() + " " + spring.name, state_of(stage, spring, reading));
   const double radius = (full ? 15.0 : 7.0) * (1.0 + static_cast<double>(around));
   draw_spiral(stage.canvas, at, end, radius, {.stroke = ink::spring, .width = full ? 1.4 : 0.8});
   stage.signs.insert(Sign::torsion_spring);
   if (!full) return;
   stage.setter.avoid(at, radius);
   std::string text = spring.name;
-  if (stage.picture.reactions) text += " = " + stage.value(-stage.now.elements[i].force, Quantity::moment);
+  if (stage.picture.reactions) text += " = " + stage.value(-reading.force, Quantity::moment, reading.radius);
   stage.label(text, at, {0.7, -0.7}, radius + 4, ink::spring);
 }
 

@@ -10,6 +10,13 @@
 namespace poise::app {
 namespace {
 
+// What follows from the position of a picture, with the radii that it has.
+Readings readings_of_picture(const Scene& scene, const MechanismPicture& picture) {
+  Readings out = readings_of(scene, picture.poses);
+  for (std::size_t e = 0; e < picture.element_radii.size(); ++e) out.elements[e].radius = picture.element_radii[e];
+  return out;
+}
+
 std::vector<Readings> read_others(const Scene& scene, const std::vector<OtherPose>& others) {
   std::vector<Readings> readings;
   for (const OtherPose& other : others) readings.push_back(readings_of(scene, other.poses));
@@ -164,7 +171,7 @@ Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, const 
     : Sizes(sizes),
       scene(the_scene),
       picture(the_picture),
-      now(readings_of(the_scene, the_picture.poses)),
+      now(readings_of_picture(the_scene, the_picture)),
       others(read_others(the_scene, the_picture.others)),
       largest_force(the_picture.largest_force ? *the_picture.largest_force : largest_force_of(the_scene, the_picture)),
       strung_(strung_of(the_scene)),
@@ -292,20 +299,24 @@ Vec2 Stage::pivot(int a, int b) const {
 
 double Stage::arrow_length(double force) const { return length_of_arrow(force, largest_force); }
 
-std::string Stage::value(double si, Quantity quantity) const {
+std::string Stage::value(double si, Quantity quantity, double radius) const {
   constexpr double rounding = 1e-13;
   const double scale_of_all = largest_force * (quantity == Quantity::moment ? extent : 1.0);
   if (std::abs(si) < rounding * scale_of_all) si = 0.0;
   const double shown = std::abs(in_unit(si, quantity, scene.units));
-  const ReadableUnit unit = readable_unit(shown, unit_name(quantity, scene.units));
-  const std::string text = significant(unit.factor * shown, 4);
+  const double known_to = in_unit(radius, quantity, scene.units);
+  const bool is_known = known_digits(1, shown, known_to) > 0;
+  const ReadableUnit unit = readable_unit(is_known ? shown : 0.0, unit_name(quantity, scene.units));
+  const std::string text = significant(unit.factor * shown, 4, unit.factor * known_to);
   return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit.unit;
 }
 
 std::string Stage::reading(double si, Quantity quantity) const {
   constexpr double rounding = 1e-10;
   if (std::abs(si) < rounding * (quantity == Quantity::angle ? 1.0 : extent)) si = 0.0;
-  return significant(in_unit(si, quantity, scene.units), 5) + " " + unit_name(quantity, scene.units);
+  const double radius = quantity == Quantity::angle ? picture.angle_radius : picture.length_radius;
+  return significant(in_unit(si, quantity, scene.units), 5, in_unit(radius, quantity, scene.units)) + " " +
+         unit_name(quantity, scene.units);
 }
 
 std::size_t Stage::least(const std::string& item, std::initializer_list<double> costs, double margin) const {

@@ -127,9 +127,9 @@ class Stage : public Sizes {
 
   /// Length of the arrow for a force, px.
   double arrow_length(double force) const;
-  /// "12.5 N", with a true minus sign.
-  std::string value(double si, Quantity quantity) const;
-  /// "150.35 mm": of a place or an angle, to five digits.
+  /// "12.5 N", with a true minus sign, to four digits, and no more than are known; `radius` as `si`.
+  std::string value(double si, Quantity quantity, double radius = 0.0) const;
+  /// "150.35 mm": of a place or an angle, to five digits, and no more than are known of the position.
   std::string reading(double si, Quantity quantity) const;
 
   /// Of several places for something the one of least cost, the first of these; of that chosen in the picture before

@@ -14,15 +14,6 @@ struct Colours {
 
 Colours colours(bool active) { return active ? Colours{ink::stop, 2.6} : Colours{ink::free_stop, 1.2}; }
 
-/// What a stop carries; null where it is not active.
-const Reaction* reaction_of(const Stage& stage, const Stop& stop) {
-  if (!stage.picture.reactions) return nullptr;
-  const auto& reactions = *stage.picture.reactions;
-  const auto found = std::find_if(reactions.begin(), reactions.end(),
-                                  [&](const Reaction& r) { return r.of_stop() && r.name == stop.name; });
-  return found == reactions.end() ? nullptr : &*found;
-}
-
 /// A rope of its full length where forces are not shown.
 bool may_be_taut(const Stage& stage, const Stop& rope, double length) {
   constexpr double rounding = 1e-9;
@@ -30,8 +21,8 @@ bool may_be_taut(const Stage& stage, const Stop& rope, double length) {
 }
 
 std::string carried_by(const Stage& stage, const Stop& stop, const Reaction& reaction) {
-  return stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment)
-                            : stage.value(norm(reaction.force), Quantity::force);
+  return stop.on.is_angle() ? stage.value(std::abs(reaction.moment), Quantity::moment, reaction.moment_radius)
+                            : stage.value(norm(reaction.force), Quantity::force, reaction.radius);
 }
 
 /// "20 deg, active, 12 N m".
@@ -142,7 +133,7 @@ void draw_stops(Stage& stage) {
     const Stop& stop = stage.scene.stops[i];
     if (has_track(stop)) continue;  // it is drawn behind the bodies
     const double now = stage.now.stops[i];
-    const Reaction* active = reaction_of(stage, stop);
+    const Reaction* active = stage.picture.reactions ? reaction_of_stop(*stage.picture.reactions, i) : nullptr;
     stage.canvas.item(stop.family() + " " + stop.name, state_of(stage, stop, now, active));
     switch (stop.on.kind) {
       case Measure::Kind::angle:

@@ -23,22 +23,13 @@ void draw_band(Stage& stage, const std::vector<Vec2>& line, bool is_closed) {
   for (std::size_t k = 1; k < shown.size(); ++k) stage.setter.avoid(shown[k - 1], shown[k], width);
 }
 
-/// What a contact carries, beside it.
-void label_force(Stage& stage, const Stop& stop, double force, Vec2 at) {
-  if (stage.detail != Detail::full || force == 0.0) return;
-  stage.label(stop.name + ": " + stage.value(force, Quantity::force), at, {0.6, 0.8}, stage.pin_radius + 8, ink::stop);
-}
-
-/// Resultant of the rows of a contact, N; 0 where it carries none or the picture shows no forces.
-double force_of(const Stage& stage, std::size_t first, std::size_t rows) {
-  Vec2 sum{};
-  if (!stage.picture.reactions) return 0.0;
-  for (const Reaction& reaction : *stage.picture.reactions) {
-    for (std::size_t s = first; s < first + rows; ++s) {
-      if (reaction.of_stop() && reaction.name == stage.scene.stops[s].name) sum += reaction.force;
-    }
-  }
-  return norm(sum);
+/// What the rows of a contact carry, beside it; nothing where they carry none or the picture shows no forces.
+void label_force(Stage& stage, const Stop& stop, std::size_t first, std::size_t rows, Vec2 at) {
+  if (stage.detail != Detail::full || !stage.picture.reactions) return;
+  const Resultant carried = resultant_of_stops(*stage.picture.reactions, first, rows);
+  if (carried.force == 0.0) return;
+  stage.label(stop.name + ": " + stage.value(carried.force, Quantity::force, carried.radius), at, {0.6, 0.8},
+              stage.pin_radius + 8, ink::stop);
 }
 
 void draw_curved_slot(Stage& stage, std::size_t first) {
@@ -46,7 +37,7 @@ void draw_curved_slot(Stage& stage, std::size_t first) {
   for (const Vec2& point : points_of_track(stage.scene, stage.now, first)) line.push_back(stage.page(point));
   draw_band(stage, line, false);
   const Measure& pin = stage.scene.stops[first + 1].on.terms[0].measure;
-  label_force(stage, stage.scene.stops[first], force_of(stage, first + 1, 2), stage.page(pin.b));
+  label_force(stage, stage.scene.stops[first], first + 1, 2, stage.page(pin.b));
 }
 
 /// All of the circle, or between its ends.
@@ -68,7 +59,7 @@ void draw_circular_slot(Stage& stage, std::size_t place) {
   }
   draw_band(stage, line, !has_ends);
   stage.canvas.circle(centre, 1.5, {.fill = ink::dark});
-  label_force(stage, stop, force_of(stage, place, has_ends ? 2 : 1), stage.page(stop.on.b));
+  label_force(stage, stop, place, has_ends ? 2 : 1, stage.page(stop.on.b));
 }
 
 void draw_wheel(Stage& stage, PointRef centre, double radius) {
@@ -86,7 +77,7 @@ void draw_rolling_on_circle(Stage& stage, std::size_t first) {
   stage.canvas.circle(centre, radius, {.stroke = ink::ground, .width = 1.8});
   draw_wheel(stage, stop.on.b, stage.scale * wheel_of(stage.scene.stops, first));
   const Vec2 out = stage.page(stop.on.b) - centre;
-  if (norm(out) > 0.0) label_force(stage, stop, force_of(stage, first, 2), centre + (radius / norm(out)) * out);
+  if (norm(out) > 0.0) label_force(stage, stop, first, 2, centre + (radius / norm(out)) * out);
 }
 
 /// The line through a contact, hatched on the other side than `across`, as long as all of `reaches` need it.
@@ -121,7 +112,7 @@ void draw_rolling(Stage& stage, std::size_t first) {
   for (const Readings& other : stage.others) reaches.push_back(stage.page(world(stage.scene, other, stop.on.b)));
   draw_line_under(stage, contact, across, reaches, 1.2 * radius + 8.0);
   draw_wheel(stage, stop.on.b, radius);
-  label_force(stage, stop, force_of(stage, first, 2), contact);
+  label_force(stage, stop, first, 2, contact);
 }
 
 /// The curve, and the line below it and its other positions, or the circle.
@@ -145,7 +136,7 @@ void draw_profile(Stage& stage, std::size_t first) {
   }
   stage.canvas.polyline(line, {.stroke = ink::dark, .width = 1.3});
   for (std::size_t k = 1; k < line.size(); ++k) stage.setter.avoid(line[k - 1], line[k], 2.0);
-  label_force(stage, *rows, force_of(stage, first, 2), contact);
+  label_force(stage, *rows, first, 2, contact);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ std::string written(double value, const Format& format) {
   switch (format.style) {
     case Format::Style::aligned:
     case Format::Style::significant:
-      return significant(value, format.digits);
+      return significant(value, format.digits, format.radius);
     case Format::Style::error:
       return small_number(value);
     case Format::Style::duration:
@@ -43,11 +43,14 @@ TextColumn text_column(const Column& column) {
       for (const double v : values) {
         if (column.format.scale == 0.0 && std::isfinite(v)) scale = std::max(scale, std::abs(v));
       }
-      const ReadableUnit readable = readable_unit(scale, out.unit);
+      const double radius = column.format.radius;
+      // Where no digit is known the unit is the plain one.
+      const bool is_known = known_digits(column.format.digits, scale, radius) > 0;
+      const ReadableUnit readable = readable_unit(is_known ? scale : 0.0, out.unit);
       out.unit = readable.unit;
       out.factor = readable.factor;
       for (double& value : values) value *= readable.factor;
-      out.cells = aligned(values, column.format.digits, scale * readable.factor);
+      out.cells = aligned(values, column.format.digits, scale * readable.factor, radius * readable.factor);
     } else {
       for (const double value : values) out.cells.push_back(written(value, column.format));
     }
@@ -86,8 +89,12 @@ std::string text_of(const Entry& entry) {
   if (const auto* number = std::get_if<double>(&entry.value.is)) {
     const double value = without_rounding(*number, entry.format);
     const bool plain = entry.format.style == Format::Style::error || entry.format.style == Format::Style::duration;
-    const ReadableUnit readable = plain ? ReadableUnit{1.0, entry.unit} : readable_unit(std::abs(value), entry.unit);
-    text = written(value * readable.factor, entry.format) + (readable.unit.empty() ? "" : " " + readable.unit);
+    Format format = entry.format;
+    const bool is_known = known_digits(format.digits, std::abs(value), format.radius) > 0;
+    const ReadableUnit readable =
+        plain ? ReadableUnit{1.0, entry.unit} : readable_unit(is_known ? std::abs(value) : 0.0, entry.unit);
+    format.radius *= readable.factor;
+    text = written(value * readable.factor, format) + (readable.unit.empty() ? "" : " " + readable.unit);
   } else if (const auto* word = std::get_if<std::string>(&entry.value.is)) {
     text = *word;
   } else if (const auto* whole = std::get_if<std::int64_t>(&entry.value.is)) {

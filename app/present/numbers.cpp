@@ -19,12 +19,23 @@ void cut_zeros(std::string& text) {
   if (text.back() == '.') text.pop_back();
 }
 
+// Rounded to the last of so many digits of a number of the size `scale`, where that is a whole number; else the
+// decimals that are written do it.
+double rounded(double value, int digits, double scale) {
+  if (digits == 0) return 0.0;
+  const double unit = std::pow(10.0, std::floor(std::log10(scale)) + 1 - digits);
+  return unit > 1.0 ? unit * std::round(value / unit) : value;
+}
+
 }  // namespace
 
-std::string significant(double value, int digits) {
+std::string significant(double value, int digits, double radius) {
   if (std::isnan(value)) return "-";
-  if (value == 0.0) return "0";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  const int known = known_digits(digits, std::abs(value), radius);
+  if (known < digits) value = rounded(value, known, std::abs(value));
+  digits = known;
+  if (value == 0.0) return "0";
   const double size = std::abs(value);
   if (size < smallest_plain || size >= largest_plain) return fmt::format("{:.{}e}", value, digits - 1);
   const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size))));
@@ -48,16 +59,19 @@ double to_rank(double value) {
 }
 
 int known_digits(int digits, double scale, double radius) {
-  if (!(scale > 0.0) || !(radius > 0.0) || !std::isfinite(scale)) return digits;
-  if (!(radius < scale)) return 1;
+  if (!(scale > 0.0) || !(radius > 0.0) || !std::isfinite(scale) || std::isinf(radius)) return digits;
+  if (!(radius < scale)) return 0;
   // Rounding to the last digit adds half of its unit.
   const int order = static_cast<int>(std::floor(std::log10(scale)));
   const int last = static_cast<int>(std::ceil(std::log10(2 * radius)));
   return std::clamp(order - last + 1, 1, digits);
 }
 
-std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale) {
-  const bool has_order = scale > 0.0 && std::isfinite(scale);
+std::vector<std::string> aligned(const std::vector<double>& values, int digits, double scale, double radius) {
+  const int known = known_digits(digits, scale, radius);
+  const bool is_limited = known < digits;
+  digits = known;
+  const bool has_order = scale > 0.0 && std::isfinite(scale) && digits > 0;
   const bool plain = scale == 0.0 || (scale >= smallest_plain && scale < largest_plain);
   const int order = has_order ? static_cast<int>(std::floor(std::log10(scale))) : 0;
   const int decimals = !has_order || !plain ? 0 : std::max(0, digits - 1 - order);
@@ -65,6 +79,7 @@ std::vector<std::string> aligned(const std::vector<double>& values, int digits, 
   std::vector<std::string> texts;
   texts.reserve(values.size());
   for (double v : values) {
+    if (is_limited && std::isfinite(v)) v = rounded(v, digits, scale);
     const bool is_nothing = v == 0.0 || std::abs(v) < nothing;
     if (is_nothing || !std::isfinite(v)) {
       // Padded as if it had a decimal point, so that it is aligned with the others.

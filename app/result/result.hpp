@@ -60,6 +60,7 @@ struct Format {
   int digits = 6;
   double scale = 0.0;       ///< of aligned numbers; 0: the largest of the column
   double zero_below = 0.0;  ///< smaller ones are rounding and are written as 0
+  double radius = 0.0;      ///< to which they are known, in their unit: no digits beyond are written; infinite: as if 0
 };
 
 /// A column of a table: data under `key`, text under `title`.

@@ -8,7 +8,8 @@
 namespace poise::app {
 
 /// The contact of every cam: cams {name: {pressure_angle, normal_force, side_thrust}}, null where it has none. Nothing
-/// where there are no cams.
-void add_cams(Group& group, const ScaledModel& model, const std::vector<CamReading>& cams);
+/// where there are no cams. `radii`: to which the contacts are known (ValueRadii::cams).
+void add_cams(Group& group, const ScaledModel& model, const std::vector<CamReading>& cams,
+              const std::vector<CamContact>& radii = {});
 
 }  // namespace poise::app

@@ -40,8 +40,9 @@ void add_values(Group& group, const StaticModel& model, const std::string& title
   table.words("", noun, rows.names);
   for (std::size_t c = 0; c < poses.size(); ++c) {
     const auto value = [&](std::size_t i) { return in_unit(poses[c][i].value, quantity, units); };
-    Format format = format_of(model, quantity, known_digits(coordinate_digits, whole, doubt));
+    Format format = format_of(model, quantity, coordinate_digits);
     format.scale = scale;
+    format.radius = in_unit(doubt, quantity, units);
     table.numbers("", titles[c], "", each(rows.places, value), format);
   }
   const auto remark = [&](std::size_t i) {
@@ -100,17 +101,18 @@ Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format
 }
 
 Column& add_column(Table& table, const ScaledModel& model, const std::string& key, const std::string& title,
-                   Quantity quantity, const std::vector<double>& si, int digits) {
+                   Quantity quantity, const std::vector<double>& si, int digits, double radius) {
   const Units& units = model.scene().units;
-  return table.numbers(key, title, unit_name(quantity, units), in_unit(si, quantity, units),
-                       format_of(model, quantity, digits));
+  Format format = format_of(model, quantity, digits);
+  format.radius = in_unit(radius, quantity, units);
+  return table.numbers(key, title, unit_name(quantity, units), in_unit(si, quantity, units), format);
 }
 
-std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits) {
+std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits, double radius) {
   const Units& units = model.scene().units;
-  return text_of(Entry{.value = in_unit(si, quantity, units),
-                       .unit = unit_name(quantity, units),
-                       .format = format_of(model, quantity, digits, Format::Style::significant)});
+  Format format = format_of(model, quantity, digits, Format::Style::significant);
+  format.radius = in_unit(radius, quantity, units);
+  return text_of(Entry{.value = in_unit(si, quantity, units), .unit = unit_name(quantity, units), .format = format});
 }
 
 std::string in_words(const Certificate& certificate) {
@@ -309,7 +311,7 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   const auto any = [&](auto&& is) { return std::any_of(reactions.begin(), reactions.end(), is); };
   const std::vector<double> sizes = each(reactions, [](const Reaction& r) { return norm(r.force); });
   const double largest = sizes.empty() ? 0.0 : *std::max_element(sizes.begin(), sizes.end());
-  const int digits = known_digits(force_digits, largest, widest(each(reactions, &Reaction::radius)));
+  const double radius = widest(each(reactions, &Reaction::radius));
   const std::vector<double> moments = each(reactions, &Reaction::moment);
   const std::string heading =
       any([](const Reaction& r) { return r.of_stop(); }) ? "Forces of joints and active stops" : "Joint forces";
@@ -323,30 +325,34 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));
   const auto add_force = [&](const std::string& key, const std::string& title, const std::vector<double>& values) {
-    add_column(table, model, key, title, Quantity::force, values, digits).format.scale =
+    add_column(table, model, key, title, Quantity::force, values, force_digits, radius).format.scale =
         in_unit(largest, Quantity::force, units);
   };
   add_force("force[]", "Fx", each(reactions, [](const Reaction& r) { return r.force.x; }));
   add_force("force[]", "Fy", each(reactions, [](const Reaction& r) { return r.force.y; }));
   add_force("", "|F|", sizes);
   const double rounding = format_of(model, Quantity::moment, force_digits).zero_below;
-  add_column(table, model, "moment", "moment", Quantity::moment, moments,
-             known_digits(force_digits, largest_size(moments), widest(each(reactions, &Reaction::moment_radius))))
+  add_column(table, model, "moment", "moment", Quantity::moment, moments, force_digits,
+             widest(each(reactions, &Reaction::moment_radius)))
       .shown = any([&](const Reaction& r) { return std::abs(in_unit(r.moment, Quantity::moment, units)) > rounding; });
   table.data("axial", in_unit(each(reactions, &Reaction::axial), Quantity::force, units));
   add_column(table, model, "", "tension", Quantity::force,
-             each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), digits)
+             each(reactions, [&](const Reaction& r) { return is_axial(r) ? r.axial : NAN; }), force_digits, radius)
       .shown = any(is_axial);
   table.flags("determined", each(reactions, &Reaction::determined));
   table.flags("may_be_idle", each(reactions, [](const Reaction& r) {
                 return r.may_be_idle ? std::optional<double>(*r.may_be_idle ? 1.0 : 0.0) : std::nullopt;
               }));
+  const auto is_proved = [](const Reaction& r) { return std::isfinite(r.radius) && std::isfinite(r.moment_radius); };
+  const bool some_are_proved = any(is_proved);
   table.remarks(each(reactions,
-                     [](const Reaction& r) {
-                       return r.determined                     ? ""
-                              : !r.may_be_idle.value_or(false) ? "undetermined"
-                              : r.kind == "rope"               ? "undetermined, slack possible"
-                                                               : "undetermined, may carry nothing";
+                     [&](const Reaction& r) {
+                       const std::string undetermined = r.determined                     ? ""
+                                                        : !r.may_be_idle.value_or(false) ? "undetermined"
+                                                        : r.kind == "rope" ? "undetermined, slack possible"
+                                                                           : "undetermined, may carry nothing";
+                       if (!some_are_proved || is_proved(r)) return undetermined;
+                       return undetermined + (r.determined ? "" : ", ") + "digits not proved";
                      }),
                 Tone::doubtful);
   if (redundancy > 0) {
@@ -423,16 +429,14 @@ double radius_of(const Equilibrium& equilibrium) {
   return equilibrium.certificate.confirmed() ? equilibrium.certificate.radius : 0.0;
 }
 
-int energy_digits(double largest, double radius) { return known_digits(coordinate_digits, std::abs(largest), radius); }
-
-int digits_of_energies(const std::vector<Answer>& answers) {
-  double largest = 0.0, radius = 0.0;
+Format format_of_energies(const ScaledModel& model, std::span<const Answer> answers, Format::Style style) {
+  Format format = format_of(model, Quantity::energy, coordinate_digits, style);
+  double radius = 0.0;
   for (const Answer& answer : answers) {
-    if (!answer.equilibrium.energy || !answer.equilibrium.found()) continue;
-    largest = std::max(largest, std::abs(*answer.equilibrium.energy));
-    radius = std::max(radius, answer.radii.energy);
+    if (answer.equilibrium.energy && answer.equilibrium.found()) radius = std::max(radius, answer.radii.energy);
   }
-  return energy_digits(largest, radius);
+  format.radius = in_unit(radius, Quantity::energy, model.scene().units);
+  return format;
 }
 
 std::string sentence_of(std::string text) {

@@ -4,6 +4,7 @@
 // scene.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,12 +37,13 @@ void add_named(Group& group, const std::string& key, const std::vector<NamedValu
 /// lengths, forces or work is rounding and is written as 0.
 Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned);
 
-/// Adds a column of SI values, shown under a title with the unit.
+/// Adds a column of SI values, shown under a title with the unit. `radius`: to which they are known, SI.
 Column& add_column(Table& table, const ScaledModel& model, const std::string& key, const std::string& title,
-                   Quantity quantity, const std::vector<double>& si, int digits);
+                   Quantity quantity, const std::vector<double>& si, int digits, double radius = 0.0);
 
-/// A value with its unit: "12.5 N"; what is rounding is 0.
-std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits = force_digits);
+/// A value with its unit: "12.5 N"; what is rounding is 0. `radius`: to which it is known, SI.
+std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits = force_digits,
+                      double radius = 0.0);
 
 /// "1 unstable direction", ...; nothing where there is none.
 std::string in_words(const Certificate& certificate);
@@ -129,9 +131,9 @@ double widest(const std::vector<double>& radii);
 
 /// The largest distance of a coordinate from the equilibrium that is proved, rad or mechanism sizes; 0 where none is.
 double radius_of(const Equilibrium& equilibrium);
-/// Digits of energies, SI, or of those of answers, that what is proved leaves.
-int energy_digits(double largest, double radius);
-int digits_of_energies(const std::vector<Answer>& answers);
+/// How the energies of answers are written: with the digits that what is proved of all of them leaves.
+Format format_of_energies(const ScaledModel& model, std::span<const Answer> answers,
+                          Format::Style style = Format::Style::aligned);
 
 /// With a capital and one full stop.
 std::string sentence_of(std::string text);

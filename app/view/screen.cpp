@@ -27,7 +27,7 @@ Scene drawn_scene(const TrackedEquilibrium& tracked) {
 
 MechanismPicture picture_of(const TrackedEquilibrium& tracked) {
   MechanismPicture picture{.poses = tracked.poses(), .confirmed = tracked.equilibrium().found()};
-  if (tracked.equilibrium().found()) picture.reactions = tracked.equilibrium().check.reactions;
+  if (tracked.equilibrium().found()) add_forces(picture, tracked.model(), tracked.equilibrium());
   return picture;
 }
 

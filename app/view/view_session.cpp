@@ -609,7 +609,11 @@ json ViewSession::handles() const {
 json ViewSession::hand() const {
   if (!now_.tracked.hand()) return nullptr;
   const std::string name = now_.tracked.scene().name_of(*now_.tracked.hand());
-  const std::string text = with_unit(now_.tracked.model(), norm(now_.tracked.force_of_hand()), Quantity::force, 4);
+  const double radius = resultant_of_stops(now_.tracked.equilibrium().check.reactions,
+                                           now_.tracked.scene().stops.size(), now_.tracked.hand_stops())
+                            .radius;
+  const std::string text =
+      with_unit(now_.tracked.model(), norm(now_.tracked.force_of_hand()), Quantity::force, 4, radius);
   return {{"point", name},
           {"force", text},
           {"text", fmt::format("held at {} with {}", name, text)},

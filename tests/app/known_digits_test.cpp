@@ -82,5 +82,30 @@ TEST(KnownDigits, AreAllThatIsShownOfInternalLoads) {
   EXPECT_TRUE(std::regex_search(text, std::regex("7\\.0|19\\.1"))) << text;
 }
 
+// At 0 the energy 4.5 cos x + 2.25 x^2 of this pendulum is flat to the third order, so that its angle is known to about
+// 1e-7, and the moment of its spring, 0 there, to 1e-6 N m: no digit of "14 nN m" is known.
+TEST(KnownDigits, AreNoneOfAMomentWithinItsRadius) {
+  const TempFolder folder;
+  const std::string scene = folder.write("cusp.toml", R"(
+gravity = [-10, 0]
+[ground]
+points = { O = [0, 0] }
+[body.bar]
+points = { a = [0, 0] }
+mass = 0.9
+center = [0.5, 0]
+[[pin]]
+points = ["ground.O", "bar.a"]
+[[torsion_spring]]
+name = "coil"
+bodies = ["ground", "bar"]
+stiffness = 4.5
+[start]
+bar = 0.0014414466077284592
+)");
+  const std::string text = text_of({"solve", scene, "--seek", "any"});
+  EXPECT_TRUE(std::regex_search(text, std::regex("moment \\(N m\\)\n +coil +bar +0\n"))) << text;
+}
+
 }  // namespace
 }  // namespace poise::app_tests::known_digits_test

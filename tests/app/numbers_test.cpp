@@ -74,8 +74,21 @@ TEST(Numbers, KnownDigitsEndWhereTheRadiusBegins) {
   EXPECT_EQ(known_digits(6, 123.4, 0.04), 4);
   EXPECT_EQ(known_digits(6, 123.4, 0.06), 3);
   EXPECT_EQ(known_digits(6, 123.4, 4.0), 2);
-  EXPECT_EQ(known_digits(6, 123.4, 1e6), 1);
+  EXPECT_EQ(known_digits(6, 123.4, 100.0), 1);
+  EXPECT_EQ(known_digits(6, 123.4, 1e6), 0);
   EXPECT_EQ(known_digits(6, 0.0, 1e-3), 6);
+  EXPECT_EQ(known_digits(6, 123.4, std::numeric_limits<double>::infinity()), 6) << "nothing is proved";
+}
+
+TEST(Numbers, AreWrittenAsFarAsTheyAreKnown) {
+  EXPECT_EQ(significant(123.456, 6, 0.04), "123.5");
+  EXPECT_EQ(significant(12344.0, 6, 400.0), "12000") << "digits before the point too";
+  EXPECT_EQ(significant(-15.0, 6, 4.0), "-20");
+  EXPECT_EQ(significant(14e-9, 6, 1.1e-6), "0");
+  EXPECT_EQ(significant(2.345e8, 6, 4e6), "2.3e+08");
+  EXPECT_EQ(aligned({12344.0, -700.0, 0.3}, 6, 12344.0, 400.0), (std::vector<std::string>{"12000", "-1000", "0"}));
+  EXPECT_EQ(aligned({14e-9, -3e-9}, 6, 14e-9, 1.1e-6), (std::vector<std::string>{"0", "0"}));
+  EXPECT_EQ(aligned({9.0, 0.25}, 6, 9.0, 5e-4), (std::vector<std::string>{"9.000", "0.250"}));
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ void add_methods(Group& group, const StaticModel& model, const std::vector<Answe
     return a.equilibrium.found() ? tone_of(a.equilibrium.certificate.stability) : Tone::plain;
   });
   table.numbers("", "energy", unit_name(Quantity::energy, units), each(answers, energy),
-                format_of(model, Quantity::energy, digits_of_energies(answers)));
+                format_of_energies(model, answers));
   table.footnotes = {
       "error: largest of all coordinates (rad, or length over size), from the equilibrium that is proved",
       fmt::format("energy: {}", energy_note)};

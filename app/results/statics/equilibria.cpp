@@ -41,9 +41,9 @@ void add_coordinate_columns(Table& table, const StaticModel& model, const std::v
     const Quantity quantity = quantity_of(coordinate);
     const double whole = quantity == Quantity::angle ? M_PI : model.scales().length;
     const double doubt = quantity == Quantity::angle ? radius : radius * model.scales().length;
-    Column& column = add_column(table, model, coordinate.name, coordinate.name, quantity,
-                                each(shown, [&](const std::vector<double>& q) { return q[i]; }),
-                                known_digits(coordinate_digits, whole, doubt));
+    Column& column =
+        add_column(table, model, coordinate.name, coordinate.name, quantity,
+                   each(shown, [&](const std::vector<double>& q) { return q[i]; }), coordinate_digits, doubt);
     column.format.scale = in_unit(whole, quantity, model.scene().units);
     column.shown = i < most_coordinates_shown;
   }
@@ -64,7 +64,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   if (!assemblies) {
     Column& energy = table.numbers("energy", "energy", unit_name(Quantity::energy, model.scene().units),
                                    each(answers, [&](const Answer& a) { return energy_of(model, a); }),
-                                   format_of(model, Quantity::energy, digits_of_energies(answers)));
+                                   format_of_energies(model, answers));
     energy.shown = !model.mechanism().has_follower_loads();
     table.words("stability", "stability", each(answers, [](const Answer& a) { return kind_of(a); })).tones =
         each(answers, [](const Answer& a) { return tone_of(a.equilibrium.certificate.stability); });
@@ -93,7 +93,8 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
   if (!assemblies) table.footnotes.push_back(fmt::format("energy: {}", energy_note));
 }
 
-void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet& set) {
+void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet& set,
+                  const std::vector<Answer>& answers) {
   using Barrier = EquilibriumSet::Barrier;
   Table& table = content.table("barriers", "Lowest barriers between stable equilibria", Rows::list);
   const auto add = [&](const char* key, const char* title, int Barrier::*which) {
@@ -103,7 +104,12 @@ void add_barriers(Group& content, const StaticModel& model, const EquilibriumSet
   add("from", "from no.", &Barrier::from);
   add("to", "to no.", &Barrier::to);
   add("over", "over no.", &Barrier::over);
-  add_column(table, model, "energy", "energy", Quantity::energy, each(set.barriers, &Barrier::energy), force_digits);
+  const std::vector<double> radii = each(set.barriers, [&](const Barrier& b) {
+    const auto radius = [&](int index) { return answers[static_cast<std::size_t>(index)].radii.energy; };
+    return radius(b.from) + radius(b.over);
+  });
+  add_column(table, model, "energy", "energy", Quantity::energy, each(set.barriers, &Barrier::energy), force_digits,
+             widest(radii));
 }
 
 void add_balanced(Group& content, const StaticModel& model, const EquilibriumSet& set) {
@@ -179,7 +185,7 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
     one.data("index", k);
     add_answer_data(one, model, answers[k]);
   }
-  add_barriers(content, model, set);
+  add_barriers(content, model, set, answers);
   add_balanced(content, model, set);
   add_boxes(content, model, set, true);
   add_boxes(content, model, set, false);

@@ -176,8 +176,7 @@ void add_cusps(Group& content, const FoldReport& report) {
                   const double range = std::abs(varied.to() - varied.from()) / varied.unit();
                   const double number = value(cusp.at);
                   const double doubt = std::max(cusp.error, cusp.rounding_effect) * range;
-                  if (std::abs(number) <= doubt) return std::string("0");
-                  return significant(number, known_digits(15, number, doubt));
+                  return significant(number, 15, doubt);
                 }));
   };
   column(report.pair.first(), [&](const FoldPoint& point) { return report.first(point); });

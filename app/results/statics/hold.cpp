@@ -64,13 +64,13 @@ Unit unit_of(const Scene& scene, const std::string& number) {
   return {dimension.unit(scene.units), dimension.unit_name(scene.units)};
 }
 
-std::string with(double value, const Unit& unit) {
-  return significant(value / unit.si, 10) + (unit.name.empty() ? "" : " " + unit.name);
+std::string with(double value, const Unit& unit, double radius = 0.0) {
+  return significant(value / unit.si, 10, radius / unit.si) + (unit.name.empty() ? "" : " " + unit.name);
 }
 
 std::string end_in_words(const HeldEnd& end, const Unit& unit, std::string_view without_end) {
   if (std::isinf(end.value)) return std::string(without_end) + (end.proved ? " (proved)" : " (in double precision)");
-  std::string out = with(end.value, unit);
+  std::string out = with(end.value, unit, end.radius);
   if (end.at_limit) return out + ", where the range ends" + (end.proved ? " (proved)" : "");
   if (end.radius > 0.0) out += " +- " + small_number(end.radius / unit.si);
   return out + (end.proved ? " (proved)" : " (in double precision)");
@@ -78,11 +78,12 @@ std::string end_in_words(const HeldEnd& end, const Unit& unit, std::string_view 
 
 std::string range_in_words(const HeldRange& range, const HoldView& view, const Unit& unit) {
   const auto& [lower, upper] = std::pair(range.lower, range.upper);
-  const std::string low = std::isinf(lower.value) ? "any negative value" : with(lower.value, unit);
+  const std::string low = std::isinf(lower.value) ? "any negative value" : with(lower.value, unit, lower.radius);
   if (std::isinf(upper.value) && std::isinf(lower.value)) return fmt::format("at any {}", view.number);
   if (std::isinf(upper.value)) return fmt::format("for {} from {} upwards, without end", view.number, low);
-  if (std::isinf(lower.value)) return fmt::format("for {} up to {}", view.number, with(upper.value, unit));
-  return fmt::format("for {} from {} to {}", view.number, low, with(upper.value, unit));
+  if (std::isinf(lower.value))
+    return fmt::format("for {} up to {}", view.number, with(upper.value, unit, upper.radius));
+  return fmt::format("for {} from {} to {}", view.number, low, with(upper.value, unit, upper.radius));
 }
 
 void add_end(Group& group, const std::string& key, const std::string& label, const HeldEnd& end, const Unit& unit,
@@ -133,33 +134,40 @@ void add_range(Group& content, const StaticModel& model, const HeldRange& range,
   group.data("efficiency_back", range.efficiency_back());
   if (!range.ideal) return;
   group.fact("ideal", with(*range.ideal, unit) + " balances it without friction");
+  // A quotient with an end of the range is known no better than that end.
+  const auto part = [](const HeldEnd& end) {
+    return end.radius > 0.0 && std::isfinite(end.value) ? end.radius / std::abs(end.value) : 0.0;
+  };
+  const double known_to = std::max(part(range.lower), part(range.upper));
+  const auto quotient = [&](double value) { return significant(value, 6, known_to * value); };
   if (range.efficiency()) {
-    group.fact("efficiency", fmt::format("{} where {} drives it", significant(*range.efficiency(), 6), view.number));
+    group.fact("efficiency", fmt::format("{} where {} drives it", quotient(*range.efficiency()), view.number));
   }
   if (range.efficiency_back()) {
     const double back = *range.efficiency_back();
-    group.fact("driven back", back > 0 ? significant(back, 6) : "not at all: it locks by itself");
+    group.fact("driven back", back > 0 ? quotient(back) : "not at all: it locks by itself");
   }
 }
 
 void add_efforts(Group& content, const StaticModel& model, const HeldPose& pose, const std::vector<Rubbing>& all) {
   if (pose.efforts.size() != all.size()) return;
-  const auto effort = [&](std::size_t i, double si) {
-    const Quantity quantity = all[i].on.is_angle() ? Quantity::moment : Quantity::force;
-    return in_unit(si, quantity, model.scene().units);
-  };
-  const auto unit = [&](std::size_t i) {
-    return unit_name(all[i].on.is_angle() ? Quantity::moment : Quantity::force, model.scene().units);
-  };
+  const auto quantity = [&](std::size_t i) { return all[i].on.is_angle() ? Quantity::moment : Quantity::force; };
   const std::vector<std::size_t> rows = places(all.size());
-  Table& table = content.table("friction", "Friction that holds it with the least share of the bounds", Rows::list);
+  Table& table = content.table(
+      "friction", "Friction that holds it with the least share of the bounds, in double precision", Rows::list);
   table.words("name", "joint", each(all, &Rubbing::name));
   table.words("kind", "kind", each(all, [](const Rubbing& one) { return std::string(one.kind); }));
-  table.numbers("effort", "effort", "", each(rows, [&](std::size_t i) { return effort(i, pose.efforts[i].effort); }),
-                {.style = Format::Style::significant});
-  table.numbers("bound", "bound", "", each(rows, [&](std::size_t i) { return effort(i, pose.efforts[i].bound); }),
-                {.style = Format::Style::significant});
-  table.words("unit", "", each(rows, unit));
+  const auto add = [&](const std::string& key, double FrictionEffort::*number) {
+    const auto in_units = [&](std::size_t i) {
+      return in_unit(pose.efforts[i].*number, quantity(i), model.scene().units);
+    };
+    table.numbers(key, key, "", each(rows, in_units)).texts =
+        each(rows, [&](std::size_t i) { return with_unit(model, pose.efforts[i].*number, quantity(i)); });
+  };
+  add("effort", &FrictionEffort::effort);
+  add("bound", &FrictionEffort::bound);
+  const auto unit = [&](std::size_t i) { return unit_name(quantity(i), model.scene().units); };
+  table.words("unit", "", each(rows, unit)).shown = false;
 }
 
 std::string margin_in_words(const HeldPose& pose) {
@@ -167,8 +175,13 @@ std::string margin_in_words(const HeldPose& pose) {
   if (std::isnan(k)) return "";
   if (k == 0.0) return "in equilibrium without friction";
   if (std::isinf(k)) return "no friction in these joints would hold it";
-  if (k < 1.0) return fmt::format("{} of it suffices: a safety of {}", significant(k, 6), significant(1 / k, 6));
-  return fmt::format("{} times as much would be needed", significant(k, 6));
+  const double bracket = pose.factor_upper - pose.factor_lower;
+  const double radius = std::isnan(bracket) ? 0.0 : bracket;
+  if (k < 1.0) {
+    return fmt::format("{} of it suffices: a safety of {}", significant(k, 6, radius),
+                       significant(1 / k, 6, radius / (k * k)));
+  }
+  return fmt::format("{} times as much would be needed", significant(k, 6, radius));
 }
 
 std::string bracket_in_words(const HeldPose& pose) {

@@ -81,9 +81,7 @@ void warn(Result& result, const ScaledModel& model, const std::vector<LinkLoads>
 /// Shows no digits of a column's numbers beyond their radii, which are in its unit.
 void limit_digits(Column& column, const std::vector<double>& radii) {
   for (std::size_t i = 0; i < column.numbers.size(); ++i) {
-    const double number = column.numbers[i];
-    const int digits = known_digits(column.format.digits, std::abs(number), radii[i]);
-    column.texts.push_back(std::isnan(number) ? "-" : significant(number, digits));
+    column.texts.push_back(significant(column.numbers[i], column.format.digits, radii[i]));
   }
 }
 
@@ -182,9 +180,8 @@ void add_actions(Group& group, const ScaledModel& model, const std::vector<LinkL
   add_column(table, model, "from", "from", Quantity::length, each(rows, &Row::from), force_digits);
   add_column(table, model, "to", "to", Quantity::length, each(rows, &Row::to), force_digits);
   const auto add = [&](const std::string& key, const std::string& title, Quantity quantity,
-                       const std::vector<double>& si, double known_to) {
-    add_column(table, model, key, title, quantity, si, known_digits(force_digits, largest_size(si), known_to));
-  };
+                       const std::vector<double>& si,
+                       double known_to) { add_column(table, model, key, title, quantity, si, force_digits, known_to); };
   add("force[]", "Fx", Quantity::force, each(rows, &Row::x), radius);
   add("force[]", "Fy", Quantity::force, each(rows, &Row::y), radius);
   add("moment", "moment", Quantity::moment, each(rows, &Row::moment), 2.0 * model.scales().length * radius);

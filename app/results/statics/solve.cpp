@@ -220,20 +220,20 @@ void add_springs(Group& group, const StaticModel& model, const Readings& reading
     const double rate = force_at_rest(model.scene().elements[s.place].law, read(s).value).by_measure;
     return rate == 0.0 ? 0.0 : read(s).radius / std::abs(rate);
   });
-  add_column(table, model, "length", "length", Quantity::length, lengths,
-             known_digits(force_digits, largest_size(lengths), widest(length_radii)));
+  add_column(table, model, "length", "length", Quantity::length, lengths, force_digits, widest(length_radii));
   const std::vector<double> forces = each(springs, [&](const NamedElement& s) { return read(s).force; });
   const std::vector<double> radii = each(springs, [&](const NamedElement& s) { return read(s).radius; });
-  add_column(table, model, "force", "force", Quantity::force, forces,
-             known_digits(force_digits, largest_size(forces), widest(radii)));
+  add_column(table, model, "force", "force", Quantity::force, forces, force_digits, widest(radii));
   table.data("radius", radii_in_unit(radii, forces, Quantity::force, model.scene().units));
   table.flags("slack", each(springs, [&](const NamedElement& s) { return read(s).slack; }));
   table.remarks(each(springs,
                      [&](const NamedElement& s) {
-                       return read(s).slack              ? "slack"
-                              : read(s).force > nothing  ? "in tension"
-                              : read(s).force < -nothing ? "in compression"
-                                                         : "unloaded";
+                       const double size = std::abs(read(s).force);
+                       const double radius = std::isfinite(read(s).radius) ? read(s).radius : 0.0;
+                       if (read(s).slack) return "slack";
+                       if (std::max(size, radius) <= nothing) return "unloaded";
+                       if (size <= radius) return "in tension or compression";
+                       return read(s).force > 0.0 ? "in tension" : "in compression";
                      }),
                 Tone::faint);
 }
@@ -249,39 +249,20 @@ void add_torsion_springs(Group& group, const StaticModel& model, const Readings&
       each(springs, [&](const NamedElement& s) { return -readings.elements[s.place].force; });
   const std::vector<double> radii =
       each(springs, [&](const NamedElement& s) { return readings.elements[s.place].radius; });
-  add_column(table, model, "moment", "moment", Quantity::moment, moments,
-             known_digits(force_digits, largest_size(moments), widest(radii)));
+  add_column(table, model, "moment", "moment", Quantity::moment, moments, force_digits, widest(radii));
   table.data("radius", radii_in_unit(radii, moments, Quantity::moment, scene.units));
 }
 
-/// Resultant of stops, N.
-double force_of(const Check& check, const std::vector<std::string>& stops) {
-  Vec2 sum{};
-  for (const Reaction& reaction : check.reactions) {
-    if (reaction.of_stop() && std::find(stops.begin(), stops.end(), reaction.name) != stops.end())
-      sum += reaction.force;
-  }
-  return norm(sum);
-}
-
-/// The sum of their proved distances from the exact ones.
-double radius_of_force(const Check& check, const std::vector<std::string>& stops) {
-  double sum = 0.0;
-  for (const Reaction& reaction : check.reactions) {
-    if (!reaction.of_stop() || std::find(stops.begin(), stops.end(), reaction.name) == stops.end()) continue;
-    if (std::isfinite(reaction.radius)) sum += reaction.radius;
-  }
-  return sum;
-}
-
-/// "holds with a coefficient of friction from 0.12 on": |T| / N of a wheel on its line.
-std::string friction_needed(const Stop& contact, const Stop& friction, const Check& check) {
-  const double along = force_of(check, {friction.name}), across = force_of(check, {contact.name});
+/// "holds with a coefficient of friction from 0.12 on": |T| / N of a wheel on its line, stops `contact` and `friction`.
+std::string friction_needed(std::size_t contact, std::size_t friction, const Check& check) {
+  const Resultant along = resultant_of_stops(check.reactions, friction, 1),
+                  across = resultant_of_stops(check.reactions, contact, 1);
   constexpr double rounding = 1e-9;
-  if (along <= rounding * check.largest_force) return "holds without friction";
-  return across > rounding * check.largest_force
-             ? fmt::format("holds with a coefficient of friction from {:.4g} on", along / across)
-             : "holds with no coefficient of friction";
+  if (along.force <= rounding * check.largest_force) return "holds without friction";
+  if (across.force <= rounding * check.largest_force) return "holds with no coefficient of friction";
+  const double ratio = along.force / across.force;
+  const double radius = (along.radius + ratio * across.radius) / std::max(across.force - across.radius, 0.0);
+  return "holds with a coefficient of friction from " + significant(ratio, 4, radius) + " on";
 }
 
 /// Stops in angles and in lengths: their values have different units, written behind each.
@@ -290,9 +271,7 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   const std::vector<Stop>& stops = model.scene().stops;
   const std::vector<std::size_t> rows = places(stops.size());
   const auto limit = [&](std::size_t i) -> std::string {
-    const bool in_contact = std::any_of(check.reactions.begin(), check.reactions.end(),
-                                        [&](const Reaction& r) { return r.of_stop() && r.name == stops[i].name; });
-    return in_contact ? pressed_limit(stops[i], readings.stops[i]).name : "";
+    return reaction_of_stop(check.reactions, i) != nullptr ? pressed_limit(stops[i], readings.stops[i]).name : "";
   };
   const bool any_coupling =
       std::any_of(stops.begin(), stops.end(), [](const Stop& stop) { return stop.table != "stop"; });
@@ -305,8 +284,7 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
             key, key, "",
             each(rows, [&](std::size_t i) { return in_unit(si(i), quantity_of(stops[i].on), model.scene().units); }))
         .texts = each(rows, [&](std::size_t i) {
-      const int digits = known_digits(force_digits, std::abs(si(i)), radius(i));
-      return std::isfinite(si(i)) ? with_unit(model, si(i), quantity_of(stops[i].on), digits) : "-";
+      return std::isfinite(si(i)) ? with_unit(model, si(i), quantity_of(stops[i].on), force_digits, radius(i)) : "-";
     });
   };
   const auto exact = [](std::size_t) { return 0.0; };
@@ -321,13 +299,12 @@ void add_stops(Group& group, const StaticModel& model, const Readings& readings,
   contact.kind = Column::Kind::word_or_null;
   contact.texts = each(rows, [&](std::size_t i) -> std::string {
     if (stops[i].table == "curved_slot" && contact.words[i].empty()) {
-      const std::vector<std::string> parts = {stops[i + 1].name, stops[i + 2].name};
-      const double force = force_of(check, parts);
+      const Resultant track = resultant_of_stops(check.reactions, i + 1, 2);
       return "free, the track presses with " +
-             with_unit(model, force, Quantity::force, known_digits(force_digits, force, radius_of_force(check, parts)));
+             with_unit(model, track.force, Quantity::force, force_digits, track.radius);
     }
     if (stops[i].table.starts_with("rolling") && stops[i].table.ends_with("_friction"))
-      return friction_needed(stops[i - 1], stops[i], check);
+      return friction_needed(i - 1, i, check);
     if (stops[i].couples()) return "holds";
     if (stops[i].table == "rope") return contact.words[i].empty() ? "slack" : "taut";
     if (stops[i].table == "cam") return contact.words[i].empty() ? "lifted off" : "in contact";
@@ -470,7 +447,8 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   table.data("radius", force_radii_in_unit(reactions, units));
   table.data("moment_radius", moment_radii_in_unit(reactions, units));
   add_stops(group, model, *answer.readings, answer.radii, answer.equilibrium.check);
-  add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions));
+  add_cams(group, model, cam_readings(model.scene(), answer.readings->poses, answer.equilibrium.check.reactions),
+           answer.radii.cams);
   add_pose_data(group, model, *answer.readings);
   add_forces_on_bodies(group, model, answer.readings->poses, answer.equilibrium.check);
   add_check_data(group, model, answer.equilibrium);
@@ -542,8 +520,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   numerics.fact("residuals", residuals(model, equilibrium.check));
   const std::optional<double> energy = energy_of(model, equilibrium);
   if (energy) {
-    const Format format = format_of(model, Quantity::energy, energy_digits(*equilibrium.energy, answer.radii.energy),
-                                    Format::Style::significant);
+    const Format format = format_of_energies(model, {&answer, 1}, Format::Style::significant);
     numerics.entry("energy", "energy", *energy, unit_name(Quantity::energy, model.scene().units), format,
                    fmt::format("({})", energy_note), Verbosity::verbose);
   } else {
