@@ -51,6 +51,13 @@ class Certifier {
   std::vector<double> stop_values() const;
   std::vector<ActiveStop> stops_in_contact() const;
   std::vector<ActiveStop> find_active_stops() const;
+  struct Corner {
+    Eigen::MatrixXd prevents;  // columns: directions in which the stops in contact prevent motion
+    Eigen::VectorXd force;     // of everything else, so that  prevents f + force = 0  of the forces f of these stops
+  };
+  Corner corner(const std::vector<ActiveStop>& always, const std::vector<ActiveStop>& contact) const;
+  std::vector<std::vector<ActiveStop>> carrying_sets(const std::vector<ActiveStop>& always,
+                                                     const std::vector<ActiveStop>& contact) const;
   KeptEquations equations(const std::vector<ActiveStop>& active) const;
 
   // --- all pieces
@@ -136,7 +143,7 @@ std::vector<double> Certifier::stop_values() const {
   return {c.begin() + m().equalities(), c.end()};
 }
 
-// Those near a bound, min = max aside.
+// Stops that x is near a bound of; those that hold their measure (min = max) are not among them.
 std::vector<ActiveStop> Certifier::stops_in_contact() const {
   std::vector<ActiveStop> out;
   if (m().stops() == 0) return out;
@@ -149,8 +156,60 @@ std::vector<ActiveStop> Certifier::stops_in_contact() const {
   return out;
 }
 
-// Those with min = max, and of the others those with a positive force in the non-negative least-squares solution
-// of balance.
+// Balance in the motions Z that the closures and the stops that hold their measures leave.
+Certifier::Corner Certifier::corner(const std::vector<ActiveStop>& always,
+                                    const std::vector<ActiveStop>& contact) const {
+  KeptEquations kept = equations(always);
+  const std::size_t fixed = kept.rows.size();
+  for (const ActiveStop& a : contact) kept.rows.push_back(m().stop_row(a.stop));
+  const DensePoint<double> point(m(), x(), kept.rows);
+  const Eigen::MatrixXd z = solvers::null_space<double>(point.jacobian.topRows(static_cast<Eigen::Index>(fixed)),
+                                                        solvers::known_to::closed_point);
+  Corner out{Eigen::MatrixXd(z.cols(), static_cast<Eigen::Index>(contact.size())), z.transpose() * point.force};
+  for (std::size_t k = 0; k < contact.size(); ++k) {
+    const auto row = point.jacobian.row(static_cast<Eigen::Index>(fixed + k));
+    Eigen::VectorXd a = z.transpose() * row.transpose();
+    if (a.norm() <= solvers::known_to::solution * row.norm()) a.setZero();
+    out.prevents.col(static_cast<Eigen::Index>(k)) = (contact[k].upper ? 1.0 : -1.0) * a;
+  }
+  return out;
+}
+
+// Sets of as many independent stops in contact as can be, whose forces balance the loads and of which none pulls by
+// more than rounding. Where more stops meet than there are motions, and some carry nothing but rounding, the
+// equilibrium is at one of these corners: the energy is nearly linear there, and a linear program has its minimum at
+// such a set.
+std::vector<std::vector<ActiveStop>> Certifier::carrying_sets(const std::vector<ActiveStop>& always,
+                                                              const std::vector<ActiveStop>& contact) const {
+  constexpr double rounding = 1e-9;
+  constexpr int most_looked_at = 5000;
+  constexpr std::size_t most_found = 32;
+  std::vector<std::vector<ActiveStop>> out;
+  if (m().coordinates() > SmoothPiece::dense_limit) return out;
+  const auto [prevents, force] = corner(always, contact);
+  const auto independent = static_cast<std::size_t>(solvers::rank<double>(prevents, solvers::known_to::solution));
+  if (independent == 0) return out;
+  std::vector<char> in(contact.size(), 0);
+  std::fill_n(in.begin(), independent, 1);
+  int looked_at = 0;
+  do {
+    std::vector<Eigen::Index> columns;
+    for (std::size_t k = 0; k < in.size(); ++k) {
+      if (in[k] != 0) columns.push_back(static_cast<Eigen::Index>(k));
+    }
+    const Eigen::MatrixXd of_set = prevents(Eigen::all, columns);
+    const Eigen::VectorXd push = solvers::minimum_norm_solution<double>(of_set, -force);
+    const double largest = push.size() > 0 ? push.cwiseAbs().maxCoeff() : 0.0;
+    if (!(push.array() >= -rounding * largest).all()) continue;
+    if (!((of_set * push + force).norm() <= rounding * force.norm())) continue;
+    out.push_back(always);
+    for (const Eigen::Index k : columns) out.back().push_back(contact[static_cast<std::size_t>(k)]);
+  } while (++looked_at < most_looked_at && out.size() < most_found && std::prev_permutation(in.begin(), in.end()));
+  return out;
+}
+
+// Active are stops with min = max, and those of the others that have a positive force in the non-negative least-squares
+// solution of balance.
 std::vector<ActiveStop> Certifier::find_active_stops() const {
   std::vector<ActiveStop> active;
   for (int s = 0; s < m().stops(); ++s) {
@@ -162,23 +221,10 @@ std::vector<ActiveStop> Certifier::find_active_stops() const {
     active.insert(active.end(), candidates.begin(), candidates.end());
     return active;
   }
-  KeptEquations kept = equations(active);
-  const std::size_t fixed = kept.rows.size();
-  for (const ActiveStop& a : candidates) kept.rows.push_back(m().stop_row(a.stop));
-  const DensePoint<double> point(m(), x(), kept.rows);
-  const Eigen::MatrixXd z = solvers::null_space<double>(point.jacobian.topRows(static_cast<Eigen::Index>(fixed)),
-                                                        solvers::known_to::closed_point);
-  // Columns: Z^T of the direction in which a stop prevents motion.
-  Eigen::MatrixXd prevents(z.cols(), static_cast<Eigen::Index>(candidates.size()));
+  const auto [prevents, force] = corner(active, candidates);
+  const Eigen::VectorXd push = solvers::nonnegative_least_squares(prevents, -force);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const auto row = point.jacobian.row(static_cast<Eigen::Index>(fixed + k));
-    Eigen::VectorXd a = z.transpose() * row.transpose();
-    if (a.norm() <= solvers::known_to::solution * row.norm()) a.setZero();
-    prevents.col(static_cast<Eigen::Index>(k)) = (candidates[k].upper ? 1.0 : -1.0) * a;
-  }
-  const Eigen::VectorXd force = solvers::nonnegative_least_squares(prevents, -(z.transpose() * point.force).eval());
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (force[static_cast<Eigen::Index>(k)] > 0.0) active.push_back(candidates[k]);
+    if (push[static_cast<Eigen::Index>(k)] > 0.0) active.push_back(candidates[k]);
   }
   return active;
 }
@@ -332,14 +378,14 @@ std::optional<Ball> Certifier::push_of(const Finding& finding, const ActiveStop&
   return a.upper ? finding.solution.y[row] : -finding.solution.y[row];
 }
 
-// Of an active stop among the kept rows.
+// Finds the place of an active stop among the kept rows.
 std::size_t Certifier::row_of(const Finding& finding, const ActiveStop& a) const {
   const auto row = std::find(finding.kept.rows.begin(), finding.kept.rows.end(), m().stop_row(a.stop));
   return static_cast<std::size_t>(row - finding.kept.rows.begin());
 }
 
-// Of an active stop whose row is a combination of kept ones: the active stops that take part, on its own side and on
-// the other one.
+// The row of `dependent` is a combination of kept ones: finds the active stops that take part in it, on its own side
+// and on the other one.
 Certifier::Sharing Certifier::sharing(const Finding& finding, const std::vector<ActiveStop>& active,
                                       const ActiveStop& dependent) const {
   Sharing out;
@@ -366,8 +412,8 @@ Certifier::Sharing Certifier::sharing(const Finding& finding, const std::vector<
   return out;
 }
 
-// Of the active stops the one whose place an overrun stop takes, because no motion is left in which both could act, so
-// that all that act go on pushing; none where there is such a motion, or where all of them would push more.
+// Finds the active stop whose place an overrun stop takes, because no motion is left in which both could act, so that
+// all that act go on pushing; there is none where such a motion is left, or where all of them would push more.
 std::optional<std::size_t> Certifier::relieved_by(const Finding& finding, const std::vector<ActiveStop>& active,
                                                   const ActiveStop& overrun) const {
   KeptEquations with_it = finding.kept;
@@ -462,13 +508,14 @@ Certifier::Settled Certifier::settle(std::vector<ActiveStop> active) const {
 }
 
 // From the stops that seem to be active at the answer; where more are in contact, or that leads nowhere, from each set
-// of those in contact: the nearest equilibrium counts, of two in the same place one that is stable and presses on its
-// stops.
+// of those in contact, or, of many, from those that could carry the loads: the nearest equilibrium counts, of two in
+// the same place one that is stable and presses on its stops.
 Certifier::Settled Certifier::settle() const {
   const std::vector<ActiveStop> likely = find_active_stops();
   Settled out = settle(likely);
   const std::vector<ActiveStop> contact = stops_in_contact();
-  if (contact.empty() || contact.size() > most_undecided) return out;
+  const bool few = contact.size() <= most_undecided;
+  if (contact.empty() || (!few && out.consistent)) return out;
   std::vector<ActiveStop> always;
   const auto rank = [&](const Settled& s) {
     return moved(s) + (s.finding.unstable > 0 || !touched_stops(s).weak.empty() ? place_rounding : 0.0);
@@ -476,12 +523,16 @@ Certifier::Settled Certifier::settle() const {
   std::copy_if(likely.begin(), likely.end(), std::back_inserter(always), [](const ActiveStop& a) { return a.both; });
   const bool all = out.consistent && out.active.size() == always.size() + contact.size();
   if (all && moved(out) <= place_rounding) return out;
-  for (unsigned set = 0; set < 1U << contact.size(); ++set) {
-    std::vector<ActiveStop> active = always;
+  std::vector<std::vector<ActiveStop>> sets;
+  for (unsigned set = 0; few && set < 1U << contact.size(); ++set) {
+    sets.push_back(always);
     for (std::size_t k = 0; k < contact.size(); ++k) {
-      if ((set >> k & 1U) != 0) active.push_back(contact[k]);
+      if ((set >> k & 1U) != 0) sets.back().push_back(contact[k]);
     }
-    Settled other = settle(active);
+  }
+  if (!few) sets = carrying_sets(always, contact);
+  for (std::vector<ActiveStop>& active : sets) {
+    Settled other = settle(std::move(active));
     if (other.consistent && (!out.consistent || rank(other) < rank(out))) out = std::move(other);
   }
   return out;
@@ -597,7 +648,9 @@ Certificate Certifier::conclude(const Settled& settled) const {
   }
   if (Ball::bits() < SmoothPiece::many_bits) {
     const Ball::Precision precision(SmoothPiece::many_bits);
-    return conclude(settle(settled.active));
+    const Settled closely = settle(settled.active);
+    // With more digits stops may pull, or be overrun, that were not told from such that do not.
+    return conclude(closely.consistent ? closely : settle());
   }
   return conclude_at_limit(settled, {});
 }
@@ -703,7 +756,7 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
       }
     }
   } else {
-    // With all springs acting and all stops active the energy is highest and motion least: if it falls then it falls.
+    // The energy is highest and motion least with all springs acting and all stops active: if it falls then it falls.
     const bool falls = tightest->unstable > 0 || (is_single && loosest->unstable > 0);
     out.stability = Stability::unstable;
     if (!falls) decide_on_cones();
@@ -720,8 +773,8 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
   return out;
 }
 
-// Of active stops and those that share their loads the ones without which the loads would move the mechanism: in a
-// motion that leaves all the others they do work, so that no forces of these could balance them.
+// Finds the stops, active or sharing, without which the loads would move the mechanism: in a motion that leaves all the
+// others they do work, so that no forces of these could balance them.
 std::vector<int> Certifier::needed_stops(const Settled& settled, const std::vector<ActiveStop>& sharing) const {
   const bool are_determined = std::all_of(settled.active.begin(), settled.active.end(),
                                           [&](const ActiveStop& a) { return push_of(settled.finding, a).has_value(); });

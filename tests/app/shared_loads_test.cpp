@@ -381,11 +381,11 @@ TEST(SharedLoads, RandomBoxesOnRopesAndStops) {
   }
   // Where every contact carries a part of the load at the start.
   EXPECT_GE(found_shared, shared * 98 / 100);
-  EXPECT_GE(confirmed, asked * 88 / 100);
+  EXPECT_GE(confirmed, asked * 92 / 100);
   const int undetermined = told.idle + told.needed + told.open;
   EXPECT_LE(told.open, undetermined / 10);
-  // Those of sets in which some carry exactly nothing, as the loads are made, have none.
-  EXPECT_LE(told.without_radius, undetermined / 4);
+  // Some of the sets in which some carry exactly nothing, as the loads are made, have none.
+  EXPECT_LE(told.without_radius, undetermined / 6);
   std::cout << fmt::format("{} of {} confirmed, {} of {} whose contacts all carry at the start\n", confirmed, asked,
                            found_shared, shared)
             << fmt::format("{} stops possibly idle, {} needed, {} open, {} without radius\n", told.idle, told.needed,
@@ -511,6 +511,51 @@ TEST(SharedLoads, RopesThatPullAgainstEachOtherLetGo) {
     const json found = result_of(folder, text, seek);
     ASSERT_FALSE(found.is_null());
     EXPECT_EQ(found["status"], "confirmed") << found["why"];
+  }
+}
+
+// The load passes through the lower left corner of a box that touches two floors, a wall and two ropes: all but the
+// first floor carry nothing but what rounding makes, and yet only some of them can hold the box.
+TEST(SharedLoads, BoxOnOneOfManyContactsIsProved) {
+  const TempFolder folder;
+  const json found = result_of(folder, R"(
+[ground]
+points = { G3 = [0.04895867173314494, -1.4055452476154735], G4 = [-1.153016760837207, 0.5274181863569066] }
+[body.box]
+points = { O = [0, 0], P0 = [-0.58, 0.73], P1 = [0.58, 0.73], P2 = [-0.58, -0.73], P3 = [0.58, -0.73] }
+[[stop]]
+name = "left floor"
+y = "box.P2"
+min = -0.73
+[[stop]]
+name = "right floor"
+y = "box.P3"
+min = -0.73
+[[stop]]
+name = "wall"
+x = "box.P1"
+min = 0.58
+[[rope]]
+name = "lower rope"
+over = ["ground.G3", "box.P2"]
+length = 0.9230115884018864
+[[rope]]
+name = "upper rope"
+over = ["ground.G4", "box.P1"]
+length = 1.7448170346949305
+[[force]]
+at = "box.O"
+vector = [0, -7.267445114627181]
+[[torque]]
+on = "box"
+value = 4.215118166483765
+)",
+                               "any");
+  ASSERT_FALSE(found.is_null());
+  EXPECT_EQ(found["status"], "confirmed") << found["why"];
+  for (const json& row : found["reactions"]) {
+    EXPECT_NEAR(row["force"][1].get<double>(), row["name"] == "left floor" ? 7.267445114627181 : 0.0, 1e-12);
+    EXPECT_NEAR(row["force"][0].get<double>(), 0.0, 1e-12);
   }
 }
 
