@@ -409,24 +409,31 @@ class RandomSliderCrank {
     const auto poses = model.poses(x);
     const std::vector<Rubbing> all = rubbing(scene_);
     const double scale = 20.0;
-    const auto factor = [&](double effort) {
+    const auto look = [&](double effort) {
       Additions additions;
-      const JointBounds bounds = balanced(poses, all, effort, additions);
-      return bounds.factor;
+      return balanced(poses, all, effort, additions);
     };
-    constexpr int count = 1000;
+    const auto factor = [&](double effort) { return look(effort).factor; };
+    // Dense where either joint is left without effort, for one with little friction lets go close to there. The effort
+    // of the second is affine in that of the first.
+    const double at_zero = look(0.0).second, slope = look(1.0).second - at_zero;
+    constexpr int count = 500;
     std::vector<double> efforts, factors;
-    for (int i = -count; i <= count; ++i) {
-      // Dense near zero, where joints with little friction are.
-      const double s = static_cast<double>(i) / count;
-      efforts.push_back(scale * s * s * s);
-      factors.push_back(factor(efforts.back()));
+    for (const double centre : {0.0, slope != 0.0 ? -at_zero / slope : 0.0}) {
+      for (int i = -count; i <= count; ++i) {
+        const double s = static_cast<double>(i) / count;
+        efforts.push_back(centre + scale * s * s * s);
+      }
     }
+    std::sort(efforts.begin(), efforts.end());
+    for (const double effort : efforts) factors.push_back(factor(effort));
     double best = infinity;
     for (std::size_t i = 0; i < efforts.size(); ++i) {
       if ((i > 0 && factors[i - 1] < factors[i]) || (i + 1 < factors.size() && factors[i + 1] < factors[i])) continue;
       double least = factors[i], at = efforts[i];
-      for (double step = 0.01 * scale; step > 1e-13; step *= 0.6) {
+      const double left = i > 0 ? efforts[i] - efforts[i - 1] : 0.0;
+      const double right = i + 1 < efforts.size() ? efforts[i + 1] - efforts[i] : 0.0;
+      for (double step = std::max(left, right); step > 1e-13; step *= 0.6) {
         for (const double next : {at - step, at + step}) {
           const double k = factor(next);
           if (k < least) {
@@ -443,6 +450,7 @@ class RandomSliderCrank {
  private:
   struct JointBounds {
     double factor = infinity;
+    double second = 0.0;  ///< effort of the second joint
   };
 
   double any(double from, double to) { return std::uniform_real_distribution<double>(from, to)(random_); }
@@ -522,8 +530,11 @@ guide = {8}
     JointBounds out;
     if (bodies.imbalance > 1e-7 * (1 + bodies.largest_force)) return out;
     const Reaction& other = bodies.reactions.back();
-    const double second = all[1].on.is_angle() ? std::abs(other.moment) : norm(other.force);
-    out.factor = std::max(std::abs(effort) / bound(bodies, first.joint), second / bound(bodies, all[1].joint));
+    const Joint& driven = scene_.joints[static_cast<std::size_t>(all[1].joint)];
+    const Vec2 along = driven.direction() * poses[driven.a.body].direction();
+    out.second = all[1].on.is_angle() ? other.moment : dot(other.force, along);
+    out.factor =
+        std::max(std::abs(effort) / bound(bodies, first.joint), std::abs(out.second) / bound(bodies, all[1].joint));
     return out;
   }
 
