@@ -608,8 +608,8 @@ class Finder {
   std::string change_points() const {
     const auto all = std::count_if(out_.equilibria.begin(), out_.equilibria.end(), is_change_point);
     if (all == 0) return "";
-    return fmt::format("; {} of them {} change point{}, where branches of motion cross", all, all == 1 ? "is a" : "are",
-                       all == 1 ? "" : "s");
+    return fmt::format("; {} of the equilibria {} change point{}, where branches of motion cross", all,
+                       all == 1 ? "is a" : "are", all == 1 ? "" : "s");
   }
 
   std::string unreached() const {

@@ -359,8 +359,11 @@ mutant("boxes set aside are forgotten" statics/enclosed_set.cpp
   [=[std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));]=]
   [=[]=])
 mutant("boxes that were not reached are forgotten" statics/enclosed_set.cpp
-  [=[for (Task& task : waiting_) left_.push_back(std::move(task));]=]
-  [=[]=])
+  [=[for (std::vector<Task>* others : {&waiting_, &crossings_}) {]=]
+  [=[for (std::vector<Task>* others : {&crossings_}) {]=])
+mutant("change points are forgotten" statics/enclosed_set.cpp
+  [=[for (std::vector<Task>* others : {&waiting_, &crossings_}) {]=]
+  [=[for (std::vector<Task>* others : {&waiting_}) {]=])
 mutant("no case of the lower limit of a stop" statics/enclosed_set.cpp
   [=[if (std::isfinite(lower)) states.push_back(StopState::at_lower);]=]
   [=[]=])
@@ -449,3 +452,18 @@ mutant("poses of half of the boxes" statics/assembly_modes.cpp
 mutant("rigid poses are left out" statics/assembly_modes.cpp
   [=[if (is_new) out.poses.push_back(pose);]=]
   [=[]=])
+
+# --- crossing_branches.cpp: around change points --------------------------------------------------------------------
+
+mutant("a change point is taken for a pose that needs unbounded forces" statics/box_prover.cpp
+  [=[region->joint_force > least_joint_force && !may_touch_stops(box);]=]
+  [=[!may_touch_stops(box);]=])
+mutant("the region around a change point has no end" statics/crossing_branches.cpp
+  [=[return abs(box[k] - Interval(at[k])) <= Interval(reach);]=]
+  [=[return box[k].bounded();]=])
+mutant("branches of any direction bear any force" statics/crossing_branches.cpp
+  [=[if (!eliminate(columns, c, done)) return false;]=]
+  [=[if (!eliminate(columns, c, done)) return true;]=])
+mutant("directions without branches are not told from others" statics/crossing_branches.cpp
+  [=[if (sum.excludes_zero()) return true;]=]
+  [=[if (!sum.excludes_zero()) return true;]=])

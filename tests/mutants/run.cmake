@@ -84,7 +84,7 @@ if(check_only)
 endif()
 
 foreach(file solvers/interval.hpp solvers/interval.cpp statics/assembly_modes.cpp
-    statics/box_prover.cpp statics/enclosed_set.cpp statics/loop_turns.cpp)
+    statics/box_prover.cpp statics/crossing_branches.cpp statics/enclosed_set.cpp statics/loop_turns.cpp)
   restore("${file}")
 endforeach()
 run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${work}/prefix")
