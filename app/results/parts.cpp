@@ -347,10 +347,10 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   const bool some_are_proved = any(is_proved);
   table.remarks(each(reactions,
                      [&](const Reaction& r) {
-                       const std::string undetermined = r.determined                     ? ""
-                                                        : !r.may_be_idle.value_or(false) ? "undetermined"
-                                                        : r.kind == "rope" ? "undetermined, slack possible"
-                                                                           : "undetermined, may carry nothing";
+                       std::string undetermined = r.determined                     ? ""
+                                                  : !r.may_be_idle.value_or(false) ? "undetermined"
+                                                  : r.kind == "rope"               ? "undetermined, slack possible"
+                                                                                   : "undetermined, may carry nothing";
                        if (!some_are_proved || is_proved(r)) return undetermined;
                        return undetermined + (r.determined ? "" : ", ") + "digits not proved";
                      }),
