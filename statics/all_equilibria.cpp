@@ -566,7 +566,7 @@ class Finder {
     return place * std::ceil(x / place * (1.0 + 1e-12));
   }
 
-  // To a power of ten.
+  // The power of ten that is not above x.
   static double rounded_down(double x) { return std::pow(10.0, std::floor(std::log10(x))); }
 
   std::string why_sampled() const {

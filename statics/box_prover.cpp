@@ -1156,7 +1156,7 @@ bool BoxProver::may_touch_stops(const CoordinateBox& box) {
 
 // --- change points --------------------------------------------------------------------------------------------------
 
-// The change point next to the middle of the box, unless one was looked for there.
+// Finds the change point next to the middle of the box, unless one was looked for there.
 void BoxProver::look_for_crossing(const CoordinateBox& box) {
   const double size = widest(box);
   if (!crossings_ || !(size < narrow_for_crossing)) return;
@@ -1174,7 +1174,7 @@ void BoxProver::look_for_crossing(const CoordinateBox& box) {
   if (region) regions_.push_back(std::move(*region));
 }
 
-// Of a box next to a change point that core alone is left where equilibria may be.
+// A box next to a change point may have equilibria in the core alone: decides it, or leaves that.
 bool BoxProver::is_decided_by_crossing(CoordinateBox& box, Verdict& verdict) {
   const auto region = std::find_if(regions_.begin(), regions_.end(),
                                    [&](const CrossingBranches::Region& one) { return one.contains(box); });
@@ -1517,8 +1517,7 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
 // --- one box --------------------------------------------------------------------------------------------------------
 
 // A wide box is split across its widest driving coordinate, unless others are much wider all the same; else across the
-// widest.
-// Coordinates that balance could give drive too where it does not.
+// widest. Coordinates that balance could give drive too where it does not.
 void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
   int most = 0;
   int driver = -1;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double lost_pivot = 1e-6;              // at the change point
 constexpr int most_open = 4;                     // coordinates p
-constexpr int most_cells_of_directions = 20000;  // of directions, for one range of distances
+constexpr int most_cells_of_directions = 20000;  // for one range of distances
 constexpr double least_cell = 1.0 / 512.0;
 constexpr double least_ratio = 1.3;     // of distances that are looked at together
 constexpr double more_than_core = 4.0;  // times its size, that a region reaches at least
@@ -112,7 +112,7 @@ bool solve_enclosed(const IntervalMatrix& a, const IntervalMatrix& b, IntervalMa
 
 }  // namespace
 
-// Of a box around x*, by p.
+// The numbers of the expansion in a box around x*, by the coordinates p.
 struct CrossingBranches::Expansion {
   std::vector<Interval> around{};
   IntervalMatrix follows{0, 0};                // Z and r, by coordinate
@@ -226,7 +226,7 @@ CrossingBranches::CrossingBranches(const StaticModel& model, MergedMechanism& me
       }()),
       rows_(std::move(rows)) {}
 
-// By elimination with full pivoting: R and D with a pivot.
+// Elimination with full pivoting finds R and D: rows and columns with a pivot.
 bool CrossingBranches::choose_parts(const std::vector<double>& at) {
   const DensePoint<double> point(plain_, at, rows_);
   Eigen::MatrixXd left = point.jacobian;

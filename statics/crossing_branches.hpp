@@ -17,7 +17,7 @@ namespace poise {
 /// L_k = c_k + lambda_k . c_R with the multipliers that cancel its derivatives by D at x*; there l_k and g_k vanish but
 /// for rounding. In equilibrium some y have
 ///   e_0 + E h + sum_k y_k (g_k + K_k h) = 0,          E = Z^T (V + mu . c_R)'' Z.
-/// Of h = rho u, |u| = 1, the first says which directions u the branches have, and the second that the force
+/// Let h = rho u, |u| = 1. The first says which directions u the branches have, and the second that the force
 /// e_0 + rho E u is one that joints of that branch bear. Where no u and rho has both, no equilibrium is that far from
 /// x*; which is seen in boxes of u, however near to x*, where boxes of h would never be small enough.
 class CrossingBranches {
@@ -36,7 +36,8 @@ class CrossingBranches {
     /// Whether `box` is in it.
     bool contains(const std::vector<Interval>& box) const;
   };
-  /// That of the change point next to x; empty if none was found, or nothing is known around it. Needs RoundingUp.
+  /// Finds the change point next to x and the region around it; empty if there is none, or nothing is known around it.
+  /// Needs RoundingUp.
   std::optional<Region> around(const std::vector<double>& x);
 
  private:

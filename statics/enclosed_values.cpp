@@ -1,5 +1,6 @@
 #include "statics/enclosed_values.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -21,8 +22,10 @@ CamContact radii_of(const CamContact& shown, const CamPush<Ball>& push, const Ba
 std::vector<CamContact> enclose_cams(const StaticModel& model, const Certificate& certificate,
                                      const std::vector<Reaction>& reactions) {
   const Scene& scene = model.scene();
+  // Most scenes have no cam, and then the places of their bodies are not needed.
+  const auto is_cam = [&](const Stop& stop) { return cam_geometry(scene, stop).has_value(); };
+  if (std::none_of(scene.stops.begin(), scene.stops.end(), is_cam)) return {};
   const std::vector<CamReading> cams = cam_readings(scene, model.poses(certificate.x), reactions);
-  if (cams.empty()) return {};
   const std::vector<PlacedBody<Ball>> bodies = enclosed_bodies(model, certificate);
   std::vector<CamContact> out;
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {

@@ -13,7 +13,7 @@ namespace poise {
 struct ValueRadii {
   double energy = 0.0;        ///< N m
   std::vector<double> stops;  ///< of the measure of each stop, rad or m
-  /// Those of each contact of cam_readings(); infinite where nothing is proved.
+  /// The radii of the numbers of each contact of cam_readings(); infinite where nothing is proved.
   std::vector<CamContact> cams;
 };
 

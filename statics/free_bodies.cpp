@@ -111,9 +111,8 @@ class Statics {
     if (std::none_of(bodies.reactions.begin(), bodies.reactions.end(), is_undetermined)) return;
     const OneSided stops = one_sided(sides);
     for (std::size_t k = 0; k < stops.index.size(); ++k) {
-      const Stop& stop = scene_.stops[static_cast<std::size_t>(stops.index[k])];
       const auto reaction = std::find_if(bodies.reactions.begin(), bodies.reactions.end(), [&](const Reaction& r) {
-        return is_undetermined(r) && r.name == stop.name && r.kind == stop.table;
+        return is_undetermined(r) && r.stop == stops.index[k];
       });
       if (reaction == bodies.reactions.end()) continue;
       Eigen::MatrixXd others = stops.balance;

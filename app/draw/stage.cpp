@@ -305,8 +305,7 @@ std::string Stage::value(double si, Quantity quantity, double radius) const {
   if (std::abs(si) < rounding * scale_of_all) si = 0.0;
   const double shown = std::abs(in_unit(si, quantity, scene.units));
   const double known_to = in_unit(radius, quantity, scene.units);
-  const bool is_known = known_digits(1, shown, known_to) > 0;
-  const ReadableUnit unit = readable_unit(is_known ? shown : 0.0, unit_name(quantity, scene.units));
+  const ReadableUnit unit = readable_unit(shown, unit_name(quantity, scene.units), known_to);
   const std::string text = significant(unit.factor * shown, 4, unit.factor * known_to);
   return (si < 0 && text != "0" ? "\u2212" : "") + text + " " + unit.unit;
 }

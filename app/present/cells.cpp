@@ -44,9 +44,7 @@ TextColumn text_column(const Column& column) {
         if (column.format.scale == 0.0 && std::isfinite(v)) scale = std::max(scale, std::abs(v));
       }
       const double radius = column.format.radius;
-      // Where no digit is known the unit is the plain one.
-      const bool is_known = known_digits(column.format.digits, scale, radius) > 0;
-      const ReadableUnit readable = readable_unit(is_known ? scale : 0.0, out.unit);
+      const ReadableUnit readable = readable_unit(scale, out.unit, radius);
       out.unit = readable.unit;
       out.factor = readable.factor;
       for (double& value : values) value *= readable.factor;
@@ -90,9 +88,8 @@ std::string text_of(const Entry& entry) {
     const double value = without_rounding(*number, entry.format);
     const bool plain = entry.format.style == Format::Style::error || entry.format.style == Format::Style::duration;
     Format format = entry.format;
-    const bool is_known = known_digits(format.digits, std::abs(value), format.radius) > 0;
     const ReadableUnit readable =
-        plain ? ReadableUnit{1.0, entry.unit} : readable_unit(is_known ? std::abs(value) : 0.0, entry.unit);
+        plain ? ReadableUnit{1.0, entry.unit} : readable_unit(std::abs(value), entry.unit, format.radius);
     format.radius *= readable.factor;
     text = written(value * readable.factor, format) + (readable.unit.empty() ? "" : " " + readable.unit);
   } else if (const auto* word = std::get_if<std::string>(&entry.value.is)) {

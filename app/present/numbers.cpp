@@ -100,7 +100,7 @@ std::vector<std::string> aligned(const std::vector<double>& values, int digits) 
   return aligned(values, digits, largest);
 }
 
-ReadableUnit readable_unit(double size, const std::string& unit) {
+ReadableUnit readable_unit(double size, const std::string& unit, double radius) {
   struct Prefixed {
     std::string_view unit, base;
     int exponent;
@@ -124,7 +124,8 @@ ReadableUnit readable_unit(double size, const std::string& unit) {
                                                       {"N s/m", "N s/m", 0},
                                                       {"N m s/rad", "N m s/rad", 0}}};
   static constexpr std::array<std::string_view, 9> prefixes = {"p", "n", "µ", "m", "", "k", "M", "G", "T"};
-  const bool plain = size == 0.0 || !std::isfinite(size) || (size >= smallest_plain && size < largest_plain);
+  const bool plain = size == 0.0 || !std::isfinite(size) || (size >= smallest_plain && size < largest_plain) ||
+                     known_digits(1, size, radius) == 0;
   const auto* const found =
       std::find_if(known.begin(), known.end(), [&](const Prefixed& prefixed) { return prefixed.unit == unit; });
   if (plain || found == known.end()) return {1.0, unit};

@@ -47,8 +47,9 @@ struct ReadableUnit {
 };
 
 /// From 1e-4 to 1e7, and of 0, the unit itself; else, where it is a unit of force, moment, length, energy, power or
-/// stiffness that takes prefixes, with the prefix that leaves 1 to 1000: 22 080 000 N is 22.08 MN.
-ReadableUnit readable_unit(double size, const std::string& unit);
+/// stiffness that takes prefixes, with the prefix that leaves 1 to 1000: 22 080 000 N is 22.08 MN. The unit itself too
+/// where no digit is known, because `radius`, in that unit, is not less than the size.
+ReadableUnit readable_unit(double size, const std::string& unit, double radius = 0.0);
 
 /// Places that a text takes on the screen: its letters, read as UTF-8.
 std::size_t screen_width(std::string_view text);

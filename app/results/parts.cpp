@@ -40,9 +40,8 @@ void add_values(Group& group, const StaticModel& model, const std::string& title
   table.words("", noun, rows.names);
   for (std::size_t c = 0; c < poses.size(); ++c) {
     const auto value = [&](std::size_t i) { return in_unit(poses[c][i].value, quantity, units); };
-    Format format = format_of(model, quantity, coordinate_digits);
+    Format format = format_of(model, quantity, coordinate_digits, Format::Style::aligned, doubt);
     format.scale = scale;
-    format.radius = in_unit(doubt, quantity, units);
     table.numbers("", titles[c], "", each(rows.places, value), format);
   }
   const auto remark = [&](std::size_t i) {
@@ -91,28 +90,31 @@ void add_units(Group& group, const Units& units) {
   }
 }
 
-Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style) {
+Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style, double radius) {
   constexpr double part = 1e-13;
   double scale = 1.0;
   if (quantity == Quantity::length) scale = model.scales().length;
   if (quantity == Quantity::force) scale = model.scales().force;
   if (quantity == Quantity::moment || quantity == Quantity::energy) scale = model.scales().energy();
-  return {.style = style, .digits = digits, .zero_below = in_unit(part * scale, quantity, model.scene().units)};
+  const Units& units = model.scene().units;
+  return {.style = style,
+          .digits = digits,
+          .zero_below = in_unit(part * scale, quantity, units),
+          .radius = in_unit(radius, quantity, units)};
 }
 
 Column& add_column(Table& table, const ScaledModel& model, const std::string& key, const std::string& title,
                    Quantity quantity, const std::vector<double>& si, int digits, double radius) {
   const Units& units = model.scene().units;
-  Format format = format_of(model, quantity, digits);
-  format.radius = in_unit(radius, quantity, units);
-  return table.numbers(key, title, unit_name(quantity, units), in_unit(si, quantity, units), format);
+  return table.numbers(key, title, unit_name(quantity, units), in_unit(si, quantity, units),
+                       format_of(model, quantity, digits, Format::Style::aligned, radius));
 }
 
 std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits, double radius) {
   const Units& units = model.scene().units;
-  Format format = format_of(model, quantity, digits, Format::Style::significant);
-  format.radius = in_unit(radius, quantity, units);
-  return text_of(Entry{.value = in_unit(si, quantity, units), .unit = unit_name(quantity, units), .format = format});
+  return text_of(Entry{.value = in_unit(si, quantity, units),
+                       .unit = unit_name(quantity, units),
+                       .format = format_of(model, quantity, digits, Format::Style::significant, radius)});
 }
 
 std::string in_words(const Certificate& certificate) {
@@ -430,13 +432,11 @@ double radius_of(const Equilibrium& equilibrium) {
 }
 
 Format format_of_energies(const ScaledModel& model, std::span<const Answer> answers, Format::Style style) {
-  Format format = format_of(model, Quantity::energy, coordinate_digits, style);
   double radius = 0.0;
   for (const Answer& answer : answers) {
     if (answer.equilibrium.energy && answer.equilibrium.found()) radius = std::max(radius, answer.radii.energy);
   }
-  format.radius = in_unit(radius, Quantity::energy, model.scene().units);
-  return format;
+  return format_of(model, Quantity::energy, coordinate_digits, style, radius);
 }
 
 std::string sentence_of(std::string text) {

@@ -34,8 +34,9 @@ void add_named(Group& group, const std::string& key, const std::vector<NamedValu
                const Units& units);
 
 /// The name of a unit and how numbers of a quantity are written: what is below 1e-13 of the scale of the mechanism's
-/// lengths, forces or work is rounding and is written as 0.
-Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned);
+/// lengths, forces or work is rounding and is written as 0. `radius`: to which they are known, SI.
+Format format_of(const ScaledModel& model, Quantity quantity, int digits, Format::Style style = Format::Style::aligned,
+                 double radius = 0.0);
 
 /// Adds a column of SI values, shown under a title with the unit. `radius`: to which they are known, SI.
 Column& add_column(Table& table, const ScaledModel& model, const std::string& key, const std::string& title,
