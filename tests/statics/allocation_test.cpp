@@ -9,17 +9,24 @@
 #include "solvers/newton.hpp"
 #include "statics/static_model.hpp"
 
-extern "C" void* __libc_malloc(std::size_t size);
-
 namespace {
 bool counting = false;
 int allocations = 0;
 }  // namespace
 
+#ifdef __SANITIZE_ADDRESS__
+// The sanitizer has a malloc of its own, which calls this.
+extern "C" void __sanitizer_malloc_hook(const volatile void*, std::size_t) {
+  if (counting) ++allocations;
+}
+#else
+extern "C" void* __libc_malloc(std::size_t size);
+
 extern "C" void* malloc(std::size_t size) {
   if (counting) ++allocations;
   return __libc_malloc(size);
 }
+#endif
 
 namespace poise::allocation_test {
 namespace {
