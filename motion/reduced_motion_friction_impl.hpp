@@ -238,7 +238,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
   lu_.solve_transposed(small_rows_.data());
   for (std::size_t i = 0; i < k; ++i) holds_without_[i] = hold_of(i);
   for (std::size_t j = 0; j < k; ++j) {
-    T* alpha = &grip_alpha_[j * f];
+    T* alpha = grip_alpha_.data() + j * f;
     const T* slopes = &grip_slopes_[j * n];
     std::fill(alpha, alpha + f, T(0));
     if (j < first_teeth_) {  // teeth that push their wheels apart move nothing
