@@ -479,7 +479,8 @@ void SmoothPiece::examine_flat(Finding& finding, const KeptEquations& kept) cons
     held.held.assign(order.begin(), order.begin() + std::min(rank, flat));
     finding.neutral = held.held;
     const Solution across = solve(held, start_, first_reach, farthest_);
-    if (!across.proved || static_cast<Eigen::Index>(held.held.size()) != flat || !is_neutral(held, across)) continue;
+    if (!across.proved || static_cast<Eigen::Index>(held.held.size()) != flat) continue;
+    if (!is_neutral(held, directions, across)) continue;
     finding.kind = Finding::Kind::neutral;
     finding.kept = held;
     finding.solution = across;
@@ -509,8 +510,8 @@ void SmoothPiece::examine_flat(Finding& finding, const KeptEquations& kept) cons
 }
 
 // Whether the held coordinates need no force, to within the rounding of the scene's numbers, where they are and some
-// way from there.
-bool SmoothPiece::is_neutral(const KeptEquations& held, const Solution& at) const {
+// way from there. Along the directions, so that the closures stay on their branch.
+bool SmoothPiece::is_neutral(const KeptEquations& held, const Eigen::MatrixXd& directions, const Solution& at) const {
   const auto free_of_force = [&](const std::vector<Ball>& q) {
     const Solution near = solve(held, midpoints(q), first_reach, farthest_, true);
     if (!near.proved) return false;
@@ -518,20 +519,19 @@ bool SmoothPiece::is_neutral(const KeptEquations& held, const Solution& at) cons
     return std::all_of(held.held.begin(), held.held.end(), [&](int i) { return force[i].contains_zero(); });
   };
   if (!free_of_force(at.q)) return false;
+  Eigen::VectorXd parts(directions.cols());
+  for (Eigen::Index k = 0; k < parts.size(); ++k) parts[k] = k % 2 == 0 ? 1.0 : -0.8;
+  const Eigen::VectorXd along = directions * directions(held.held, Eigen::all).fullPivLu().solve(parts);
   int shown = 0;
   for (const double aside : {1e-3, -1e-3, 0.02, -0.05, 0.2}) {
     std::vector<Ball> from = midpoints(at.q);
-    double part = 1.0;
-    for (const int i : held.held) {
-      from[i] += Ball(aside * part);
-      part = part > 0.6 ? -0.8 * part : 1.0;
-    }
+    for (std::size_t i = 0; i < from.size(); ++i) from[i] += Ball(aside * along[static_cast<Eigen::Index>(i)]);
     const Solution there = solve(held, from, first_reach, 20 * std::abs(aside));
     if (!there.proved) continue;
     if (!free_of_force(there.q)) return false;
     ++shown;
   }
-  return shown >= 2;
+  return shown >= 3;
 }
 
 // Along the curve of equilibria of all but one coordinate, dV/dx_i = F_i + (J^T y)_i: its signs at both ends of an

@@ -116,7 +116,7 @@ class SmoothPiece {
   double least_joint_force(const KeptEquations& kept) const;
   bool examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
-  bool is_neutral(const KeptEquations& held, const Solution& at) const;
+  bool is_neutral(const KeptEquations& held, const Eigen::MatrixXd& directions, const Solution& at) const;
   void bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const;
 
   const BallMechanism& balls_;
