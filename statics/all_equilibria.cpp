@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <numeric>
@@ -123,7 +124,7 @@ class Finder {
     const auto begin = Clock::now();
     start_ = options_.assemblies ? locked_start() : assemble(model_);
     if (wants_proof() && !options_.assemblies) find_neutral_motions();
-    loops_.emplace(proved(), turns_, start_);
+    loops_.emplace(searched(), turns_, start_);
     if (wants_proof()) prove();
     if (!proof_.applies || !out_.undecided.empty()) sample();
     const std::vector<Release> releases = settle_all();
@@ -170,7 +171,9 @@ class Finder {
   void find_neutral_motions() {
     neutral_ = neutral_motions(model_, start_);
     if (!neutral_.any()) return;
-    held_.emplace(with_motions_held(model_, neutral_, start_), model_.scales());
+    if (!neutral_.branch || !neutral_.lead_everywhere(model_.mechanism().coordinates())) {
+      held_.emplace(with_motions_held(model_, neutral_, start_), model_.scales());
+    }
     for (const NeutralMotions::Motion& motion : neutral_.motions) {
       EquilibriumSet::Balanced& out = out_.balanced.emplace_back();
       for (const int i : motion.coordinates) {
@@ -179,11 +182,16 @@ class Finder {
       out.exact = motion.exact;
       out.effort = motion.effort;
       out.is_force = model_.layout().is_length(motion.held);
+      if (!neutral_.branch) continue;
+      out.gap = neutral_.branch->gap * model_.scales().length;
+      for (std::size_t i = 0; i < neutral_.branch->leader.size(); ++i) {
+        if (neutral_.branch->leader[i] < 0) out.keeping.push_back(model_.layout().coordinates[i].name);
+      }
     }
   }
 
-  // The mechanism of which the set is proved.
-  const StaticModel& proved() const { return held_ ? *held_ : model_; }
+  // The mechanism of which the set is proved, but for poses of a neutral branch.
+  const StaticModel& searched() const { return held_ && !neutral_.branch ? *held_ : model_; }
 
   // --- places ----------------------------------------------------------------------------------------------
 
@@ -203,7 +211,7 @@ class Finder {
     AllEquilibriaOptions left = options_;
     for (bool more = true; more;) {
       const auto begin = Clock::now();
-      proof_ = enclose_(proved(), *loops_, left);
+      proof_ = enclose_(searched(), *loops_, left, {neutral_.branch ? &neutral_ : nullptr});
       const std::size_t before = loops_->curves();
       if (loops_->known()) {
         for (const std::vector<double>& x : proof_.found) loops_->add(x);
@@ -212,6 +220,7 @@ class Finder {
       left.work -= static_cast<double>(proof_.boxes) * work_of_a_box(model_.mechanism().coordinates());
       more = proof_.applies && !proof_.interrupted && loops_->curves() > before;
     }
+    if (neutral_.branch) add_branch(left);
     out_.singular = std::move(proof_.singular);
     out_.decided = proof_.decided;
     out_.boxes = proof_.boxes;
@@ -246,6 +255,36 @@ class Finder {
       }
     }
     enclosed_ = out_.equilibria.size();
+  }
+
+  // Equilibria on the neutral branch: with its motions held where they start, and what is in loops there.
+  void add_branch(const AllEquilibriaOptions& left) {
+    if (!held_) {
+      proof_.found.push_back(start_);
+      return;
+    }
+    const Turns turns(*held_);
+    LoopTurns loops(*held_, turns, start_);
+    EnclosedPart part;
+    for (std::size_t i = 0; i < start_.size(); ++i) {
+      const bool is_in_loop = neutral_.branch->is_in_loop[i] != 0;
+      part.within.push_back(is_in_loop ? Interval(start_[i] - same_search, start_[i] + same_search)
+                                       : Interval::entire());
+    }
+    EnclosedSet on_branch = enclose_(*held_, loops, left, part);
+    const auto append = [](auto& to, auto& from) { std::move(from.begin(), from.end(), std::back_inserter(to)); };
+    append(proof_.found, on_branch.found);
+    append(proof_.undecided, on_branch.undecided);
+    append(proof_.singular, on_branch.singular);
+    proof_.peaks.add(on_branch.peaks);
+    proof_.decided = 0.5 * (proof_.decided + on_branch.decided);
+    proof_.boxes += on_branch.boxes;
+    proof_.interrupted = proof_.interrupted || on_branch.interrupted;
+    if (proof_.within.empty()) proof_.within = on_branch.within;
+    if (proof_.applies && !on_branch.applies) {
+      proof_.applies = false;
+      proof_.why_not = on_branch.why_not;
+    }
   }
 
   // Adds the equilibrium in the box that a search from its middle leads to. Whether that is all that can be told of
@@ -386,7 +425,7 @@ class Finder {
     const Certificate &p = a.certificate, &q = b.certificate;
     const auto place = [&](const Equilibrium& e) { return neutral_.moved_to(start_, e.x); };
     if (turns_.distance(place(a), place(b)) <= std::max(same_equilibrium, p.radius + q.radius)) return true;
-    if (neutral_.any()) return false;
+    if (neutral_.contain(a.x) || neutral_.contain(b.x)) return false;
     // Of a curve or more of them the coordinates that are called arbitrary differ from place to place, and the stops.
     if (!is_neutral(p) || !is_neutral(q)) return false;
     const double apart = std::abs(a.energy.value_or(0.0) - b.energy.value_or(0.0));
@@ -522,7 +561,7 @@ class Finder {
         break;
       case Claim::sampled:
         out_.statement =
-            fmt::format("{} found {}from {}{}, not proved to be all, because {}{}{}{}{}{}", number(),
+            fmt::format("{}{} found {}from {}{}, not proved to be all, because {}{}{}{}{}{}", on_the_branch(), number(),
                         by_proof_ ? "by an unfinished proof and " : "",
                         number_of(static_cast<std::size_t>(out_.starts), "start", "starts"), along_curves(),
                         why_sampled(), met_once(), missing(), turns(), neutral(), unproved());
@@ -542,21 +581,41 @@ class Finder {
   // With what is arbitrary: "balanced in every position".
   std::string what_is_found() const {
     if (out_.balanced.empty() || out_.equilibria.empty()) return number();
+    const auto balanced = static_cast<std::size_t>(
+        std::count_if(out_.equilibria.begin(), out_.equilibria.end(),
+                      [&](const Equilibrium& equilibrium) { return neutral_.contain(equilibrium.x); }));
+    const bool is_all = neutral_.lead_everywhere(static_cast<int>(start_.size()));
+    const std::string of = is_all ? "" : number_of(balanced, "equilibrium", "equilibria") + ", ";
+    if (!neutral_.branch) return of + where_balanced(is_all);
+    const std::size_t others = out_.equilibria.size() - balanced;
+    return fmt::format("{}{}; {} on other branches of its loops", of, where_balanced(false),
+                       others == 0 ? "none" : number_of(others, "equilibrium", "equilibria"));
+  }
+
+  // "balanced in every position of arm to rounding: torque at most ...".
+  std::string where_balanced(bool is_all) const {
     std::vector<std::string> positions, efforts;
-    std::size_t arbitrary = 0;
+    const Units& units = model_.scene().units;
+    const auto at_most = [&](const char* what, double bound, Quantity quantity) {
+      return fmt::format("{} at most {:.2g} {} in every position", what, rounded_up(in_unit(bound, quantity, units)),
+                         unit_name(quantity, units));
+    };
     for (const EquilibriumSet::Balanced& balanced : out_.balanced) {
-      arbitrary += balanced.coordinates.size();
       positions.push_back(fmt::format("{}", fmt::join(balanced.coordinates, " with ")));
       if (balanced.exact) continue;
-      const Quantity quantity = balanced.is_force ? Quantity::force : Quantity::moment;
-      const Units& units = model_.scene().units;
-      efforts.push_back(fmt::format("{} at most {:.2g} {} in every position", balanced.is_force ? "force" : "torque",
-                                    rounded_up(in_unit(balanced.effort, quantity, units)), unit_name(quantity, units)));
+      efforts.push_back(balanced.is_force ? at_most("force", balanced.effort, Quantity::force)
+                                          : at_most("torque", balanced.effort, Quantity::moment));
     }
+    const EquilibriumSet::Balanced& first = out_.balanced.front();
+    if (first.gap > 0.0) efforts.push_back(at_most("loops open by", first.gap, Quantity::length));
     const std::string how = efforts.empty() ? "with the numbers as they are written"
                                             : fmt::format("to rounding: {}", fmt::join(efforts, ", "));
-    if (arbitrary == start_.size()) return "balanced in every position " + how;
-    return fmt::format("{}, balanced in every position of {} {}", number(), fmt::join(positions, ", "), how);
+    if (is_all) return "balanced in every position " + how;
+    const std::string meanwhile =
+        first.keeping.empty() ? ""
+                              : fmt::format(" while {} {}", fmt::join(first.keeping, ", "),
+                                            first.keeping.size() == 1 ? "keeps its angle" : "keep their angles");
+    return fmt::format("balanced in every position of {}{} {}", fmt::join(positions, ", "), meanwhile, how);
   }
 
   // With the two digits that are shown.
@@ -644,11 +703,18 @@ class Finder {
                : "";
   }
 
+  // What is proved of the branch of the start, whatever else is found.
+  std::string on_the_branch() const {
+    const bool is_proved = neutral_.branch && !held_ && !contradicted_ && !out_.equilibria.empty();
+    return is_proved ? where_balanced(false) + "; " : "";
+  }
+
   std::string neutral() const {
-    if (neutral_.any()) return "";
-    const bool any = std::any_of(out_.equilibria.begin(), out_.equilibria.end(),
-                                 [](const Equilibrium& equilibrium) { return is_neutral(equilibrium.certificate); });
-    return any ? "; of neutral ones with the same energy one is given" : "";
+    const bool any = std::any_of(out_.equilibria.begin(), out_.equilibria.end(), [&](const Equilibrium& equilibrium) {
+      return is_neutral(equilibrium.certificate) && !neutral_.contain(equilibrium.x);
+    });
+    return fmt::format("{}{}", neutral_.branch ? "; change points of the balanced branch are left out" : "",
+                       any ? "; of neutral ones with the same energy one is given" : "");
   }
 
   std::string unproved() const {

@@ -87,6 +87,10 @@ struct EquilibriumSet {
     bool exact = false;                    ///< with the numbers as they are written; else to their rounding
     double effort = 0.0;    ///< where it is not exact: bound of what acts along them in every position, N m or N
     bool is_force = false;  ///< it is a force, not a torque
+    /// In loops: coordinates that keep their angle meanwhile. The claim is then about the branch of closed poses on
+    /// which they do, but for its change points; equilibria on other branches are single ones.
+    std::vector<std::string> keeping{};
+    double gap = 0.0;  ///< in loops that close to rounding only: bound of what is open in every position, m
   };
   std::vector<Balanced> balanced{};
 };

@@ -29,6 +29,7 @@ constexpr double stiff = 1.0;      // loads: elements whose force a box leaves o
 constexpr double open_gap = 1e-9;  // mechanism sizes: what rounding leaves open of loops that others close
 constexpr double small_pivot = 0.01;         // below, the rows that remain are taken for dependent
 constexpr double narrow_for_crossing = 0.5;  // rad or sizes
+constexpr double narrow_for_branch = 1.0;    // rad or sizes
 // Loads: joint forces that equilibria at singular poses need which are left out, found by halving boxes, and at change
 // points, where halves tell no more.
 constexpr double largest_joint_force = 1e6;
@@ -140,7 +141,8 @@ void BoxProver::Verdict::cut(CoordinateBox& lower, CoordinateBox& upper) const {
   upper[split] = Interval(split_at, upper[split].upper());
 }
 
-BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated)
+BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated,
+                     const NeutralMotions* without_branch_of)
     : model_(model),
       plain_(model.mechanism()),
       mechanism_(model),
@@ -193,6 +195,7 @@ BoxProver::BoxProver(const StaticModel& model, std::vector<StopState> stops, int
   multipliers_.resize(plain_.constraints());
   dense_.resize(rows_.size() * static_cast<std::size_t>(n_));
   drives_ = driving();
+  if (without_branch_of != nullptr) off_branch_.emplace(model, *without_branch_of);
   const bool are_zero = std::all_of(bounds_.begin(), bounds_.end(), [](double b) { return b == 0.0; });
   if (repeated == 0 && are_zero && 0 < m_ && m_ < n_) crossings_.emplace(model, mechanism_, rows_);
   const Scene scene = model.scaled_scene();
@@ -1551,6 +1554,7 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     const double before = widest(box);
     if (!contract(box)) return out;
     if (follows_ && !shoot(box)) return out;
+    if (off_branch_ && widest(box) < narrow_for_branch && off_branch_->excludes(box, rows_, mechanism_)) return out;
     if (!(widest(box) < too_wide_for_rows)) break;
     bool regular = true;
     if (m_ > 0) {

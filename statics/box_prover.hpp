@@ -11,6 +11,7 @@
 #include "statics/crossing_branches.hpp"
 #include "statics/element_peaks.hpp"
 #include "statics/merged_mechanism.hpp"
+#include "statics/off_branch.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
@@ -50,7 +51,9 @@ enum class StopState : signed char { at_lower = -1, inactive = 0, at_upper = 1, 
 /// docs/equilibria.md has the mathematics.
 class BoxProver {
  public:
-  BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated);
+  /// `without_branch_of`: boxes are empty in which all equilibria are on its neutral branch (statics/off_branch.hpp).
+  BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated,
+            const NeutralMotions* without_branch_of = nullptr);
 
   enum class Finding {
     empty,     ///< no equilibrium
@@ -198,6 +201,7 @@ class BoxProver {
   int loose_ = -1;                      // a coordinate of the first dyad that does not follow and is wide by itself
   Gap gap_;
   std::vector<Interval> parts_;
+  std::optional<OffBranch> off_branch_;
   std::optional<CrossingBranches> crossings_;             // of rows whose value is zero
   std::vector<CrossingBranches::Region> regions_;         // that were found
   std::vector<std::vector<double>> looked_for_crossing_;  // near these

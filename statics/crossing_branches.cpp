@@ -9,6 +9,7 @@
 
 #include "statics/all_equilibria.hpp"
 #include "statics/curvature.hpp"
+#include "statics/interval_matrix.hpp"
 #include "statics/singular_configuration.hpp"
 
 namespace poise {
@@ -24,57 +25,6 @@ constexpr double more_than_core = 4.0;  // times its size, that a region reaches
 // Sizes of boxes that are tried, and of core_sizes: what rounding leaves open of closures is small beyond these.
 constexpr double box_sizes[] = {0.2, 0.05, 0.01, 1e-3, 1e-4, 1e-5};
 constexpr double core_sizes[] = {2e-8, 5e-8, 1e-7, 1e-6, 1e-5, 1e-4};
-
-// Row by row.
-struct IntervalMatrix {
-  IntervalMatrix(std::size_t r, std::size_t c) : rows(r), columns(c), entries(r * c, Interval(0)) {}
-  Interval& operator()(std::size_t i, std::size_t j) { return entries[i * columns + j]; }
-  const Interval& operator()(std::size_t i, std::size_t j) const { return entries[i * columns + j]; }
-
-  std::size_t rows, columns;
-  std::vector<Interval> entries;
-};
-
-IntervalMatrix product(const IntervalMatrix& a, const IntervalMatrix& b) {
-  IntervalMatrix out(a.rows, b.columns);
-  for (std::size_t i = 0; i < a.rows; ++i) {
-    for (std::size_t k = 0; k < a.columns; ++k) {
-      for (std::size_t j = 0; j < b.columns; ++j) out(i, j) += a(i, k) * b(k, j);
-    }
-  }
-  return out;
-}
-
-IntervalMatrix transposed(const IntervalMatrix& a) {
-  IntervalMatrix out(a.columns, a.rows);
-  for (std::size_t i = 0; i < a.rows; ++i) {
-    for (std::size_t j = 0; j < a.columns; ++j) out(j, i) = a(i, j);
-  }
-  return out;
-}
-
-// Gaussian elimination of the first `c` columns, with the pivot of a column in the row where it is furthest from zero;
-// `done` marks these rows. False if a column has none.
-bool eliminate(IntervalMatrix& a, std::size_t c, std::vector<char>& done) {
-  done.assign(a.rows, 0);
-  for (std::size_t k = 0; k < c; ++k) {
-    std::size_t pivot = a.rows;
-    double most = 0.0;
-    for (std::size_t i = 0; i < a.rows; ++i) {
-      if (done[i] != 0 || !(a(i, k).mignitude() > most)) continue;
-      most = a(i, k).mignitude();
-      pivot = i;
-    }
-    if (pivot == a.rows) return false;
-    done[pivot] = 1;
-    for (std::size_t i = 0; i < a.rows; ++i) {
-      if (done[i] != 0) continue;
-      const Interval factor = a(i, k) / a(pivot, k);
-      for (std::size_t j = k + 1; j < a.columns; ++j) a(i, j) -= factor * a(pivot, j);
-    }
-  }
-  return true;
-}
 
 // X with A X = B for all of both; false if A may be singular.
 bool solve_enclosed(const IntervalMatrix& a, const IntervalMatrix& b, IntervalMatrix& x) {

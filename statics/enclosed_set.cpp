@@ -84,11 +84,12 @@ class Allowance {
 // is over does not depend on how many there are.
 class Search {
  public:
-  Search(const StaticModel& model, const std::vector<StopState>& stops, int repeated,
+  Search(const StaticModel& model, const std::vector<StopState>& stops, int repeated, const EnclosedPart& part,
          const AllEquilibriaOptions& options, Allowance& allowance, double share_before, double share)
       : model_(model),
         stops_(stops),
         repeated_(repeated),
+        part_(part),
         options_(options),
         allowance_(allowance),
         share_before_(share_before),
@@ -154,7 +155,7 @@ class Search {
   }
 
   void work_on(Chunk& chunk, long most) {
-    BoxProver prover(model_, stops_, repeated_);
+    BoxProver prover(model_, stops_, repeated_, part_.without_branch_of);
     while (!chunk.waiting.empty() && chunk.boxes < most && !stopped_) {
       Task task = std::move(chunk.waiting.back());
       chunk.waiting.pop_back();
@@ -209,6 +210,7 @@ class Search {
   const StaticModel& model_;
   const std::vector<StopState>& stops_;
   const int repeated_;
+  const EnclosedPart& part_;
   const AllEquilibriaOptions& options_;
   Allowance& allowance_;
   const double share_before_, share_;
@@ -573,7 +575,8 @@ bool is_between_stops(const Mechanism<double>& mechanism, const std::vector<doub
 
 }  // namespace
 
-EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options) {
+EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options,
+                               const EnclosedPart& part_of_all) {
   Allowance allowance(model, options);
   const Mechanism<double>& mechanism = model.mechanism();
   EnclosedSet out;
@@ -688,12 +691,17 @@ EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const
     }
     for (int round = -range.rounds; round <= range.rounds; ++round) parts.push_back({wound(part, range.turns, round)});
   }
-  for (Task& part : parts) part.share = 1.0 / static_cast<double>(parts.size());
+  for (Task& part : parts) {
+    part.share = 1.0 / static_cast<double>(parts.size());
+    for (std::size_t i = 0; i < part_of_all.within.size(); ++i) {
+      if (part_of_all.within[i].bounded()) part.box[i] = part_of_all.within[i];
+    }
+  }
   out.applies = true;
   const double share = 1.0 / static_cast<double>(cases.size());
   bool finished = true;
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    Search search(model, cases[c], repeated, options, allowance, share * static_cast<double>(c), share);
+    Search search(model, cases[c], repeated, part_of_all, options, allowance, share * static_cast<double>(c), share);
     search.run(parts);
     out.found.insert(out.found.end(), search.found.begin(), search.found.end());
     out.boxes += search.boxes;

@@ -8,6 +8,7 @@
 #include "statics/all_equilibria.hpp"
 #include "statics/element_peaks.hpp"
 #include "statics/loop_turns.hpp"
+#include "statics/neutral_motions.hpp"
 
 namespace poise {
 
@@ -31,12 +32,22 @@ struct EnclosedSet {
 /// In units of AllEquilibriaOptions::work.
 constexpr double work_of_a_box(int coordinates) { return static_cast<double>(coordinates) * coordinates; }
 
+/// The equilibria that a proof is about.
+struct EnclosedPart {
+  /// Not those on its branch of closed poses (statics/off_branch.hpp); null: all.
+  const NeutralMotions* without_branch_of = nullptr;
+  /// Ranges of coordinates in which they are sought, unbounded of others; empty: all.
+  std::vector<Interval> within{};
+};
+
 /// Encloses all equilibria by branch-and-prune over boxes of coordinates in interval arithmetic
 /// (statics/box_prover.hpp), for every combination of active stops. Found places are proved up to rounding of their
 /// doubles; certificates say the rest of them.
-EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options);
+EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options,
+                               const EnclosedPart& part = {});
 
-using Enclosing = std::function<EnclosedSet(const StaticModel&, LoopTurns&, const AllEquilibriaOptions&)>;
+using Enclosing =
+    std::function<EnclosedSet(const StaticModel&, LoopTurns&, const AllEquilibriaOptions&, const EnclosedPart&)>;
 
 /// As all_equilibria(model, options), with what a given proof says. An equilibrium that is found where the proof leaves
 /// none contradicts it: then nothing is claimed.

@@ -27,6 +27,33 @@ struct MergedEnergy {
     Planar<T> w{};
   };
   std::vector<Product> products;
+
+  /// Adds a product, of which those that do not change the force are left out.
+  void add(Product p) {
+    if (p.f > p.g) {
+      std::swap(p.f, p.g);
+      std::swap(p.a, p.b);
+      p.w = conj(p.w);
+    }
+    if (p.f == p.g) {
+      if (p.a > p.b) std::swap(p.a, p.b);
+      if (p.b < 0) return;  // constant
+      p.w.y = T(0);
+    }
+    for (Product& known : products) {
+      if (known.f != p.f || known.g != p.g || known.a != p.a || known.b != p.b) continue;
+      known.w += p.w;
+      return;
+    }
+    products.push_back(std::move(p));
+  }
+};
+
+/// coefficient s exp(i theta_frame): a term of the place of a point, s the coordinate `length`, or 1 where it is -1.
+template <class T>
+struct PlaceTerm {
+  int frame, length;
+  Planar<T> coefficient;
 };
 
 /// The spring of free length zero that a force element is; null of others.
@@ -69,12 +96,19 @@ class EnergyMerger {
     return std::move(out_);
   }
 
+  /// The gap p_b - p_a of a loop that a joint without travel closes; null as the sum.
+  std::optional<std::vector<PlaceTerm<T>>> gap(const Closure& closure) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(closure.joint)];
+    const bool from_body = !joint.keeps_length() || closure.link_a == joint.a.body;
+    const bool to_body = !joint.keeps_length() || !from_body;
+    const Vec2 a = from_body ? scene_.local(joint.a) : Vec2{joint.length, 0};
+    add_between(closure.link_a, a, closure.link_b, to_body ? scene_.local(joint.b) : Vec2{});
+    if (!is_held_) return std::nullopt;
+    return terms_;
+  }
+
  private:
-  // coefficient length exp(i theta_frame) of a place.
-  struct Term {
-    int frame, length;
-    Planar<T> coefficient;
-  };
+  using Term = PlaceTerm<T>;
 
   void add_arm(const Arm& arm, bool negative) {
     const int at = arm.coordinate;
@@ -115,47 +149,32 @@ class EnergyMerger {
     terms_.clear();
     add_point(body, at, false);
     for (int link = body; parent(link) >= 0; link = parent(link)) add_link(link, false);
-    for (const Term& term : terms_) add({-1, term.frame, -1, term.length, -(conj(force) * term.coefficient)});
+    for (const Term& term : terms_) out_.add({-1, term.frame, -1, term.length, -(conj(force) * term.coefficient)});
   }
 
-  // V = k/2 |p_b - p_a|^2.
-  void add_spring(const Measure& on, const T& stiffness) {
+  void add_between(int a, Vec2 at_a, int b, Vec2 at_b) {
     terms_.clear();
-    add_point(on.a.body, scene_.local(on.a), true);
-    add_point(on.b.body, scene_.local(on.b), false);
-    for (int a = on.a.body, b = on.b.body; a != b;) {
+    add_point(a, at_a, true);
+    add_point(b, at_b, false);
+    while (a != b) {
       const bool from_a = depth(a) > depth(b);
       int& link = from_a ? a : b;
       add_link(link, from_a);
       link = parent(link);
     }
-    for (std::size_t j = 0; j < terms_.size(); ++j) {
-      const Term& s = terms_[j];
-      add({s.frame, s.frame, s.length, s.length, {stiffness * dot(s.coefficient, s.coefficient) / T(2), T(0)}});
-      for (std::size_t l = j + 1; l < terms_.size(); ++l) {
-        const Term& t = terms_[l];
-        add({s.frame, t.frame, s.length, t.length, stiffness * (conj(s.coefficient) * t.coefficient)});
-      }
-    }
   }
 
-  void add(typename MergedEnergy<T>::Product p) {
-    if (p.f > p.g) {
-      std::swap(p.f, p.g);
-      std::swap(p.a, p.b);
-      p.w = conj(p.w);
+  // V = k/2 |p_b - p_a|^2.
+  void add_spring(const Measure& on, const T& stiffness) {
+    add_between(on.a.body, scene_.local(on.a), on.b.body, scene_.local(on.b));
+    for (std::size_t j = 0; j < terms_.size(); ++j) {
+      const Term& s = terms_[j];
+      out_.add({s.frame, s.frame, s.length, s.length, {stiffness * dot(s.coefficient, s.coefficient) / T(2), T(0)}});
+      for (std::size_t l = j + 1; l < terms_.size(); ++l) {
+        const Term& t = terms_[l];
+        out_.add({s.frame, t.frame, s.length, t.length, stiffness * (conj(s.coefficient) * t.coefficient)});
+      }
     }
-    if (p.f == p.g) {
-      if (p.a > p.b) std::swap(p.a, p.b);
-      if (p.b < 0) return;  // constant
-      p.w.y = T(0);
-    }
-    for (auto& known : out_.products) {
-      if (known.f != p.f || known.g != p.g || known.a != p.a || known.b != p.b) continue;
-      known.w += p.w;
-      return;
-    }
-    out_.products.push_back(std::move(p));
   }
 
   const Scene& scene_;

@@ -2,94 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
-#include <boost/multiprecision/cpp_int.hpp>
-#include <fmt/format.h>
-
 #include "statics/merged_mechanism.hpp"
+#include "statics/written_branch.hpp"
 
 namespace poise {
 namespace {
 
-using Rational = boost::multiprecision::cpp_rational;
-
-Rational power_of_ten(int exponent) {
-  const Rational power(boost::multiprecision::pow(boost::multiprecision::cpp_int(10), std::abs(exponent)));
-  return exponent < 0 ? Rational(1 / power) : power;
-}
-
-// The number that fmt writes as "-1.25e-03".
-Rational rational_of(const std::string& text) {
-  const std::size_t e = text.find('e');
-  std::string digits = text.substr(0, e);
-  const std::size_t point = digits.find('.');
-  const int decimals = point == std::string::npos ? 0 : static_cast<int>(digits.size() - point - 1);
-  if (point != std::string::npos) digits.erase(point, 1);
-  const bool negative = digits.front() == '-';
-  if (negative) digits.erase(0, 1);
-  digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size() - 1));  // a leading zero makes an octal number
-  const Rational size =
-      Rational(boost::multiprecision::cpp_int(digits)) * power_of_ten(std::stoi(text.substr(e + 1)) - decimals);
-  return negative ? Rational(-size) : size;
-}
-
-// The shortest decimal that reads as x where it counts in a unit.
-Rational shortest_decimal(double x, double unit) {
-  constexpr int most_digits = 17;
-  for (int digits = 1; digits <= most_digits; ++digits) {
-    const std::string text = fmt::format("{:.{}e}", x / unit, digits - 1);
-    if (std::strtod(text.c_str(), nullptr) * unit == x) return rational_of(text);
-  }
-  return Rational(x) / Rational(unit);
-}
-
-// Numbers of a scaled scene as they are written.
-class WrittenNumbers {
- public:
-  explicit WrittenNumbers(const StaticModel& model)
-      : layout_(model.layout()), scales_(model.scales()), units_(model.scene().units) {}
-
-  Rational length(double x) const { return written(x, dimension::length); }
-  Rational force(double x) const { return written(x, dimension::force); }
-  Rational force_per_length(double x) const { return written(x, dimension::force * dimension::length.power(-1)); }
-  Rational mass(double x) const { return written(x, dimension::mass); }
-  Rational acceleration(double x) const { return written(x, dimension::acceleration); }
-  static std::optional<Rational> share_at_points(const Scene& /*scene*/, const Force& on) {
-    return on.to ? std::nullopt : std::optional<Rational>(1);
-  }
-  std::optional<Planar<Rational>> turned(int turn) const {
-    if (!layout_.turns[static_cast<std::size_t>(turn)].angle.parts().empty()) return std::nullopt;
-    return Planar<Rational>{1, 0};
-  }
-  std::optional<Planar<Rational>> direction(const Vec2& along) const {
-    if (along.x != 0.0 && along.y != 0.0) return std::nullopt;
-    const auto sign = [](double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; };
-    return Planar<Rational>{sign(along.x), sign(along.y)};
-  }
-
- private:
-  // In SI.
-  Rational written(double x, const Dimension& of) const {
-    const auto raised = [](const Rational& base, int exponent) {
-      Rational out = 1;
-      for (int k = 0; k < std::abs(exponent); ++k) out *= base;
-      return exponent < 0 ? Rational(1 / out) : out;
-    };
-    const Rational unit = raised(shortest_decimal(units_.length, 1.0), of.length) *
-                          raised(shortest_decimal(units_.force, 1.0), of.force) *
-                          raised(shortest_decimal(units_.mass, 1.0), of.mass);
-    return shortest_decimal(x / of.per_scale(scales_), of.unit(units_)) * unit;
-  }
-
-  const Layout& layout_;
-  const Scales& scales_;
-  const Units& units_;
-};
+constexpr double off_the_branch = 1e-6;  // rad
 
 bool may_vanish(const Planar<Interval>& w) { return !w.x.excludes_zero() && !w.y.excludes_zero(); }
 bool is_nothing(const Planar<Interval>& w) { return w.x == Interval(0) && w.y == Interval(0); }
@@ -125,24 +48,57 @@ std::optional<Measure> measure_of(const StaticModel& model, int coordinate) {
   return std::nullopt;
 }
 
+// The energy of poses of a branch, by the first coordinates of its groups.
+template <class T>
+MergedEnergy<T> of_groups(const MergedEnergy<T>& all, const std::vector<int>& leader,
+                          const std::vector<Planar<T>>& turn) {
+  MergedEnergy<T> out;
+  for (auto p : all.products) {
+    if (p.f >= 0) {
+      p.w = p.w * conj(turn[static_cast<std::size_t>(p.f)]);
+      p.f = leader[static_cast<std::size_t>(p.f)];
+    }
+    if (p.g >= 0) {
+      p.w = p.w * turn[static_cast<std::size_t>(p.g)];
+      p.g = leader[static_cast<std::size_t>(p.g)];
+    }
+    out.add(std::move(p));
+  }
+  return out;
+}
+
+// A number of a file rounds once when it is read, its unit and their product in others than SI; expressions round in
+// every operation.
+double rounding_of(const StaticModel& model) {
+  const Units& units = model.scene().units;
+  const bool is_si = units.length == 1.0 && units.force == 1.0 && units.mass == 1.0;
+  return half_unit * (!is_written_in_numbers(model.scene()) ? 16.0 : is_si ? 1.0 : 4.0);
+}
+
 class NeutralSearch {
  public:
-  NeutralSearch(const StaticModel& model, const std::vector<double>& start)
-      : model_(model), start_(start), n_(model.mechanism().coordinates()), ties_(n_) {}
+  // On a branch, or, where that is null, without what closes loops.
+  NeutralSearch(const StaticModel& model, const std::vector<double>& start, const WrittenBranch* branch)
+      : model_(model), start_(start), branch_(branch), n_(model.mechanism().coordinates()), ties_(n_) {}
 
   NeutralMotions run() {
     NeutralMotions out;
-    if (model_.mechanism().has_follower_loads() || n_ == 0) return out;
     const std::optional<MergedEnergy<Rational>> exact = energy_as_written();
     {
       const solvers::RoundingUp up;
-      if (!find_products()) return out;
+      const IntervalNumbers numbers{model_.layout(), rounding_of(model_)};
+      auto merged = EnergyMerger<Interval, IntervalNumbers>(model_.scaled_scene(), model_.layout(), numbers).run();
+      if (!merged) return out;
+      products_ =
+          branch_ ? of_groups(*merged, branch_->branch.leader, branch_->branch.turn).products : merged->products;
+      if (branch_) out.products = std::move(merged->products);
       for (std::size_t p = 0; p < products_.size(); ++p) {
         const bool is_zero = exact && exact->products[p].w == Planar<Rational>{0, 0};
         vanishes_.push_back(vanishes(products_[p], is_zero));
         is_exact_.push_back(is_zero);
       }
     }
+    tie_groups();
     tie_products();
     tie_everything_else();
     for (int i = 0; i < n_; ++i) {
@@ -153,29 +109,24 @@ class NeutralSearch {
   }
 
  private:
-  // Expressions are not known as rational numbers.
   std::optional<MergedEnergy<Rational>> energy_as_written() const {
-    if (model_.scene().dependents != nullptr) return std::nullopt;
+    if (!is_written_in_numbers(model_.scene()) || (branch_ && !branch_->turn)) return std::nullopt;
     const WrittenNumbers numbers(model_);
-    return EnergyMerger<Rational, WrittenNumbers>(model_.scaled_scene(), model_.layout(), numbers).run();
-  }
-
-  bool find_products() {
-    // A number of a file rounds once when it is read, its unit and their product in others than SI; expressions round
-    // in every operation.
-    const Units& units = model_.scene().units;
-    const bool is_si = units.length == 1.0 && units.force == 1.0 && units.mass == 1.0;
-    const double roundings = model_.scene().dependents ? 16.0 : is_si ? 1.0 : 4.0;
-    const IntervalNumbers numbers{model_.layout(), roundings * half_unit};
-    auto merged = EnergyMerger<Interval, IntervalNumbers>(model_.scaled_scene(), model_.layout(), numbers).run();
-    if (!merged) return false;
-    products_ = std::move(merged->products);
-    return true;
+    auto out = EnergyMerger<Rational, WrittenNumbers>(model_.scaled_scene(), model_.layout(), numbers).run();
+    if (out && branch_) return of_groups(*out, branch_->branch.leader, *branch_->turn);
+    return out;
   }
 
   // Lengths have no bounds, so that of their factors a rounding is no zero.
   static bool vanishes(const MergedEnergy<Interval>::Product& p, bool is_zero) {
     return is_nothing(p.w) || (may_vanish(p.w) && (is_zero || (p.a < 0 && p.b < 0)));
+  }
+
+  void tie_groups() {
+    for (int i = 0; branch_ && i < n_; ++i) {
+      const int leader = branch_->branch.leader[static_cast<std::size_t>(i)];
+      ties_.tie(i, leader < 0 ? ties_.ground() : leader);
+    }
   }
 
   void tie_products() {
@@ -190,7 +141,8 @@ class NeutralSearch {
     }
   }
 
-  // Closures, stops, torques and the other force elements hold what they act on.
+  // Closures, but of loops that are closed all over the branch, stops, torques and the other force elements hold what
+  // they act on.
   void tie_everything_else() {
     const Mechanism<double>& m = model_.mechanism();
     const Scene& scene = model_.scene();
@@ -199,6 +151,7 @@ class NeutralSearch {
     for (std::size_t e = 0; e < m.jacobian_row().size(); ++e) {
       const int row = m.jacobian_row()[e];
       const int stop = row - m.equalities();
+      if (branch_ && is_of_loop(row)) continue;
       const bool limits_one_angle = stop >= 0 && support_size[static_cast<std::size_t>(row)] == 1 &&
                                     scene.stops[static_cast<std::size_t>(stop)].on.kind == Measure::Kind::angle &&
                                     is_inside(stop);
@@ -215,6 +168,13 @@ class NeutralSearch {
       const CompiledMeasure<double> on(scaled, model_.layout(), m.phasors(), element.on);
       for (const int i : on.support()) ties_.tie(i, ties_.ground());
     }
+  }
+
+  bool is_of_loop(int row) const {
+    const std::vector<ConstraintBlock>& blocks = model_.mechanism().blocks();
+    return std::any_of(blocks.begin(), blocks.end(), [&](const ConstraintBlock& block) {
+      return row >= block.first_row && row < block.first_row + block.rows;
+    });
   }
 
   bool is_inside(int stop) const {
@@ -235,8 +195,9 @@ class NeutralSearch {
     }
     const auto can_hold = std::find_if(out.coordinates.begin(), out.coordinates.end(),
                                        [&](int i) { return measure_of(model_, i).has_value(); });
-    if (can_hold == out.coordinates.end()) return std::nullopt;
-    std::iter_swap(out.coordinates.begin(), can_hold);
+    out.is_held_by_body = can_hold != out.coordinates.end();
+    if (!out.is_held_by_body && branch_ == nullptr) return std::nullopt;
+    if (out.is_held_by_body) std::iter_swap(out.coordinates.begin(), can_hold);
     out.held = out.coordinates.front();
     out.exact = true;
     const solvers::RoundingUp up;
@@ -257,11 +218,30 @@ class NeutralSearch {
  private:
   const StaticModel& model_;
   const std::vector<double>& start_;
+  const WrittenBranch* const branch_;
   const int n_;
   Ties ties_;
   std::vector<MergedEnergy<Interval>::Product> products_;
   std::vector<char> vanishes_, is_exact_;
 };
+
+// Whether every group of the branch belongs to a motion.
+bool turns_all_loops(const NeutralMotions& motions) {
+  const TurningBranch& branch = *motions.branch;
+  std::vector<char> turns(branch.leader.size(), 0);
+  for (const NeutralMotions::Motion& motion : motions.motions) {
+    for (const int i : motion.coordinates) turns[static_cast<std::size_t>(i)] = 1;
+  }
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (branch.is_in_loop[i] != 0 && branch.leader[i] >= 0 && turns[i] == 0) return false;
+  }
+  return true;
+}
+
+bool can_be_held(const NeutralMotions& motions) {
+  return std::all_of(motions.motions.begin(), motions.motions.end(),
+                     [](const NeutralMotions::Motion& motion) { return motion.is_held_by_body; });
+}
 
 // Stops that limit one angle, which is free to be anywhere between.
 bool limits_alone(const Layout& layout, const Stop& stop, int coordinate) {
@@ -272,7 +252,19 @@ bool limits_alone(const Layout& layout, const Stop& stop, int coordinate) {
 
 }  // namespace
 
+bool NeutralMotions::lead_everywhere(int coordinates) const {
+  std::size_t count = 0;
+  for (const Motion& motion : motions) count += motion.coordinates.size();
+  if (branch) count += static_cast<std::size_t>(std::count(branch->leader.begin(), branch->leader.end(), -1));
+  return count == static_cast<std::size_t>(coordinates);
+}
+
+bool NeutralMotions::contain(const std::vector<double>& x) const {
+  return any() && (!branch || branch->contains(x, off_the_branch));
+}
+
 std::vector<double> NeutralMotions::moved_to(const std::vector<double>& at, std::vector<double> x) const {
+  if (!contain(x)) return x;
   for (const Motion& motion : motions) {
     const auto held = static_cast<std::size_t>(motion.held);
     const double by = at[held] - x[held];
@@ -283,7 +275,14 @@ std::vector<double> NeutralMotions::moved_to(const std::vector<double>& at, std:
 }
 
 NeutralMotions neutral_motions(const StaticModel& model, const std::vector<double>& start) {
-  return NeutralSearch(model, start).run();
+  const int n = model.mechanism().coordinates();
+  if (model.mechanism().has_follower_loads() || n == 0) return {};
+  if (std::optional<WrittenBranch> branch = turning_branch(model, start, rounding_of(model))) {
+    NeutralMotions out = NeutralSearch(model, start, &*branch).run();
+    out.branch = std::move(branch->branch);
+    if (turns_all_loops(out) && (can_be_held(out) || out.lead_everywhere(n))) return out;
+  }
+  return NeutralSearch(model, start, nullptr).run();
 }
 
 Scene with_motions_held(const StaticModel& model, const NeutralMotions& neutral, const std::vector<double>& x) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "statics/merged_energy.hpp"
 #include "statics/static_model.hpp"
+#include "statics/turning_branch.hpp"
 
 namespace poise {
 
@@ -14,6 +17,7 @@ struct NeutralMotions {
   struct Motion {
     std::vector<int> coordinates;  ///< angles that turn together, or one length; the first is `held`
     int held = -1;                 ///< coordinate that takes the motion away when it is held
+    bool is_held_by_body = true;   ///< a measure of the scene holds it
     /// No closure, spring, load or stop tells its values apart: the work is zero where the numbers of the scene, as
     /// the decimals in which they are written, are taken exactly; else it is zero but for rounding.
     bool exact = false;
@@ -22,15 +26,25 @@ struct NeutralMotions {
     double effort = 0.0;
   };
   std::vector<Motion> motions;
+  /// Loops in which these motions turn bodies together (statics/turning_branch.hpp): they are neutral on that branch,
+  /// but for its change points, and of others nothing is said. All its groups belong to motions.
+  std::optional<TurningBranch> branch;
+  /// With a branch: the part of the energy that motions change, for all numbers that round to those of the scene.
+  std::vector<MergedEnergy<Interval>::Product> products;
 
   bool any() const { return !motions.empty(); }
-  /// x moved along the motions to where the held coordinates have the values of `at`.
+  /// Whether the motions lead to every pose of a mechanism with so many coordinates, or of the branch.
+  bool lead_everywhere(int coordinates) const;
+  /// Whether a closed pose is one that they are neutral in, up to 1e-6 rad.
+  bool contain(const std::vector<double>& x) const;
+  /// x moved along the motions to where the held coordinates have the values of `at`; of other branches as it is.
   std::vector<double> moved_to(const std::vector<double>& at, std::vector<double> x) const;
 };
 
 /// Proved by the coefficients of the energy as a sum of products of phasors (statics/merged_energy.hpp): a motion is
-/// neutral where those that it changes vanish, in rational numbers or within the rounding of the scene's numbers.
-/// `start` is between the stops that act on such angles alone, which no equilibrium needs then.
+/// neutral where those that it changes vanish, in rational numbers or within the rounding of the scene's numbers. Where
+/// loops close, coefficients of bodies that turn together are added up first. `start` is closed, and between the stops
+/// that act on such angles alone, which no equilibrium needs then.
 NeutralMotions neutral_motions(const StaticModel& model, const std::vector<double>& start);
 
 /// The scene with these motions held at x, and without stops that limit them.

@@ -248,8 +248,9 @@ class WithAProof : public ::testing::Test {
     AllEquilibriaOptions options = sampling(starts);
     options.seconds = 1.0;
     proof.applies = true;
-    return all_equilibria(model, options,
-                          [&](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&) { return proof; });
+    return all_equilibria(
+        model, options,
+        [&](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&, const EnclosedPart&) { return proof; });
   }
 
   const StaticModel model{pulled_chain(2, 7.0)};
@@ -308,7 +309,7 @@ TEST_F(WithAProof, APlaceWithoutACertificateRemainsUndecided) {
 TEST_F(WithAProof, WhatAnUnfinishedOneFoundIsKept) {
   AllEquilibriaOptions options = sampling(0);
   options.seconds = 1.0;
-  const auto unfinished = [&](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&) {
+  const auto unfinished = [&](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&, const EnclosedPart&) {
     return EnclosedSet{.why_not = "time was over", .found = {places()[0], places()[2]}};
   };
   const EquilibriumSet set = all_equilibria(model, options, unfinished);
@@ -321,7 +322,7 @@ TEST_F(WithAProof, WhatAnUnfinishedOneFoundIsKept) {
 TEST_F(WithAProof, WhereItDoesNotApplySaysWhy) {
   AllEquilibriaOptions options = sampling(100);
   options.seconds = 1.0;
-  const auto none = [](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&) {
+  const auto none = [](const StaticModel&, const LoopTurns&, const AllEquilibriaOptions&, const EnclosedPart&) {
     return EnclosedSet{.why_not = "it is too large"};
   };
   const EquilibriumSet set = all_equilibria(model, options, none);

@@ -121,6 +121,8 @@ void add_balanced(Group& content, const StaticModel& model, const EquilibriumSet
     one.data("exact", balanced.exact);
     one.data("effort", in_unit(balanced.effort, quantity, model.scene().units));
     one.data("unit", unit_name(quantity, model.scene().units));
+    one.list("keeping", "", balanced.keeping);
+    one.data("gap", in_unit(balanced.gap, Quantity::length, model.scene().units));
   }
 }
 
