@@ -208,11 +208,11 @@ class ReducedMotion {
   /// B, column by column (n values each): also dq/dz and dv/dw.
   const T* B(int k) const { return &B_[static_cast<std::size_t>(k) * n_]; }
   /// After linearize(), n values: dv/dz_k, da/dz_k, da/dw_k; f values: dalpha/dz_k, dalpha/dw_k.
-  const T* v_z(int k) const { return &v_z_[static_cast<std::size_t>(k) * n_]; }
-  const T* a_z(int k) const { return &a_z_[static_cast<std::size_t>(k) * n_]; }
-  const T* a_w(int k) const { return &a_w_[static_cast<std::size_t>(k) * n_]; }
-  const T* alpha_z(int k) const { return &alpha_z_[static_cast<std::size_t>(k) * freedoms()]; }
-  const T* alpha_w(int k) const { return &alpha_w_[static_cast<std::size_t>(k) * freedoms()]; }
+  const T* v_z(int k) const { return v_z_.data() + static_cast<std::size_t>(k) * n_; }
+  const T* a_z(int k) const { return a_z_.data() + static_cast<std::size_t>(k) * n_; }
+  const T* a_w(int k) const { return a_w_.data() + static_cast<std::size_t>(k) * n_; }
+  const T* alpha_z(int k) const { return alpha_z_.data() + static_cast<std::size_t>(k) * freedoms(); }
+  const T* alpha_w(int k) const { return alpha_w_.data() + static_cast<std::size_t>(k) * freedoms(); }
 
   /// By how much the bound of friction that sticks exceeds that of its law: of an element of the scene, c |R|. After
   /// accelerate().

@@ -28,16 +28,18 @@ class ReducedSystem : public solvers::OdeSystem {
   bool rates(double t, const double* y, double* dydt) override;
 
   /// The derivative of alpha by influence p, of the state evaluated last.
-  const double* alpha_p(int p) const { return &alpha_p_[static_cast<std::size_t>(p * freedoms_)]; }
+  const double* alpha_p(int p) const { return alpha_p_.data() + static_cast<std::size_t>(p * freedoms_); }
   /// Of an influence that moves(): the derivatives of q, v and a at fixed z and w, one after the other.
-  const double* moved_p(int p) const { return &moved_p_[3 * static_cast<std::size_t>(p * reduced_.coordinates())]; }
+  const double* moved_p(int p) const {
+    return moved_p_.data() + 3 * static_cast<std::size_t>(p * reduced_.coordinates());
+  }
 
   /// The values at which friction is held change, too: their sensitivities, a row for each of ReducedMotion::held().
   void set_held(std::vector<double> by) { held_by_ = std::move(by); }
-  const double* held_by(std::size_t h) const { return &held_by_[h * static_cast<std::size_t>(columns_)]; }
+  const double* held_by(std::size_t h) const { return held_by_.data() + h * static_cast<std::size_t>(columns_); }
   /// q, v and a by the value at which the h-th is held, at fixed z and w, of the state evaluated last.
   const double* moved_held(std::size_t h) const {
-    return &moved_held_[3 * h * static_cast<std::size_t>(reduced_.coordinates())];
+    return moved_held_.data() + 3 * h * static_cast<std::size_t>(reduced_.coordinates());
   }
 
   int evaluations = 0;

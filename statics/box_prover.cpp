@@ -255,8 +255,9 @@ std::vector<char> BoxProver::driving() {
         if (open == 0 || open > equation.gives) continue;
         const auto next = std::find_if(equation.members.begin(), equation.members.end(), is_open);
         if (equation.row < 0) {
-          const int second = *std::find_if(next + 1, equation.members.end(), is_open);
-          if (open == 2) known.dyads.push_back({equation.loop, *next, second});
+          if (open == 2) {
+            known.dyads.push_back({equation.loop, *next, *std::find_if(next + 1, equation.members.end(), is_open)});
+          }
         } else {
           known.steps.push_back({equation.row, *next, equation.entries[next - equation.members.begin()]});
         }
