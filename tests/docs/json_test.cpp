@@ -351,6 +351,7 @@ TEST(JsonDocs, Equilibria) {
                 {{{"equilibria", scene("von_mises_toggle"), "--starts", "100"}, with_csv},
                  {{"equilibria", scene("hard/balanced_arm"), "--starts", "20"}},
                  {{"equilibria", scene("hard/counterweight"), "--starts", "20"}},
+                 {{"equilibria", scene("hard/kink"), "--starts", "20"}},
                  {{"equilibria", scene("hard/rhombus")}},
                  {{"equilibria", scene("hard/flat_sprung_parallelogram")}},
                  {{"equilibria", scene("four_bar_gravity"), "--assemblies", "--drive", "crank=1", "--starts", "20"}}});
