@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "solvers/linear_algebra.hpp"
