@@ -49,6 +49,11 @@ struct ParameterPlace {
   friend bool operator==(const ParameterPlace&, const ParameterPlace&) = default;
 };
 
+/// Whether the springs of a flexible link follow from a number of its section: from its second moment and modulus.
+constexpr bool moves_springs(const ParameterPlace& place) {
+  return place.owner == Owner::section && place.part == 1 && (place.number == 1 || place.number == 2);
+}
+
 /// The path of a number, "kind.name.point.number"; parts that are empty are left out.
 struct ParameterPath {
   std::array<std::string_view, 4> parts;

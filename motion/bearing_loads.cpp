@@ -61,9 +61,7 @@ void BearingLoads<T>::act(int body, const Planar<T>& force, const Planar<T>& at,
 
 template <class T>
 bool BearingLoads<T>::add(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose, T* g) const {
-  const Stop& stop = scene_.stops[static_cast<std::size_t>(contact.stop)];
-  const std::optional<ContactLoad<T>> load =
-      contact_load(PlacedCoupling<BodyPose<T>>{scene_, stop, poses_}, contact.place);
+  const std::optional<ContactLoad<T>> load = contact_load(BodyForces(scene_, poses_), contact.stop, contact.place);
   if (!load) return false;
   const Planar<T> force = effort * load->force + size * load->separating;
   act(load->body_b, force, load->at, pose, g);
@@ -91,9 +89,7 @@ void BearingLoads<T>::add_change(const Contact& contact, const T& effort, const 
     poses[b] = {{dual(at.origin.x, moved.x), dual(at.origin.y, moved.y)},
                 dual(at.angle, body.frame < 0 ? T(0) : dq[body.frame])};
   }
-  const Stop& stop = scene_.stops[static_cast<std::size_t>(contact.stop)];
-  const ContactLoad<Dual> load =
-      contact_load(PlacedCoupling<BodyPose<Dual>>{scene_, stop, poses}, contact.place).value();
+  const ContactLoad<Dual> load = contact_load(BodyForces(scene_, poses), contact.stop, contact.place).value();
   const Planar<Dual> whole = Dual(effort) * load.force + Dual(size) * load.separating;
   const auto add_to = [&](int index, const T& sign) {
     const Body& body = bodies_[static_cast<std::size_t>(index)];

@@ -189,8 +189,7 @@ class SlidingSolver {
   void respond_to_teeth(const FreeBodies& none) {
     const std::vector<BodyPose<double>> poses = poses_of(p_.motions);
     for (Teeth& teeth : teeth_) {
-      const Stop& stop = p_.scene.stops[static_cast<std::size_t>(teeth.stop)];
-      const ContactLoad<double> contact = contact_load(p_.scene, stop, poses).value();
+      const ContactLoad<double> contact = contact_load(BodyForces(p_.scene, poses), teeth.stop).value();
       const double size = norm(contact.separating);
       const Vec2 push = (scale_ / size) * contact.separating;
       Additions additions = p_.additions;

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "model/couplings.hpp"
-#include "statics/body_measures_impl.hpp"
+#include "statics/body_forces.hpp"
 
 namespace poise {
 
@@ -49,9 +49,10 @@ const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
   for (const Measure::Term& term : measure.terms) {
     if (const RopeContact* const found = untouched_pulley(scene, term.measure, poses)) return found;
   }
+  const BodyForces bodies(scene, poses);
   Vec2 before{};
   for (std::size_t k = 0; k + 1 < measure.contacts.size(); ++k) {
-    const Vec2 along = body_measures::rope_part(scene, measure, k, poses).along;
+    const Vec2 along = bodies.rope_part(measure, k).along;
     const RopeContact& contact = measure.contacts[k];
     if (k > 0 && contact.radius > 0.0 && rope_wrap(before, along, contact.turn) < -rounding) return &contact;
     before = along;
@@ -60,14 +61,14 @@ const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
 }
 
 std::string rope_without_length(const Scene& scene, const std::vector<BodyPose<double>>& poses, double slack) {
-  using body_measures::world;
+  const BodyForces bodies(scene, poses);
   std::string out;
   const auto look_at = [&](const auto& item) {
     for (std::size_t k = 0; out.empty() && k + 1 < item.on.contacts.size(); ++k) {
       const RopeContact& a = item.on.contacts[k];
       const RopeContact& b = item.on.contacts[k + 1];
       const double rims = std::abs(b.turn * b.radius - a.turn * a.radius);
-      const double apart = norm(world(scene, poses, b.at) - world(scene, poses, a.at));
+      const double apart = norm(bodies.world(b.at) - bodies.world(a.at));
       if (rims == 0.0 || apart > rims * (1 + slack)) continue;
       const bool first_inside = a.radius < b.radius;
       out = fmt::format("{} \"{}\" has no straight part: its {} \"{}\" reaches the rim of its pulley \"{}\"",

@@ -2,7 +2,7 @@
 
 // Measures by vector mechanics, from the poses of the bodies: for the independent checks, which use none of the phasor
 // sums that the mechanism is compiled to. Templates on the type of the poses, BodyPose or PlacedBody of any scalar;
-// their definitions are in statics/body_measures_impl.hpp, and BodyPose<double> is compiled in body_measures.cpp.
+// their definitions are in statics/body_forces.hpp, and BodyPose<double> is compiled in body_measures.cpp.
 
 #include <string>
 #include <string_view>
@@ -16,11 +16,12 @@ namespace poise {
 /// The pose of a body with the direction of its x axis, computed once, for scalars whose sines are dear.
 template <class T>
 struct PlacedBody {
+  PlacedBody() = default;
   explicit PlacedBody(const BodyPose<T>& pose) : origin(pose.origin), angle(pose.angle), along(pose.direction()) {}
 
-  Planar<T> origin;
-  T angle;
-  Planar<T> along;
+  Planar<T> origin{};
+  T angle{};
+  Planar<T> along{T(1), T(0)};
 
   const Planar<T>& direction() const { return along; }
   Planar<T> world(const Vec2& local) const { return origin + planar_cast<T>(local) * along; }

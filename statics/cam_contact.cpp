@@ -9,9 +9,9 @@ namespace poise {
 namespace {
 
 /// In a pose in which the roller is on the pitch curve.
-std::optional<CamContact> contact_of(const Scene& scene, const Stop& stop, const CamGeometry& cam,
+std::optional<CamContact> contact_of(const Scene& scene, std::size_t stop, const CamGeometry& cam,
                                      const std::vector<BodyPose<double>>& poses, double effort) {
-  const std::optional<CamPush<double>> push = cam_push(PlacedCoupling<BodyPose<double>>{scene, stop, poses}, cam);
+  const std::optional<CamPush<double>> push = cam_push(BodyForces(scene, poses), static_cast<int>(stop), cam);
   if (!push) return std::nullopt;
   const double force = effort / push->lever;
   return CamContact{std::atan(push->tangent), force * std::hypot(1.0, push->tangent), force * push->tangent};
@@ -29,7 +29,7 @@ std::vector<CamReading> cam_readings(const Scene& scene, const std::vector<BodyP
     const Reaction* const reaction = reaction_of_stop(reactions, s);
     out.push_back({stop.name, std::nullopt});
     if (stop.holds() || reaction != nullptr) {
-      out.back().contact = contact_of(scene, stop, *cam, poses, reaction ? effort_of(stop, *reaction) : 0.0);
+      out.back().contact = contact_of(scene, s, *cam, poses, reaction ? effort_of(stop, *reaction) : 0.0);
     }
   }
   return out;

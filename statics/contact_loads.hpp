@@ -8,7 +8,7 @@
 
 #include "model/cam_geometry.hpp"
 #include "model/meshing.hpp"
-#include "statics/body_measures_impl.hpp"
+#include "statics/body_forces.hpp"
 #include "statics/check.hpp"
 
 namespace poise {
@@ -23,44 +23,22 @@ struct CamPush {
   T tangent{};
 };
 
-/// A coupling in a scene with its bodies at `poses`, as contact_load() asks for it.
-template <class Pose>
-struct PlacedCoupling {
-  using Scalar = ScalarOf<Pose>;
-
-  const Scene& scene;
-  const Stop& stop;
-  const std::vector<Pose>& poses;
-
-  Planar<Scalar> world(PointRef p) const { return body_measures::world(scene, poses, p); }
-  /// Of the line of a slide.
-  Planar<Scalar> axis(int joint) const {
-    return body_measures::axis_of(scene.joints[static_cast<std::size_t>(joint)], poses);
-  }
-  /// Of the second term of its measure, and of a cam times the slope of its profile.
-  Scalar factor() const { return Scalar(stop.on.terms[1].factor); }
-  Scalar slope() const {
-    const Measure::Term& term = stop.on.terms[1];
-    return factor() * profile_of<Scalar>(term).at(value_of(scene, term.measure, poses)).first;
-  }
-  Scalar pressure_tangent() const { return Scalar(*stop.pressure_tangent); }
-};
-
-/// In a pose in which the roller is on the pitch curve. Nothing where that curve has no direction at the roller, or
-/// where the roller moves along it, so that no finite force drives it; in balls these are balls without end. `Coupling`
-/// is a PlacedCoupling, or what has its functions.
-template <class Coupling, class T = typename Coupling::Scalar>
-std::optional<CamPush<T>> cam_push(const Coupling& coupling, const CamGeometry& cam) {
-  const T slope = T(-cam.sense) * coupling.slope();
-  const Planar<T> r = coupling.world(cam.roller) - coupling.world(cam.axis);
+/// Of the cam that is a stop of this index, in a pose in which the roller is on the pitch curve. Nothing where that
+/// curve has no direction at the roller, or where the roller moves along it, so that no finite force drives it; in
+/// balls these are balls without end.
+template <class Pose, class NumbersOfScene, class T = ScalarOf<Pose>>
+std::optional<CamPush<T>> cam_push(const BodyForces<Pose, NumbersOfScene>& bodies, int stop, const CamGeometry& cam) {
+  const Measure& on = bodies.scene().stops[static_cast<std::size_t>(stop)].on;
+  const auto term = bodies.numbers().term(on, 1, stop);
+  const T slope = T(-cam.sense) * (term.factor * term.at(bodies.value(on.terms[1].measure)).first);
+  const Planar<T> r = bodies.world(cam.roller) - bodies.world(cam.axis);
   CamPush<T> out;
   out.lever = T(1);
   if (cam.slide >= 0) {
-    out.along = coupling.axis(cam.slide);
+    out.along = bodies.axis(cam.slide);
   } else {
-    using body_measures::length_of;
-    const Planar<T> arm = coupling.world(cam.roller) - coupling.world(cam.pivot);
-    out.lever = length_of(arm);
+    const Planar<T> arm = bodies.world(cam.roller) - bodies.world(cam.pivot);
+    out.lever = body_forces::length_of(arm);
     if constexpr (std::is_same_v<T, double>) {
       if (out.lever == 0.0) return std::nullopt;
     }
@@ -101,29 +79,30 @@ struct ContactLoad {
 ///
 /// (J. Shigley, C. Mischke, "Mechanical Engineering Design", section 13.14: spur gears; R. L. Norton, "Cam Design and
 /// Manufacturing Handbook", 2009, chapter 7). Does not allocate, given the place.
-template <class Coupling, class T = typename Coupling::Scalar>
-std::optional<ContactLoad<T>> contact_load(const Coupling& coupling, const ContactPlace& place) {
-  const Stop& stop = coupling.stop;
+template <class Pose, class NumbersOfScene, class T = ScalarOf<Pose>>
+std::optional<ContactLoad<T>> contact_load(const BodyForces<Pose, NumbersOfScene>& bodies, int index,
+                                           const ContactPlace& place) {
+  const Stop& stop = bodies.scene().stops[static_cast<std::size_t>(index)];
   if (place.cam) {
     const CamGeometry& cam = *place.cam;
-    const std::optional<CamPush<T>> push = cam_push(coupling, cam);
+    const std::optional<CamPush<T>> push = cam_push(bodies, index, cam);
     if (!push) return std::nullopt;
     const Measure& angle = stop.on.terms[1].measure;
     const Planar<T> force = (T(1) / push->lever) * (push->along + push->tangent * quarter_turn(push->along));
     return ContactLoad<T>{
-        cam.sense > 0 ? angle.body_b : angle.body_a, cam.roller.body, coupling.world(cam.roller), force, {}};
+        cam.sense > 0 ? angle.body_b : angle.body_a, cam.roller.body, bodies.world(cam.roller), force, {}};
   }
   const std::optional<Meshing>& mesh = place.mesh;
-  const T tangent = coupling.pressure_tangent(), factor = coupling.factor();
+  const T tangent = bodies.numbers().pressure_tangent(index), factor = bodies.numbers().term(stop.on, 1, index).factor;
   const double as_given = stop.on.terms[1].factor;
-  ContactLoad<T> out{mesh->body_a, mesh->body_b, coupling.world(mesh->axis_a), {}, {}};
+  ContactLoad<T> out{mesh->body_a, mesh->body_b, bodies.world(mesh->axis_a), {}, {}};
   if (mesh->slide >= 0) {
-    out.force = T(mesh->rack_is_second ? 1 : -1) * coupling.axis(mesh->slide);
+    out.force = T(mesh->rack_is_second ? 1 : -1) * bodies.axis(mesh->slide);
     out.at += factor * quarter_turn(out.force);
     out.separating = (T(as_given < 0 ? -1 : 1) * tangent) * quarter_turn(out.force);
     return out;
   }
-  const Planar<T> apart = coupling.world(mesh->axis_b) - out.at;
+  const Planar<T> apart = bodies.world(mesh->axis_b) - out.at;
   const T sum = T(1) + factor;  // of pitch radii, over r_b
   const T per_length = sum / dot(apart, apart);
   out.at += (factor / sum) * apart;
@@ -133,10 +112,11 @@ std::optional<ContactLoad<T>> contact_load(const Coupling& coupling, const Conta
 }
 
 /// The same of any stop. Throws as contact_place().
-template <class Pose, class T = ScalarOf<Pose>>
-std::optional<ContactLoad<T>> contact_load(const Scene& scene, const Stop& stop, const std::vector<Pose>& poses) {
+template <class Pose, class NumbersOfScene, class T = ScalarOf<Pose>>
+std::optional<ContactLoad<T>> contact_load(const BodyForces<Pose, NumbersOfScene>& bodies, int index) {
+  const Stop& stop = bodies.scene().stops[static_cast<std::size_t>(index)];
   if (!loads_bearings(stop)) return std::nullopt;
-  return contact_load(PlacedCoupling<Pose>{scene, stop, poses}, contact_place(scene, stop));
+  return contact_load(bodies, index, contact_place(bodies.scene(), stop));
 }
 
 /// Q of a stop, from its reaction.

@@ -21,12 +21,12 @@
 namespace poise {
 
 template <>
-Ball body_measures::length_of(const Planar<Ball>& d) {
+Ball body_forces::length_of(const Planar<Ball>& d) {
   return hypot(d.x, d.y);
 }
 
 template <>
-Planar<Ball> body_measures::in_any_direction() {
+Planar<Ball> body_forces::in_any_direction() {
   return {Ball(0).widened(1.0), Ball(0).widened(1.0)};
 }
 

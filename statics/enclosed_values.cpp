@@ -41,7 +41,7 @@ std::vector<CamContact> enclose_cams(const StaticModel& model, const Certificate
       effort =
           Ball(effort_of(stop, *reaction)).widened(stop.on.is_angle() ? reaction->moment_radius : reaction->radius);
     }
-    out.back() = radii_of(*shown, *cam_push(PlacedCoupling<PlacedBody<Ball>>{scene, stop, bodies}, *cam), effort);
+    out.back() = radii_of(*shown, *cam_push(BodyForces(scene, bodies), static_cast<int>(s), *cam), effort);
   }
   return out;
 }

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "statics/body_measures.hpp"
-#include "statics/free_body_equations.hpp"
+#include "statics/body_forces.hpp"
 
 namespace poise {
 namespace {
@@ -42,11 +41,10 @@ std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const std::vector
                                            const std::vector<double>& element_forces,
                                            const std::vector<Reaction>& reactions) {
   std::vector<SourcedForce> out;
-  FreeBodyEquations(scene, poses, 1.0)
-      .push_named_loads(
-          [&](std::string_view kind, const std::string& name, int body, Vec2 at, Vec2 force, double moment) {
-            out.push_back({std::string(kind), name, {.body = body, .at = at, .force = force, .moment = moment}});
-          });
+  BodyForces(scene, poses)
+      .push_loads([&](std::string_view kind, const std::string& name, int body, Vec2 at, Vec2 force, double moment) {
+        out.push_back({std::string(kind), name, {.body = body, .at = at, .force = force, .moment = moment}});
+      });
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
     const Element& element = scene.elements[e];
     add_effort(scene, poses, element.on, -element_forces[e], element.table, element.name, out);

@@ -10,13 +10,14 @@
 
 namespace poise {
 
-/// The equations of equilibrium of a scene's bodies, each cut free, in the scalar of their poses:
+/// The equations of equilibrium of a scene's bodies, each cut free, in the scalar of their poses and of the scene's
+/// numbers (BodyForces):
 ///
 ///   A f = -load,
 ///
 /// rows 3 (i - 1) ... of body i: force x and y, N, and moment about its origin over `size`, N; one column per unknown
 /// effort of a joint, stop or drive. Poses may be measured from any point of the world.
-template <class Pose>
+template <class Pose, class NumbersOfScene = SceneNumbers<ScalarOf<Pose>>>
 class FreeBodyEquations {
  public:
   using T = ScalarOf<Pose>;
@@ -46,7 +47,9 @@ class FreeBodyEquations {
 
   /// Keeps references to the scene and the poses.
   FreeBodyEquations(const Scene& scene, const std::vector<Pose>& poses, double size)
-      : scene_(scene), poses_(poses), size_(size) {}
+      : FreeBodyEquations(BodyForces<Pose>(scene, poses), poses, size) {}
+  FreeBodyEquations(const BodyForces<Pose, NumbersOfScene>& bodies, const std::vector<Pose>& poses, double size)
+      : bodies_(bodies), scene_(bodies.scene()), poses_(poses), size_(size) {}
 
   int rows() const { return 3 * (static_cast<int>(scene_.bodies.size()) - 1); }
   const std::vector<Item>& items() const { return items_; }
@@ -55,29 +58,8 @@ class FreeBodyEquations {
   /// Weights, forces and torques: calls push(body, at, force, moment).
   template <class Push>
   void push_loads(Push push) const {
-    push_named_loads([&](std::string_view, const std::string&, int body, const Planar<T>& at, const Planar<T>& force,
-                         const T& moment) { push(body, at, force, moment); });
-  }
-
-  /// The same with their sources: push(kind, name, body, at, force, moment), with "weight" of a body, "force",
-  /// "torque".
-  template <class Push>
-  void push_named_loads(Push push) const {
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      const Body& body = scene_.bodies[i];
-      if (body.mass == 0) continue;
-      push("weight", body.name, static_cast<int>(i), poses_[i].world(body.center),
-           T(body.mass) * planar_cast<T>(scene_.gravity), T(0));
-    }
-    for (const Force& f : scene_.forces) {
-      Planar<T> force = planar_cast<T>(f.vector);
-      if (f.follows >= 0) force = force * poses_[f.follows].direction();
-      const Planar<T> share = scene_.template share_at_points<T>(f) * force;
-      f.for_each_point([&](PointRef point) { push("force", f.name, point.body, world(point), share, T(0)); });
-    }
-    for (const Torque& t : scene_.torques) {
-      push("torque", t.name, t.body, poses_[t.body].origin, Planar<T>{}, T(t.value));
-    }
+    bodies_.push_loads([&](std::string_view, const std::string&, int body, const Planar<T>& at, const Planar<T>& force,
+                           const T& moment) { push(body, at, force, moment); });
   }
 
   /// The same for the force elements. Returns the static force of each, 0 where it has no direction.
@@ -85,17 +67,7 @@ class FreeBodyEquations {
   std::vector<T> push_elements(Push push) const {
     std::vector<T> out;
     out.reserve(scene_.elements.size());
-    for (const Element& e : scene_.elements) {
-      const T force = force_at_rest(e.law, value_of(scene_, e.on, poses_)).value;
-      out.push_back(T(0));
-      if (force == T(0)) continue;
-      for (const UnitEffortOf<T>& effort : unit_efforts(scene_, e.on, poses_)) {
-        if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
-        out.back() = force;
-        push(effort.body_a, effort.a, force * effort.force, force * effort.moment);
-        push(effort.body_b, effort.b, -(force * effort.force), -(force * effort.moment));
-      }
-    }
+    for (int e = 0; e < static_cast<int>(scene_.elements.size()); ++e) out.push_back(bodies_.push_element(e, push));
     return out;
   }
 
@@ -107,25 +79,15 @@ class FreeBodyEquations {
   void add_joints() {
     items_.reserve(scene_.joints.size());
     unknowns_.reserve(2 * scene_.joints.size());
-    for (const Joint& joint : scene_.joints) {
-      const Planar<T> b = world(joint.b);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const Joint& joint = scene_.joints[j];
       Item& item = add_item(joint.name, joint.traits().key);
-      item.at = from_world(b);
-      const Planar<T> a = joint.keeps_length() ? world(joint.a) : b;
-      const auto act = [&](const Planar<T>& force, const T& moment) {
-        unknowns_.push_back({last_item(), joint.a.body, joint.b.body, a, b, force, moment});
-      };
-      if (joint.keeps_length()) {
-        const Planar<T> along = b - a;
-        const T r = norm(along);
-        item.axial = true;
-        act(r > 0 ? T(1) / r * along : Planar<T>{T(1), T(0)}, T(0));
-      } else if (joint.has_travel()) {
-        act(quarter_turn(body_measures::axis_of(joint, poses_)), T(0));
-      } else {
-        add_pin(joint.a, joint.b);
-      }
-      if (joint.keeps_angle()) act({}, T(size_));
+      item.axial = joint.keeps_length();
+      bodies_.for_each_joint_effort(static_cast<int>(j), [&](const UnitEffortOf<T>& effort) {
+        item.at = from_world(effort.b);
+        unknowns_.push_back(
+            {last_item(), effort.body_a, effort.body_b, effort.a, effort.b, effort.force, T(size_) * effort.moment});
+      });
     }
   }
 
@@ -141,8 +103,8 @@ class FreeBodyEquations {
     if (is_pin)
       add_pin(stop.on.a, stop.on.b);
     else
-      add_measure(stop.on);
-    const std::optional<ContactLoad<T>> contact = contact_load(scene_, stop, poses_);
+      add_measure(stop.on, index);
+    const std::optional<ContactLoad<T>> contact = contact_load(bodies_, index);
     if (!contact) return;
     unknowns_.back().is_replaced = true;
     unknowns_.back().with = {unknown_of(*contact, contact->force + sign * contact->separating, stop)};
@@ -152,7 +114,7 @@ class FreeBodyEquations {
   /// before.
   void add_separation(int index) {
     const Stop& stop = scene_.stops[index];
-    if (const std::optional<ContactLoad<T>> contact = contact_load(scene_, stop, poses_)) {
+    if (const std::optional<ContactLoad<T>> contact = contact_load(bodies_, index)) {
       unknowns_.push_back(unknown_of(*contact, contact->separating, stop));
     }
   }
@@ -174,7 +136,7 @@ class FreeBodyEquations {
     Item& item = add_item(rope.name, rope.table);
     item.axial = true;
     bool is_first = true;
-    const std::vector<UnitEffortOf<T>> spans = unit_efforts(scene_, rope.on, poses_);
+    const std::vector<UnitEffortOf<T>> spans = efforts_on(rope.on);
     for (std::size_t k = static_cast<std::size_t>(contact); k < spans.size(); ++k) {
       if (is_first)
         unknowns_.push_back(unknown_of(spans[k], false));
@@ -205,7 +167,12 @@ class FreeBodyEquations {
  private:
   int last_item() const { return static_cast<int>(items_.size()) - 1; }
   Item& add_item(const std::string& name, std::string_view kind) { return items_.emplace_back(Item{&name, kind}); }
-  Planar<T> world(PointRef p) const { return body_measures::world(scene_, poses_, p); }
+  std::vector<UnitEffortOf<T>> efforts_on(const Measure& measure, int stop = -1) const {
+    std::vector<UnitEffortOf<T>> out;
+    bodies_.for_each_effort(
+        measure, T(1), [&](const UnitEffortOf<T>& effort) { out.push_back(effort); }, stop);
+    return out;
+  }
   Planar<T> from_world(const Planar<T>& at) const { return at - poses_[0].origin; }
 
   // In N: of an effort on an angle its moment over the size, and what forces belong to it in a sum. In a sum of angles
@@ -222,7 +189,7 @@ class FreeBodyEquations {
   }
 
   void add_pin(PointRef a, PointRef b) {
-    const Planar<T> at = world(b);
+    const Planar<T> at = bodies_.world(b);
     items_.back().at = from_world(at);
     for (const Planar<T>& force : {Planar<T>{T(1), T(0)}, Planar<T>{T(0), T(1)}}) {
       unknowns_.push_back({last_item(), a.body, b.body, at, at, force, T(0)});
@@ -232,15 +199,15 @@ class FreeBodyEquations {
   // The unknown effort on a measure, positive if it tends to increase it. The terms of a sum act together, each with
   // its factor; that of the item is the first, of a rope the last of its parts. Distances of zero have no direction in
   // which anything could act; if there is nothing else, there is no unknown.
-  void add_measure(const Measure& measure) {
+  void add_measure(const Measure& measure, int stop = -1) {
     Item& item = items_.back();
     item.axial = !measure.is_angle();
-    std::vector<UnitEffortOf<T>> efforts = unit_efforts(scene_, measure, poses_);
+    std::vector<UnitEffortOf<T>> efforts = efforts_on(measure, stop);
     std::reverse(efforts.begin(), efforts.begin() + static_cast<std::ptrdiff_t>(efforts_of_first(measure)));
     item.at = from_world(efforts.front().b);
     bool is_first = true;
     for (const UnitEffortOf<T>& effort : efforts) {
-      if (effort.force == Planar<T>{} && effort.moment == T(0)) continue;
+      if (body_forces::is_nothing(effort.force, effort.moment)) continue;
       if (is_first) {
         item.at = from_world(effort.b);
         unknowns_.push_back(unknown_of(effort, measure.is_angle()));
@@ -272,11 +239,15 @@ class FreeBodyEquations {
     }
   }
 
+  BodyForces<Pose, NumbersOfScene> bodies_;
   const Scene& scene_;
   const std::vector<Pose>& poses_;
   double size_;
   std::vector<Item> items_;
   std::vector<Unknown> unknowns_;
 };
+
+template <class Pose>
+FreeBodyEquations(const Scene&, const std::vector<Pose>&, double) -> FreeBodyEquations<Pose>;
 
 }  // namespace poise

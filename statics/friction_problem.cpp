@@ -111,8 +111,8 @@ std::optional<std::vector<int>> basis_of(Eigen::MatrixXd m, const Eigen::VectorX
 // The angle of a rope's wrap on a pulley that it lies on.
 Ball wrap_of(const Scene& scene, const Measure& rope, int contact, const std::vector<BallBody>& bodies) {
   const auto k = static_cast<std::size_t>(contact);
-  return rope_wrap(body_measures::rope_part(scene, rope, k - 1, bodies).along,
-                   body_measures::rope_part(scene, rope, k, bodies).along, rope.contacts[k].turn);
+  const BodyForces at(scene, bodies);
+  return rope_wrap(at.rope_part(rope, k - 1).along, at.rope_part(rope, k).along, rope.contacts[k].turn);
 }
 
 // Its bound is 0 whatever it carries.

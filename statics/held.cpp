@@ -378,8 +378,9 @@ std::string why_not_asked(const StaticModel& model, const std::vector<double>& x
                        scene.stops[static_cast<std::size_t>(one.rope)].name, scene.name_of(pulley->at));
   }
   int teeth = 0;
-  for (const Stop& stop : scene.stops) {
-    if (loads_bearings(stop) && !contact_load(scene, stop, poses)) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (loads_bearings(stop) && !contact_load(BodyForces(scene, poses), static_cast<int>(s))) {
       return fmt::format("no finite force of {} \"{}\" drives its follower in this pose", stop.family(), stop.name);
     }
     teeth += separates(stop) ? 1 : 0;

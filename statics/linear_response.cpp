@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <ceres/jet.h>
+
+#include "statics/body_measures.hpp"
+
 namespace poise {
 namespace {
 
@@ -36,13 +40,12 @@ std::vector<double> poses_of(const StaticModel& model, const std::vector<double>
 }
 
 std::vector<HeldStop> held_at(const Scene& scene, const std::vector<double>& poses, const std::vector<int>& active) {
-  const NumberedEquations equations(scene, {});
-  std::vector<NumberedEquations::Placed<double>> placed;
-  equations.place(poses.data(), placed);
+  std::vector<BodyPose<double>> placed(1);
+  for (std::size_t i = 0; i + 2 < poses.size(); i += 3) placed.push_back({{poses[i], poses[i + 1]}, poses[i + 2]});
   std::vector<HeldStop> out;
   for (const int s : active) {
     const Stop& stop = scene.stops[s];
-    const double g = equations.value(stop.on, equations.numbers().data(), placed);
+    const double g = value_of(scene, stop.on, placed);
     out.push_back({s, std::abs(stop.max - g) < std::abs(stop.min - g)});
   }
   return out;
@@ -53,8 +56,8 @@ namespace {
 /// The chain rule: what follows from a number changes with it. One row per derivative.
 template <class Derivatives>
 void add_followers(const NumberedEquations& equations, const std::vector<double>& numbers, Derivatives& by_numbers) {
-  for (const int row : equations.leaders()) {
-    for (const auto& [at, slope] : equations.followers(row, numbers)) {
+  for (const int row : equations.list()->leaders()) {
+    for (const auto& [at, slope] : equations.list()->followers(row, numbers)) {
       by_numbers.col(row) += slope * by_numbers.col(at);
     }
   }

@@ -23,13 +23,14 @@ template <class T>
 T value_of(const SoughtQuantity& of, const NumberedEquations& equations, const T* numbers, const T* z,
            std::vector<NumberedEquations::Placed<T>>& placed) {
   equations.place(z, placed);
+  const NumberedEquations::Bodies<T> bodies = equations.bodies(numbers, placed);
   switch (of.kind) {
     case SoughtQuantity::Kind::measure:
-      return equations.value(of.on, numbers, placed);
+      return bodies.value(of.on);
     case SoughtQuantity::Kind::element_force:
-      return equations.element_force(of.item, numbers, placed);
+      return bodies.element_force(of.item);
     case SoughtQuantity::Kind::energy:
-      return equations.energy(numbers, placed);
+      return bodies.energy();
     case SoughtQuantity::Kind::stop_reaction:
       for (std::size_t h = 0; h < equations.held().size(); ++h) {
         if (equations.held()[h].stop != of.item) continue;
@@ -42,7 +43,7 @@ T value_of(const SoughtQuantity& of, const NumberedEquations& equations, const T
       const int first = equations.multiplier_of_joint(of.item);
       if (of.part == SoughtQuantity::Part::axial) return -z[first];
       if (of.part == SoughtQuantity::Part::moment) return z[first + joint.traits().constraints() - 1];
-      const Planar<T> force = equations.joint_force(of.item, numbers, z, placed);
+      const Planar<T> force = bodies.joint_effort(of.item, z + first).force;
       if (of.part == SoughtQuantity::Part::x) return force.x;
       return of.part == SoughtQuantity::Part::y ? force.y : norm(force);
     }

@@ -302,7 +302,9 @@ class Actions {
   }
 
   void add_stop(const std::string& name, const Stop& stop, const Reaction& reaction) {
-    if (const auto contact = contact_load(scene_, stop, poses_)) return add_contact(name, *contact, stop, reaction);
+    if (const auto contact = contact_load(BodyForces(scene_, poses_), reaction.stop)) {
+      return add_contact(name, *contact, stop, reaction);
+    }
     const std::vector<UnitEffort> units = unit_efforts(scene_, stop.on, poses_);
     const bool touches = std::any_of(units.begin(), units.end(), [&](const UnitEffort& unit) {
       return unit.body_a == out_.frame || unit.body_b == out_.frame;

@@ -191,7 +191,7 @@ std::string why_not_by(const NumberedEquations& equations, const ParameterPlace&
   }
   if (place.owner == Owner::element && place.number == 1 &&
       scene.elements[place.item].on.kind == Measure::Kind::distance &&
-      equations.value(scene.elements[place.item].on, equations.numbers().data(), placed) == 0.0) {
+      equations.bodies(equations.numbers().data(), placed).value(scene.elements[place.item].on) == 0.0) {
     return "the points of the spring coincide, where its length has no direction";
   }
   if (place.owner == Owner::element && is_kinked_in(scene.elements[place.item].law, place.number)) {
@@ -218,8 +218,8 @@ std::vector<Column> columns_of(const NumberedEquations& equations, const LinearR
     if (!std::isfinite(equations.numbers()[k])) continue;
     Column column{static_cast<int>(k), why_not_by(equations, place, placed)};
     if (place.owner == Owner::number) {
-      column.why = equations.why_not_followed(column.row);
-      for (const auto& [at, slope] : equations.followers(column.row, equations.numbers())) {
+      column.why = equations.list()->why_not_followed(column.row);
+      for (const auto& [at, slope] : equations.list()->followers(column.row, equations.numbers())) {
         if (at >= static_cast<int>(equations.rows().size()) || !column.why.empty()) continue;
         const ParameterRow& row = equations.rows()[at];
         const std::string why = why_not_by(equations, row.place, placed);
@@ -235,9 +235,8 @@ std::vector<Column> columns_of(const NumberedEquations& equations, const LinearR
 std::string without_direction(const NumberedEquations& equations, const std::vector<double>& z) {
   std::vector<NumberedEquations::Placed<double>> placed;
   equations.place(z.data(), placed);
-  const auto is_zero = [&](const Measure& on) {
-    return on.kind == Measure::Kind::distance && equations.value(on, equations.numbers().data(), placed) == 0.0;
-  };
+  const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);
+  const auto is_zero = [&](const Measure& on) { return on.kind == Measure::Kind::distance && bodies.value(on) == 0.0; };
   for (const HeldStop& held : equations.held()) {
     const Stop& stop = equations.scene().stops[held.stop];
     if (is_zero(stop.on))

@@ -25,10 +25,6 @@ bool acts_by_followers(const Scene& scene, int named) {
 
 }  // namespace
 
-bool moves_springs(const ParameterPlace& place) {
-  return place.owner == Owner::section && place.part == 1 && (place.number == 1 || place.number == 2);
-}
-
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
   if (moves_springs(place)) return true;
   if (!counts_in_statics(place.owner)) return false;

@@ -11,7 +11,4 @@ namespace poise {
 /// inertia, and elements that store no energy; on a named one where they do on something that follows from it.
 bool acts_in_statics(const Scene& scene, const ParameterPlace& place);
 
-/// Whether the springs of a flexible link follow from a number of its section: from its second moment and modulus.
-bool moves_springs(const ParameterPlace& place);
-
 }  // namespace poise

@@ -79,8 +79,9 @@ class Stops {
   }
   /// The side on which a free stop is overrun, and by how much.
   std::pair<bool, double> overrun(int stop) const {
-    const double below = -equations_.overrun(stop, false, numbers_.data(), placed_);
-    const double above = equations_.overrun(stop, true, numbers_.data(), placed_);
+    const NumberedEquations::Bodies<double> bodies = equations_.bodies(numbers_.data(), placed_);
+    const double below = -bodies.overrun(stop, false);
+    const double above = bodies.overrun(stop, true);
     return {above > below, std::max(above, below)};
   }
   bool all_kept() const {
@@ -195,7 +196,7 @@ class Continuation {
         const auto [upper, by] = stops.overrun(s);
         if (!stops.is_held(s) && by > 0.0) held.push_back({s, upper});
       }
-      auto changed = std::make_shared<NumberedEquations>(scene_, held);
+      auto changed = std::make_shared<NumberedEquations>(state.equations->list(), held);
       std::vector<double> z(changed->unknowns(), 0.0);
       const int shared = changed->unknowns() - static_cast<int>(held.size());
       std::copy(state.z.begin(), state.z.begin() + shared, z.begin());
@@ -240,7 +241,7 @@ class Sampler {
         if (equations().rows()[k].path.is(tolerance.number)) rows_.push_back(static_cast<int>(k));
       }
       per_.push_back(tolerance.dimension.per_scale(model.scales()));
-      const std::vector<int>& leaders = equations().leaders();
+      const std::vector<int>& leaders = equations().list()->leaders();
       leaders_vary_ = leaders_vary_ || std::find(leaders.begin(), leaders.end(), rows_.back()) != leaders.end();
     }
     if (!regular_) return;
@@ -378,11 +379,12 @@ class Sampler {
   std::vector<char> slack_of(const std::vector<double>& numbers, const std::vector<double>& z) const {
     std::vector<Placed> placed;
     equations().place(z.data(), placed);
+    const NumberedEquations::Bodies<double> bodies = equations().bodies(numbers.data(), placed);
     std::vector<char> out;
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
       const auto* spring = std::get_if<LinearSpring>(&scene_.elements[e].law);
       if (spring == nullptr || spring->acts == LinearSpring::Acts::both) continue;
-      out.push_back(equations().element_force(static_cast<int>(e), numbers.data(), placed) == 0.0);
+      out.push_back(bodies.element_force(static_cast<int>(e)) == 0.0);
     }
     return out;
   }
@@ -395,7 +397,7 @@ class Sampler {
     }
     if (!leaders_vary_) return true;
     try {
-      equations().follow(work.numbers);
+      equations().list()->follow(work.numbers);
     } catch (const InputError&) {
       return false;
     }

@@ -7,7 +7,7 @@
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
 #include "model/cam_geometry.hpp"
-#include "statics/body_measures_impl.hpp"
+#include "statics/body_forces.hpp"
 
 namespace poise::app {
 namespace {
@@ -142,7 +142,7 @@ void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint) {
   const std::vector<BodyPose<double>>& poses = stage.now.poses;
   Vec2 before{};
   for (std::size_t k = 0; k + 1 < rope.contacts.size(); ++k) {
-    const auto part = body_measures::rope_part(stage.scene, rope, k, poses);
+    const RopePart<double> part = BodyForces(stage.scene, poses).rope_part(rope, k);
     stage.canvas.line(stage.page(part.from), stage.page(part.to), paint);
     const RopeContact& contact = rope.contacts[k];
     if (k > 0 && contact.radius > 0.0) {

@@ -15,13 +15,19 @@ namespace poise {
 /// Progressive bump stop: T = F (|u|/d)^p sign(u), V = F d/(p + 1) (|u|/d)^(p + 1), with u = g - g0: the force F at the
 /// depth d beyond the place g0 where contact begins. One that acts in compression (tension) only has no force while g
 /// is above (below) g0. With p > 1 force and slope are continuous there: it has no kink.
-struct BumpStop {
-  using Acts = LinearSpring::Acts;
-  double force = 0.0;        ///< F: N or N m
-  double free_length = 0.0;  ///< g0: m or rad
-  double depth = 1.0;        ///< d: m or rad
-  double exponent = 2.0;     ///< p
+template <class N>
+struct BumpStopOf {
+  using Acts = SpringActs;
+  N force = N(0);        ///< F: N or N m
+  N free_length = N(0);  ///< g0: m or rad
+  N depth = N(1);        ///< d: m or rad
+  N exponent = N(2);     ///< p
   Acts acts = Acts::compression;
+
+  template <class P>
+  BumpStopOf<P> with(const P* p) const {
+    return {p[0], p[1], p[2], p[3], acts};
+  }
 
   template <class S>
   bool slack(const S& g) const {
@@ -51,19 +57,6 @@ struct BumpStop {
       if (number == 0) return unit;
       if (number == 2) return -S(force) * S(exponent) / S(depth) * unit;
       return S(force) * unit * log_of(y);
-    });
-  }
-
-  /// d energy / d numbers[number].
-  template <class S>
-  S energy_by(int number, const S& g) const {
-    if (number == 1) return -at_rest(g).value;
-    return pieces(g, [&](const S& y, double) -> S {
-      const S p = S(exponent) + S(1);
-      const S unit = power(y, p) / p;
-      if (number == 0) return S(depth) * unit;
-      if (number == 2) return -S(force) * S(exponent) * unit;
-      return S(force) * S(depth) * unit * (log_of(y) - S(1) / p);
     });
   }
 
@@ -104,13 +97,17 @@ struct BumpStop {
   }
 };
 
-inline constexpr std::array<LawChoice, 1> BumpStop::choices{
+using BumpStop = BumpStopOf<double>;
+
+template <>
+inline constexpr std::array<LawChoice, 1> BumpStopOf<double>::choices{
     {{"acts", {"compression", "tension", "both"}, [](void* law, std::size_t word) {
         constexpr Acts meanings[] = {Acts::compression, Acts::tension, Acts::both};
         static_cast<BumpStop*>(law)->acts = meanings[word];
       }}}};
 
-inline constexpr std::array<Number, 4> BumpStop::numbers = [] {
+template <>
+inline constexpr std::array<Number, 4> BumpStopOf<double>::numbers = [] {
   Number F = plain_number<&BumpStop::force>("force", {}, Range::not_negative);
   F.angle_key = "torque";
   F.effort_power = 1;

@@ -9,8 +9,14 @@
 namespace poise {
 
 /// Constant force: T = F for every value of the measure, V = F g. A counterweight on a rope, a constant-force spring.
-struct ConstantForce {
-  double force = 0.0;  ///< F: N or N m, positive if it tends to reduce g
+template <class N>
+struct ConstantForceOf {
+  N force = N(0);  ///< F: N or N m, positive if it tends to reduce g
+
+  template <class P>
+  ConstantForceOf<P> with(const P* p) const {
+    return {p[0]};
+  }
 
   template <class S>
   S energy(const S& g) const {
@@ -35,7 +41,10 @@ struct ConstantForce {
   static const std::array<Number, 1> numbers;
 };
 
-inline constexpr std::array<Number, 1> ConstantForce::numbers = [] {
+using ConstantForce = ConstantForceOf<double>;
+
+template <>
+inline constexpr std::array<Number, 1> ConstantForceOf<double>::numbers = [] {
   Number F = plain_number<&ConstantForce::force>("force", {});
   F.angle_key = "torque";
   F.effort_power = 1;

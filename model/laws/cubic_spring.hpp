@@ -10,10 +10,16 @@
 namespace poise {
 
 /// Hardening (c > 0) or softening (c < 0) spring:  T = k u + c u^3,  V = k/2 u^2 + c/4 u^4,  with u = g - g0.
-struct CubicSpring {
-  double stiffness = 0.0;    ///< k: N/m or N m/rad
-  double cubic = 0.0;        ///< c: N/m^3 or N m/rad^3
-  double free_length = 0.0;  ///< g0: m or rad
+template <class N>
+struct CubicSpringOf {
+  N stiffness = N(0);    ///< k: N/m or N m/rad
+  N cubic = N(0);        ///< c: N/m^3 or N m/rad^3
+  N free_length = N(0);  ///< g0: m or rad
+
+  template <class P>
+  CubicSpringOf<P> with(const P* p) const {
+    return {p[0], p[1], p[2]};
+  }
 
   template <class S>
   S energy(const S& g) const {
@@ -45,7 +51,10 @@ struct CubicSpring {
   static const std::array<Number, 3> numbers;
 };
 
-inline constexpr std::array<Number, 3> CubicSpring::numbers = [] {
+using CubicSpring = CubicSpringOf<double>;
+
+template <>
+inline constexpr std::array<Number, 3> CubicSpringOf<double>::numbers = [] {
   Number k = plain_number<&CubicSpring::stiffness>("stiffness", {}, Range::not_negative);
   k.effort_power = 1;
   k.measure_power = -1;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,37 +14,61 @@
 #include "model/laws/force_curve.hpp"
 #include "model/laws/law_force.hpp"
 #include "model/number.hpp"
+#include "model/plain_value.hpp"
 
 namespace poise {
 
 /// Spring with a measured characteristic: T = c F(g - s), V = c W(g - s), with a curve F and its integral W from the
 /// first point on (ForceCurve). The factor c and the shift s fit a curve of a catalogue to a specimen; the forces of
 /// the points are numbers too where the scene file has the points, and the curve comes from no other file.
-class CurveSpring {
+template <class N>
+class CurveSpringOf {
  public:
   /// As many points have numbers of their own.
   static constexpr std::size_t most_points = 64;
 
-  double scale = 1.0;  ///< c
-  double shift = 0.0;  ///< s: m or rad
+  N scale = N(1);  ///< c
+  N shift = N(0);  ///< s: m or rad
 
-  CurveSpring() : CurveSpring({0.0, 1.0}, {0.0, 1.0}, true) {}
+  CurveSpringOf() : CurveSpringOf({0.0, 1.0}, {0.0, 1.0}, true) {}
   /// Points of ascending x (m or rad) with their forces (N or N m); `numbered`: at most most_points, each a number.
-  CurveSpring(std::vector<double> x, std::vector<double> forces, bool numbered)
+  CurveSpringOf(std::vector<double> x, std::vector<double> forces, bool numbered)
       : curve_(std::make_shared<const ForceCurve>(std::move(x), std::move(forces))), numbered_(numbered) {}
+  /// Through the points of a curve, with `forces` instead of its own where they are given.
+  CurveSpringOf(const N& c, const N& s, std::shared_ptr<const ForceCurve> curve, bool numbered, const N* forces)
+      : scale(c), shift(s), curve_(std::move(curve)), forces_(forces), numbered_(numbered) {}
+
+  /// In other scalars than double it refers to p.
+  template <class P>
+  CurveSpringOf<P> with(const P* p) const {
+    const P* const forces = p + 2;
+    bool is_as_given = true;
+    for (std::size_t k = 0; numbered_ && k < curve_->points(); ++k) {
+      is_as_given = is_as_given && is_just(forces[k], curve_->forces()[k]);
+    }
+    if (is_as_given) return {p[0], p[1], curve_, numbered_, nullptr};
+    if constexpr (std::is_same_v<P, double>) {
+      std::vector<double> x(curve_->x().begin(), curve_->x().end()), other(forces, forces + curve_->points());
+      return {p[0], p[1], std::make_shared<const ForceCurve>(std::move(x), std::move(other)), numbered_, nullptr};
+    } else {
+      return {p[0], p[1], curve_, numbered_, forces};
+    }
+  }
 
   const ForceCurve& curve() const { return *curve_; }
   bool has_numbered_points() const { return numbered_; }
 
   template <class S>
   S energy(const S& g) const {
-    return S(scale) * curve_->work(S(g - S(shift)));
+    return along(S(g - S(shift)), [&](const auto& curve, const S& x) { return S(S(scale) * curve.work(x)); });
   }
 
   template <class S>
   LawForce<S> at_rest(const S& g) const {
-    const auto [value, slope] = curve_->force(S(g - S(shift)));
-    return {S(scale) * value, S(scale) * slope, S(0)};
+    return along(S(g - S(shift)), [&](const auto& curve, const S& x) {
+      const auto [value, slope] = curve.force(x);
+      return LawForce<S>{S(scale) * value, S(scale) * slope, S(0)};
+    });
   }
 
   template <class S>
@@ -52,15 +77,6 @@ class CurveSpring {
     if (number == 0) return curve_->force(x).first;
     if (number == 1) return -S(scale) * curve_->force(x).second;
     return S(scale) * curve_->force_by(static_cast<std::size_t>(number - 2), x);
-  }
-
-  /// d energy / d number.
-  template <class S>
-  S energy_by(int number, const S& g) const {
-    const S x = g - S(shift);
-    if (number == 0) return curve_->work(x);
-    if (number == 1) return -S(scale) * curve_->force(x).first;
-    return S(scale) * curve_->work_by(static_cast<std::size_t>(number - 2), x);
   }
 
   double force_scale(double) const { return (scale < 0.0 ? -scale : scale) * curve_->largest(); }
@@ -87,10 +103,22 @@ class CurveSpring {
   std::span<const Number> all_numbers() const;
 
  private:
+  // use(curve, x) with the curve through the forces that are numbers, or as given.
+  template <class S, class Use>
+  auto along(const S& x, Use use) const {
+    if constexpr (!std::is_same_v<N, double>) {
+      if (forces_ != nullptr) return use(CurveThrough<N>(curve_->x(), forces_), x);
+    }
+    return use(*curve_, x);
+  }
+
   // Shared by copies of the law: scenes are copied, curves seldom change.
   std::shared_ptr<const ForceCurve> curve_;
+  const N* forces_ = nullptr;
   bool numbered_ = true;
 };
+
+using CurveSpring = CurveSpringOf<double>;
 
 namespace curve_numbers {
 
@@ -121,9 +149,11 @@ inline constexpr auto all = []<std::size_t... Point>(std::index_sequence<Point..
 
 }  // namespace curve_numbers
 
-inline constexpr std::array<Number, 2> CurveSpring::numbers{curve_numbers::all[0], curve_numbers::all[1]};
+template <>
+inline constexpr std::array<Number, 2> CurveSpringOf<double>::numbers{curve_numbers::all[0], curve_numbers::all[1]};
 
-inline std::span<const Number> CurveSpring::all_numbers() const {
+template <>
+inline std::span<const Number> CurveSpringOf<double>::all_numbers() const {
   return std::span(curve_numbers::all).first(2 + (numbered_ ? curve_->points() : 0));
 }
 

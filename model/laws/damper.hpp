@@ -9,8 +9,14 @@
 namespace poise {
 
 /// Viscous damper: T = c dg/dt.
-struct Damper {
-  double coefficient = 0.0;  ///< c: N s/m or N m s/rad
+template <class N>
+struct DamperOf {
+  N coefficient = N(0);  ///< c: N s/m or N m s/rad
+
+  template <class P>
+  DamperOf<P> with(const P* p) const {
+    return {p[0]};
+  }
 
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
@@ -30,7 +36,10 @@ struct Damper {
   static const std::array<Number, 1> numbers;
 };
 
-inline constexpr std::array<Number, 1> Damper::numbers = [] {
+using Damper = DamperOf<double>;
+
+template <>
+inline constexpr std::array<Number, 1> DamperOf<double>::numbers = [] {
   Number c = plain_number<&Damper::coefficient>("coefficient", dimension::time, Range::not_negative);
   c.effort_power = 1;
   c.measure_power = -1;

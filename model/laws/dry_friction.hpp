@@ -6,27 +6,34 @@
 
 #include "model/laws/law_force.hpp"
 #include "model/number.hpp"
+#include "model/plain_value.hpp"
 
 namespace poise {
 
 /// Dry friction: T = F tanh((dg/dt) / width), regularized Coulomb friction, so that bodies creep instead of sticking.
 /// With width 0 Coulomb friction itself, T = F sign(dg/dt), which in motion also sticks: where dg/dt = 0 it holds with
 /// any |T| <= F (motion/stick_slip.hpp).
-struct DryFriction {
-  double force = 0.0;   ///< F, of sliding: N or N m
-  double width = 0.01;  ///< m/s or rad/s
+template <class N>
+struct DryFrictionOf {
+  N force = N(0);     ///< F, of sliding: N or N m
+  N width = N(0.01);  ///< m/s or rad/s
 
-  bool sticks() const { return width == 0.0; }
+  template <class P>
+  DryFrictionOf<P> with(const P* p) const {
+    return {p[0], p[1]};
+  }
+
+  bool sticks() const { return width == N(0); }
 
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
     using std::cosh;
     using std::tanh;
-    if (force == 0.0) return {};
+    if (is_just(force, 0.0)) return {};
     if (sticks()) return {S(force) * sign(rate), S(0), S(0)};
     const S x = rate / S(width);
     // 1 / cosh^2 and not 1 - tanh^2, which is rounding at high rates.
-    const S root = 1 / cosh(x);
+    const S root = S(1) / cosh(x);
     return {S(force) * tanh(x), S(0), S(force) * root * root / S(width)};
   }
 
@@ -50,11 +57,14 @@ struct DryFriction {
  private:
   template <class S>
   static S sign(const S& rate) {
-    return rate > 0 ? S(1) : rate < 0 ? S(-1) : S(0);
+    return rate > S(0) ? S(1) : rate < S(0) ? S(-1) : S(0);
   }
 };
 
-inline constexpr std::array<Number, 2> DryFriction::numbers = [] {
+using DryFriction = DryFrictionOf<double>;
+
+template <>
+inline constexpr std::array<Number, 2> DryFrictionOf<double>::numbers = [] {
   Number F = plain_number<&DryFriction::force>("force", {}, Range::not_negative);
   F.angle_key = "torque";
   F.effort_power = 1;

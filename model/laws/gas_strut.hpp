@@ -19,12 +19,18 @@ namespace poise {
 ///   T = -F f(u/s),  f(y) = (1 - b y)^-n,  b = 1 - r^(-1/n), the part that the whole stroke takes,
 ///   V = F s I(u/s),  I(y) = e G((n - 1) e) / b,  e = -ln(1 - b y),  G(c) = (exp(c) - 1)/c,
 /// which for n = 1 is the logarithm (G = 1). Beyond its stroke, 0 <= y <= 1, f goes on along its tangents.
-struct GasStrut {
-  double preload = 0.0;   ///< F: N
-  double length = 1.0;    ///< L: m
-  double stroke = 1.0;    ///< s: m
-  double ratio = 1.3;     ///< r
-  double exponent = 1.0;  ///< n
+template <class N>
+struct GasStrutOf {
+  N preload = N(0);   ///< F: N
+  N length = N(1);    ///< L: m
+  N stroke = N(1);    ///< s: m
+  N ratio = N(1.3);   ///< r
+  N exponent = N(1);  ///< n
+
+  template <class P>
+  GasStrutOf<P> with(const P* p) const {
+    return {p[0], p[1], p[2], p[3], p[4]};
+  }
 
   template <class S>
   S energy(const S& g) const {
@@ -60,26 +66,6 @@ struct GasStrut {
     });
   }
 
-  /// d energy / d numbers[number].
-  template <class S>
-  S energy_by(int number, const S& g) const {
-    const Gas<S> gas(*this);
-    return along(g, [&](std::size_t k, const S& y) -> S {
-      switch (number) {
-        case 0:
-          return S(stroke) * gas.work(k, y);
-        case 1:
-          return S(preload) * gas.force(k, y);
-        case 2:
-          return S(preload) * (gas.work(k, y) - y * gas.force(k, y));
-        case 3:
-          return S(preload) * S(stroke) * gas.work_by_ratio(k, y);
-        default:
-          return S(preload) * S(stroke) * gas.work_by_exponent(k, y);
-      }
-    });
-  }
-
   double force_scale(double) const { return preload * ratio; }
 
   std::string_view idle() const { return preload == 0.0 ? "its preload is zero" : ""; }
@@ -97,7 +83,7 @@ struct GasStrut {
   /// f, f', I and their derivatives by r and n: in piece 0 before the stroke, 1 in it, 2 behind it.
   template <class S>
   struct Gas {
-    explicit Gas(const GasStrut& strut)
+    explicit Gas(const GasStrutOf& strut)
         : r_(strut.ratio), n_(strut.exponent), log_r_(log_of_one_plus(S(r_ - S(1)))), b_(-grown(S(-log_r_ / n_))) {}
 
     S force(std::size_t piece, const S& y) const {
@@ -118,7 +104,7 @@ struct GasStrut {
         const S beyond = y - S(1);
         return work(1, S(1)) + (r_ + last_slope() * beyond / S(2)) * beyond;
       }
-      return e(y) * mean_exp(S((n_ - S(1)) * e(y)), 0) / b_;
+      return e(y) * mean_exp(S((n_ - S(1)) * e(y))) / b_;
     }
 
     S force_by_ratio(std::size_t piece, const S& y) const {
@@ -131,29 +117,12 @@ struct GasStrut {
       if (piece == 2) return last_slope_by_exponent() * (y - S(1));
       return e(y) * force(1, y) + force_by_b(y) * b_by_exponent();
     }
-    S work_by_ratio(std::size_t piece, const S& y) const {
-      if (piece == 0) return n_ * b_by_ratio() * y * y / S(2);
-      if (piece == 2) {
-        const S beyond = y - S(1);
-        return work_by_ratio(1, S(1)) + (S(1) + last_slope_by_ratio() * beyond / S(2)) * beyond;
-      }
-      return work_by_b(y) * b_by_ratio();
-    }
-    S work_by_exponent(std::size_t piece, const S& y) const {
-      if (piece == 0) return (b_ + n_ * b_by_exponent()) * y * y / S(2);
-      if (piece == 2) {
-        const S beyond = y - S(1);
-        return work_by_exponent(1, S(1)) + last_slope_by_exponent() * beyond * beyond / S(2);
-      }
-      return work_by_b(y) * b_by_exponent() + e(y) * e(y) * mean_exp(S((n_ - S(1)) * e(y)), 1) / b_;
-    }
 
    private:
     S e(const S& y) const { return -log_of_one_plus(S(-b_ * y)); }
     S b_by_ratio() const { return (S(1) - b_) / (n_ * r_); }
     S b_by_exponent() const { return -(S(1) - b_) * log_r_ / (n_ * n_); }
     S force_by_b(const S& y) const { return y / b_ * slope(1, y); }
-    S work_by_b(const S& y) const { return (y * force(1, y) - work(1, y)) / b_; }
 
     // f' at the end of the stroke, n r (r^(1/n) - 1).
     S last_slope() const { return n_ * b_ * r_ / (S(1) - b_); }
@@ -179,19 +148,17 @@ struct GasStrut {
       }
     }
 
-    // Integral over t from 0 to 1 of t^power exp(c t), power 0 or 1.
-    static S mean_exp(const S& c, int power) {
+    // (exp(c) - 1) / c.
+    static S mean_exp(const S& c) {
       using std::exp;
-      if (c > S(1) || c < S(-1)) {
-        return power == 0 ? S((exp(c) - S(1)) / c) : S((exp(c) * (c - S(1)) + S(1)) / (c * c));
-      }
+      if (c > S(1) || c < S(-1)) return (exp(c) - S(1)) / c;
       if constexpr (may_enclose_set<S>) {
-        return hull(S(1), exp(c)) / S(power + 1);
+        return hull(S(1), exp(c));
       } else {
         constexpr int terms = std::numeric_limits<S>::digits > std::numeric_limits<double>::digits ? 42 : 18;
         S sum(0), term(1);
         for (int k = 0; k <= terms; ++k) {
-          sum += term / S(k + 1 + power);
+          sum += term / S(k + 1);
           term *= c / S(k + 1);
         }
         return sum;
@@ -202,7 +169,10 @@ struct GasStrut {
   };
 };
 
-inline constexpr std::array<Number, 5> GasStrut::numbers = [] {
+using GasStrut = GasStrutOf<double>;
+
+template <>
+inline constexpr std::array<Number, 5> GasStrutOf<double>::numbers = [] {
   Number F = plain_number<&GasStrut::preload>("gas.preload", {}, Range::not_negative);
   F.effort_power = 1;
   F.needed = Number::Needed::always;

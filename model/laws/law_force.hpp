@@ -52,6 +52,7 @@ struct LawChoice {
 //   damps_small_motion   whether it is proportional to small rates
 //   left_out          why statics leaves it out
 // and every law
+//   with(p)             the law with the numbers p[k] of any scalar in place of numbers[k]
 //   force_by(k, g, w)   dT / d numbers[k]
 //   numbers             its numbers, see model/number.hpp
 //   all_numbers()       (if not all laws of its kind have equally many) these and what a single one has beside them
@@ -61,6 +62,8 @@ struct LawChoice {
 //   idle()              why it never acts, empty if it does
 //   slack(g)            (if it acts on one side only) whether it has no force at g
 //   rescale(m, e)       (if numbers alone do not make it) its measures times m, its forces times e: powers of two
-// All functions are templates on the scalar S.
+// All functions are templates on the scalar S of the measure, and a law SpringOf<N> on the scalar N of its numbers:
+// that of a scene is Spring = SpringOf<double>, which alone has those from `numbers` on. A double converts to N, an N
+// to S.
 
 }  // namespace poise

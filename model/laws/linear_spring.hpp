@@ -8,13 +8,22 @@
 
 namespace poise {
 
+/// On which side of its free length a spring acts.
+enum class SpringActs { both, tension, compression };
+
 /// Linear spring: T = k (g - g0), V = k/2 (g - g0)^2, with the free length (free angle) g0. One that acts in tension
 /// (compression) only is slack, without force or energy, while g is below (above) g0.
-struct LinearSpring {
-  enum class Acts { both, tension, compression };
-  double stiffness = 0.0;    ///< k: N/m or N m/rad
-  double free_length = 0.0;  ///< g0: m or rad
+template <class N>
+struct LinearSpringOf {
+  using Acts = SpringActs;
+  N stiffness = N(0);    ///< k: N/m or N m/rad
+  N free_length = N(0);  ///< g0: m or rad
   Acts acts = Acts::both;
+
+  template <class P>
+  LinearSpringOf<P> with(const P* p) const {
+    return {p[0], p[1], acts};
+  }
 
   template <class S>
   bool slack(const S& g) const {
@@ -57,13 +66,17 @@ struct LinearSpring {
   static const std::array<LawChoice, 1> choices;
 };
 
-inline constexpr std::array<LawChoice, 1> LinearSpring::choices{
+using LinearSpring = LinearSpringOf<double>;
+
+template <>
+inline constexpr std::array<LawChoice, 1> LinearSpringOf<double>::choices{
     {{"acts", {"both", "tension", "compression"}, [](void* law, std::size_t word) {
         constexpr Acts meanings[] = {Acts::both, Acts::tension, Acts::compression};
         static_cast<LinearSpring*>(law)->acts = meanings[word];
       }}}};
 
-inline constexpr std::array<Number, 2> LinearSpring::numbers = [] {
+template <>
+inline constexpr std::array<Number, 2> LinearSpringOf<double>::numbers = [] {
   Number k = plain_number<&LinearSpring::stiffness>("stiffness", {}, Range::not_negative);
   k.effort_power = 1;
   k.measure_power = -1;

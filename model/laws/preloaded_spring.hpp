@@ -11,10 +11,16 @@ namespace poise {
 
 /// Linear spring given by its force at one length:  T = F + k u,  V = F u + k/2 u^2,  with u = g - L: the force F
 /// (moment) at the length (angle) L. V is counted from there.
-struct PreloadedSpring {
-  double stiffness = 0.0;  ///< k: N/m or N m/rad
-  double preload = 0.0;    ///< F: N or N m
-  double length = 0.0;     ///< L: m or rad
+template <class N>
+struct PreloadedSpringOf {
+  N stiffness = N(0);  ///< k: N/m or N m/rad
+  N preload = N(0);    ///< F: N or N m
+  N length = N(0);     ///< L: m or rad
+
+  template <class P>
+  PreloadedSpringOf<P> with(const P* p) const {
+    return {p[0], p[1], p[2]};
+  }
 
   template <class S>
   S energy(const S& g) const {
@@ -43,7 +49,10 @@ struct PreloadedSpring {
   static const std::array<Number, 3> numbers;
 };
 
-inline constexpr std::array<Number, 3> PreloadedSpring::numbers = [] {
+using PreloadedSpring = PreloadedSpringOf<double>;
+
+template <>
+inline constexpr std::array<Number, 3> PreloadedSpringOf<double>::numbers = [] {
   Number k = plain_number<&PreloadedSpring::stiffness>("stiffness", {}, Range::not_negative);
   k.effort_power = 1;
   k.measure_power = -1;

@@ -51,25 +51,6 @@ TEST(BumpStop, HasNoKinkWhereContactBegins) {
   }
 }
 
-TEST(BumpStop, KnowsTheDerivativesOfItsEnergy) {
-  for (const Acts acts : {Acts::compression, Acts::tension, Acts::both}) {
-    const BumpStop of = rubber(acts);
-    for (const double place : {0.27, 0.29, 0.31, 0.34}) {
-      const Real50 g = place;
-      for (int k = 0; k < 4; ++k) {
-        const double step = 0x1p-24;
-        const Number& number = BumpStop::numbers[static_cast<std::size_t>(k)];
-        BumpStop more = of, less = of;
-        number.set(&more, number.get(&of).value() + step);
-        number.set(&less, number.get(&of).value() - step);
-        const auto difference = static_cast<double>((more.energy(g) - less.energy(g)) / Real50(2 * step));
-        const auto by = static_cast<double>(of.energy_by(k, g));
-        EXPECT_NEAR(by, difference, 1e-8 * (1 + std::abs(by))) << place << " by " << number.key;
-      }
-    }
-  }
-}
-
 TEST(BumpStop, EnclosesTheForcesOfABall) {
   using solvers::Ball;
   for (const Acts acts : {Acts::compression, Acts::tension, Acts::both}) {

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+namespace poise {
+
+/// A scalar that carries derivatives: its value a and their vector v (ceres::Jet).
+template <class T>
+concept HasDerivatives = requires(const T& x) {
+  x.a;
+  x.v;
+};
+
+/// What a scalar is without its derivatives.
+template <class T>
+const T& without_derivatives(const T& x) {
+  return x;
+}
+template <HasDerivatives T>
+const auto& without_derivatives(const T& x) {
+  return without_derivatives(x.a);
+}
+
+/// Its type: double of dual numbers in double.
+template <class T>
+using PlainOf = std::remove_cvref_t<decltype(without_derivatives(std::declval<const T&>()))>;
+
+/// The value of a scalar that is no set of numbers, rounded to double.
+template <class T>
+double plain_value(const T& x) {
+  return static_cast<double>(without_derivatives(x));
+}
+
+/// Whether the value is zero, whatever it depends on; of a set of numbers whether it is the number zero.
+template <class T>
+bool is_zero(const T& x) {
+  return without_derivatives(x) == PlainOf<T>(0);
+}
+
+/// Whether a scalar is this number and depends on no variable; of a set of numbers whether it is that number alone.
+template <class T>
+bool is_just(const T& x, double number) {
+  if constexpr (HasDerivatives<T>) {
+    for (int k = 0; k < static_cast<int>(x.v.size()); ++k) {
+      if (!is_just(x.v[k], 0.0)) return false;
+    }
+    return is_just(x.a, number);
+  } else {
+    return x == T(number);
+  }
+}
+
+}  // namespace poise
