@@ -719,7 +719,14 @@ Certificate Certifier::conclude_at_limit(const Settled& settled, const std::vect
     same_orientation =
         same_orientation && piece.kind == Finding::Kind::regular && piece.unstable % 2 == loosest->unstable % 2;
   }
-  Certificate out = report(*loosest, strong);
+  Finding place = *loosest;
+  if (place.kind == Finding::Kind::neutral) {
+    // Along its neutral coordinates the loosest piece is in equilibrium beyond the stops too; at the settled place all
+    // of them hold.
+    place.solution = settled.finding.solution;
+    place.kept = settled.finding.kept;
+  }
+  Certificate out = report(place, strong);
   out.strict = false;
   if (!out.confirmed()) return out;
   if (m().has_follower_loads()) {

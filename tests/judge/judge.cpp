@@ -541,7 +541,9 @@ class ClaimSearch {
       trouble_ = "a spring or stop acts on points that coincide";
       return false;
     }
-    const Real tolerance = exactly ? exact : Real(std::max(1e-14, mechanics_.rounding()));
+    // Rounding of the numbers moves a place by it over the smallest pivot.
+    const Real tolerance =
+        exactly ? exact : Real(std::max({1e-14, mechanics_.rounding(), 1e-16 / solution.at.least_pivot}));
     if (solution.at.open > std::max(1e-12, mechanics_.rounding()) || !holds(solution, piece, tolerance)) return false;
     Truth truth;
     truth.distance = distance(solution.at.q);
@@ -550,7 +552,10 @@ class ClaimSearch {
     truth.exact = exactly && solution.at.open_contacts <= least_radius;
     if (!exactly) truth.note += "; stops hold to rounding only";
     // A push that is rounding too, of another stop, may be one in exact numbers.
-    if (!exactly && !truth.strict) truth.decided = false;
+    if (!exactly && !truth.strict) {
+      truth.at_free_length = truth.decided && truth.at_free_length;
+      truth.decided = false;
+    }
     found_.push_back(truth);
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Truth& a, const Truth& b) { return a.distance < b.distance; });
@@ -604,13 +609,11 @@ class ClaimSearch {
     // Stops in contact without force and springs at their free length leave a choice of pieces.
     std::vector<Contact> weak;
     Piece strict = piece;
-    strict.contacts.clear();
+    // The multipliers stand in the order of the piece's contacts, of which those that hold their measure come first.
+    strict.contacts = base_.contacts;
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       const Stop& stop = scene_.stops[s];
-      if (stop.min == stop.max) {
-        strict.contacts.push_back({static_cast<int>(s), 1});
-        continue;
-      }
+      if (stop.min == stop.max) continue;
       for (const int side : {-1, 1}) {
         const Contact c{static_cast<int>(s), side};
         if (!std::isfinite(side > 0 ? stop.max : stop.min) || abs(gap(c, q)) > tolerance) continue;
@@ -623,12 +626,13 @@ class ClaimSearch {
     }
     std::vector<std::size_t> kinks;
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      if (acts(scene_.elements[e]) != LinearSpring::Acts::both && abs(pull(e, q)) <= exact &&
+      if (acts(scene_.elements[e]) != LinearSpring::Acts::both && abs(pull(e, q)) <= tolerance &&
           std::get<LinearSpring>(scene_.elements[e].law).stiffness != 0.0) {
         kinks.push_back(e);
       }
     }
     truth.strict = weak.empty() && kinks.empty();
+    truth.at_free_length = weak.empty() && !kinks.empty();
 
     Solution held = solution;
     if (!weak.empty()) {
@@ -1048,7 +1052,7 @@ Judgement judge_confirmed(const Claim& claim, const std::vector<Truth>& truths, 
   bool undecided = false;
   for (const Truth& truth : truths) {
     if (!is_inside(truth, claim)) break;
-    if (!truth.decided) {
+    if (!truth.decided && !(truth.at_free_length && claim.kind == truth.kind)) {
       undecided = true;
       continue;
     }

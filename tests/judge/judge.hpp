@@ -59,8 +59,10 @@ struct Truth {
   double allowance = 0.0;     ///< by which redundant joints, which agree only to rounding, leave its place open
   double condition = std::numeric_limits<double>::infinity();
   bool strict = true;  ///< every stop in contact has a force, no one-way spring is at its free length
-  bool exact = true;   ///< stops and one-way springs are as they must be exactly, not only to rounding
-  int negative = 0;    ///< negative curvatures; of loads that follow a body 1 for a negative determinant
+  /// Undecided only because springs are at their free length to rounding: `kind` is that exactly at it.
+  bool at_free_length = false;
+  bool exact = true;  ///< stops and one-way springs are as they must be exactly, not only to rounding
+  int negative = 0;   ///< negative curvatures; of loads that follow a body 1 for a negative determinant
   std::string note;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -23,6 +24,19 @@ TEST_P(RandomClaims, AreTrue) {
       EXPECT_FALSE(is_false(answer.verdict) || answer.verdict == Verdict::lost)
           << GetParam() << " " << seed << ", " << answer.method << ": " << to_string(answer.verdict) << ": "
           << answer.why;
+    }
+  }
+}
+
+// Where campaigns of 20 000 scenes found a false claim, or the judge erred: multipliers in another order than the
+// stops, a place off by rounding over a small pivot, one beyond a stop
+// that is touched to rounding, and springs that are at their free length to rounding.
+TEST(ClaimsOfCampaigns, AreTrue) {
+  for (const auto& [family, seed] :
+       {std::pair{"touching", 77000380U}, {"touching", 77000878U}, {"touching", 77000928U}, {"kinks", 77000400U}}) {
+    for (const JudgedAnswer& answer : judge_answers(family, seed)) {
+      EXPECT_FALSE(is_false(answer.verdict) || answer.verdict == Verdict::lost)
+          << family << " " << seed << ", " << answer.method << ": " << to_string(answer.verdict) << ": " << answer.why;
     }
   }
 }

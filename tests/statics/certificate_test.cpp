@@ -797,6 +797,48 @@ TEST(StopsOf, AnArmThatIsNearlyTouched) {
   }
 }
 
+// A crank and a rod that nothing loads rest wherever the stop lets them. Rounding of its limit overruns it here by up
+// to 6e-17: where the limit holds is up to 4e-16 rad away.
+TEST(StopsOf, ACrankThatIsTouchedToRoundingIsWhereTheLimitHolds) {
+  const std::string scene = R"(
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { A = [0, 0], B = [1, 0] }
+[body.rod]
+points = { B = [0, 0], C = [2, 0] }
+[[pin]]
+points = ["ground.O", "crank.A"]
+[[pin]]
+points = ["crank.B", "rod.B"]
+[[pin_in_slot]]
+points = ["ground.O", "rod.C"]
+axis = [1, 0]
+[[stop]]
+x = "crank.B"
+max = )";
+  for (const double start : {0.11, 0.123, 0.15, 0.2}) {
+    const double limit = std::cos(start);
+    const StaticModel model = model_of(fmt::format("{}{}\n[start]\ncrank = {}\n", scene, limit, start));
+    const Real50 crank = acos(Real50(limit));
+    const Real50 rod = -asin(sin(crank) / 2);
+    const Real50 slot = cos(crank) + 2 * cos(rod);
+    const Certificate proof = certified(
+        model, {{"crank", start}, {"rod", static_cast<double>(rod)}, {"ground.O-rod.C", static_cast<double>(slot)}});
+    ASSERT_TRUE(proof.confirmed()) << proof.statement;
+    for (std::size_t i = 0; i < proof.x.size(); ++i) {
+      const std::string& name = model.layout().coordinates[i].name;
+      if (name != "crank" && name != "rod") continue;
+      if (std::find(proof.neutral_coordinates.begin(), proof.neutral_coordinates.end(), name) !=
+          proof.neutral_coordinates.end()) {
+        continue;
+      }
+      EXPECT_LE(abs(in_si(model, proof.x, static_cast<int>(i)) - (name == "crank" ? crank : rod)), proof.radius)
+          << name << " " << start;
+    }
+  }
+}
+
 // min = max, or two stops from both sides: a standing arm cannot move.
 TEST(StopsOf, AStandingArmHeldFromBothSidesIsLocked) {
   const std::string both =
