@@ -43,6 +43,8 @@ struct DependentNumber {
   double value(std::span<const double> named) const;
   /// Its derivative, as Expression::slope().
   double slope(std::span<const double> named, std::span<const double> slopes) const;
+  /// Its second derivative, as Expression::bend().
+  double bend(std::span<const double> named, std::span<const double> slopes, std::span<const double> bends) const;
   /// Named numbers that it follows from, ascending.
   std::vector<int> uses() const;
   /// The expression, with the factor named behind it.
@@ -59,6 +61,8 @@ struct HeldFactor {
 
   /// The function with the numbers that follow from the named ones.
   TimeFunction at(std::span<const double> named) const;
+  /// The derivative of c(t) of this function along changes of the named numbers; not a number where it has none.
+  double slope(const TimeFunction& function, std::span<const double> named, std::span<const double> slopes) const;
 };
 
 /// Makes the dependent numbers of a scene those of the scene at the time t: to be called before its functions of time
@@ -83,6 +87,14 @@ std::vector<double> dependent_values(const Scene& scene, std::vector<double> nam
 /// Their derivatives there by a named number that is not an expression, along all expressions between them. Not a
 /// number where an expression has none.
 std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double> named);
+
+/// First and second derivatives of dependent numbers along a change of the named ones.
+struct DependentDerivatives {
+  std::vector<double> slopes, bends;
+};
+/// The same along a change of the named numbers that are no expressions, at the rates `slopes`; those of others are
+/// ignored.
+DependentDerivatives dependents_along(const Scene& scene, std::vector<double> slopes, std::vector<double> named);
 
 /// Gives all dependent numbers the values that follow from the named ones. Throws InputError as dependent_values()
 /// does, and where two of them contradict each other.

@@ -22,6 +22,11 @@ constexpr int most_brackets = 16;
 constexpr std::size_t stack_size = 4 * (most_brackets + 2);
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
+/// The second derivatives of a function of x and y.
+struct Second {
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+};
+
 /// A function of x and y with its derivatives there; of those of one argument y is 0.
 struct Function {
   std::string_view name;
@@ -29,43 +34,72 @@ struct Function {
   double (*value)(double x, double y);
   double (*by_x)(double x, double y);
   double (*by_y)(double x, double y);
+  Second (*second)(double x, double y);
 };
 
 // The larger argument is the one that counts; at equal ones min and max have no derivative.
 double step_of(double x, double y) { return x > y ? 1.0 : x < y ? 0.0 : undefined; }
 
+Second no_bend_but_at_ties(double x, double y) {
+  const double none = x == y ? undefined : 0.0;
+  return {none, none, none};
+}
+
 constexpr std::array functions{
     Function{"sqrt", 1, [](double x, double) { return std::sqrt(x); },
-             [](double x, double) { return 0.5 / std::sqrt(x); }, nullptr},
+             [](double x, double) { return 0.5 / std::sqrt(x); }, nullptr,
+             [](double x, double) { return Second{-0.25 / (x * std::sqrt(x))}; }},
     Function{"exp", 1, [](double x, double) { return std::exp(x); }, [](double x, double) { return std::exp(x); },
-             nullptr},
-    Function{"log", 1, [](double x, double) { return std::log(x); }, [](double x, double) { return 1.0 / x; }, nullptr},
+             nullptr, [](double x, double) { return Second{std::exp(x)}; }},
+    Function{"log", 1, [](double x, double) { return std::log(x); }, [](double x, double) { return 1.0 / x; }, nullptr,
+             [](double x, double) { return Second{-1.0 / (x * x)}; }},
     Function{"sin", 1, [](double x, double) { return std::sin(x); }, [](double x, double) { return std::cos(x); },
-             nullptr},
+             nullptr, [](double x, double) { return Second{-std::sin(x)}; }},
     Function{"cos", 1, [](double x, double) { return std::cos(x); }, [](double x, double) { return -std::sin(x); },
-             nullptr},
+             nullptr, [](double x, double) { return Second{-std::cos(x)}; }},
     Function{"tan", 1, [](double x, double) { return std::tan(x); },
-             [](double x, double) { return 1.0 + std::tan(x) * std::tan(x); }, nullptr},
+             [](double x, double) { return 1.0 + std::tan(x) * std::tan(x); }, nullptr,
+             [](double x, double) { return Second{2.0 * std::tan(x) * (1.0 + std::tan(x) * std::tan(x))}; }},
     Function{"asin", 1, [](double x, double) { return std::asin(x); },
-             [](double x, double) { return 1.0 / std::sqrt((1.0 - x) * (1.0 + x)); }, nullptr},
+             [](double x, double) { return 1.0 / std::sqrt((1.0 - x) * (1.0 + x)); }, nullptr,
+             [](double x, double) {
+               const double square = (1.0 - x) * (1.0 + x);
+               return Second{x / (square * std::sqrt(square))};
+             }},
     Function{"acos", 1, [](double x, double) { return std::acos(x); },
-             [](double x, double) { return -1.0 / std::sqrt((1.0 - x) * (1.0 + x)); }, nullptr},
+             [](double x, double) { return -1.0 / std::sqrt((1.0 - x) * (1.0 + x)); }, nullptr,
+             [](double x, double) {
+               const double square = (1.0 - x) * (1.0 + x);
+               return Second{-x / (square * std::sqrt(square))};
+             }},
     Function{"atan", 1, [](double x, double) { return std::atan(x); },
-             [](double x, double) { return 1.0 / (1.0 + x * x); }, nullptr},
+             [](double x, double) { return 1.0 / (1.0 + x * x); }, nullptr,
+             [](double x, double) { return Second{-2.0 * x / ((1.0 + x * x) * (1.0 + x * x))}; }},
     Function{"abs", 1, [](double x, double) { return std::abs(x); },
              [](double x, double) { return x > 0.0   ? 1.0
                                            : x < 0.0 ? -1.0
-                                                     : undefined; }, nullptr},
+                                                     : undefined; }, nullptr,
+             [](double x, double) { return Second{x == 0.0 ? undefined : 0.0}; }},
     Function{"atan2", 2, [](double y, double x) { return std::atan2(y, x); },
              [](double y, double x) { return x / (x * x + y * y); },
-             [](double y, double x) { return -y / (x * x + y * y); }},
+             [](double y, double x) { return -y / (x * x + y * y); },
+             [](double y, double x) {
+               const double square = x * x + y * y, over = square * square;
+               return Second{-2.0 * x * y / over, (y * y - x * x) / over, 2.0 * x * y / over};
+             }},
     Function{"hypot", 2, [](double x, double y) { return std::hypot(x, y); },
              [](double x, double y) { return x / std::hypot(x, y); },
-             [](double x, double y) { return y / std::hypot(x, y); }},
+             [](double x, double y) { return y / std::hypot(x, y); },
+             [](double x, double y) {
+               const double r = std::hypot(x, y), a = x / r, b = y / r;
+               return Second{b * b / r, -a * b / r, a * a / r};
+             }},
     Function{"min", 2, [](double x, double y) { return x < y || std::isnan(x) ? x : y; },
-             [](double x, double y) { return step_of(y, x); }, [](double x, double y) { return step_of(x, y); }},
+             [](double x, double y) { return step_of(y, x); }, [](double x, double y) { return step_of(x, y); },
+             no_bend_but_at_ties},
     Function{"max", 2, [](double x, double y) { return x > y || std::isnan(x) ? x : y; },
-             [](double x, double y) { return step_of(x, y); }, [](double x, double y) { return step_of(y, x); }},
+             [](double x, double y) { return step_of(x, y); }, [](double x, double y) { return step_of(y, x); },
+             no_bend_but_at_ties},
 };
 
 int function_called(std::string_view name) {
@@ -248,10 +282,15 @@ Expression::Expression(std::string_view text, const std::vector<std::string>& na
   uses_.erase(std::unique(uses_.begin(), uses_.end()), uses_.end());
 }
 
-double Expression::value(std::span<const double> numbers) const { return evaluate(numbers, {}).value; }
+double Expression::value(std::span<const double> numbers) const { return evaluate(numbers, {}, {}).value; }
 
 double Expression::slope(std::span<const double> numbers, std::span<const double> slopes) const {
-  return evaluate(numbers, slopes).slope;
+  return evaluate(numbers, slopes, {}).slope;
+}
+
+double Expression::bend(std::span<const double> numbers, std::span<const double> slopes,
+                        std::span<const double> bends) const {
+  return evaluate(numbers, slopes, bends).bend;
 }
 
 bool Expression::is_name(std::string_view name) {
@@ -261,56 +300,73 @@ bool Expression::is_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), [&](char c) { return is_letter(c) || is_digit(c); });
 }
 
-Expression::Dual Expression::evaluate(std::span<const double> numbers, std::span<const double> slopes) const {
+// Along a change of the names, with ' for derivatives along it:
+//   f(a, b)'  = f_a a' + f_b b'
+//   f(a, b)'' = f_a a'' + f_b b'' + f_aa a'^2 + 2 f_ab a' b' + f_bb b'^2.
+Expression::Dual Expression::evaluate(std::span<const double> numbers, std::span<const double> slopes,
+                                      std::span<const double> bends) const {
   std::array<Dual, stack_size> stack;
   std::size_t size = 0;
   for (const Step& step : steps_) {
     const auto index = static_cast<std::size_t>(step.index);
     if (step.operation == Operation::number) {
-      stack[size++] = {step.number, 0.0};
+      stack[size++] = {step.number, 0.0, 0.0};
       continue;
     }
     if (step.operation == Operation::name) {
-      stack[size++] = {numbers[index], slopes.empty() ? 0.0 : slopes[index]};
+      stack[size++] = {numbers[index], slopes.empty() ? 0.0 : slopes[index], bends.empty() ? 0.0 : bends[index]};
       continue;
     }
     const bool has_one = step.operation == Operation::negative ||
                          (step.operation == Operation::function && functions[index].arguments == 1);
     const Dual b = has_one ? Dual{} : stack[--size];
     Dual& a = stack[size - 1];
+    const double squares[] = {a.slope * a.slope, 2.0 * a.slope * b.slope, b.slope * b.slope};
+    // From the derivatives by a and b; most callers ask for no bend, and give none.
+    const auto along = [&](double value, double by_a, double by_b, auto second) {
+      Dual out{value, product(by_a, a.slope) + product(by_b, b.slope), 0.0};
+      if (bends.empty()) return out;
+      const Second s = second();
+      out.bend = product(by_a, a.bend) + product(by_b, b.bend) + product(s.xx, squares[0]) + product(s.xy, squares[1]) +
+                 product(s.yy, squares[2]);
+      return out;
+    };
     switch (step.operation) {
       case Operation::negative:
-        a = {-a.value, -a.slope};
+        a = {-a.value, -a.slope, -a.bend};
         break;
       case Operation::add:
-        a = {a.value + b.value, a.slope + b.slope};
+        a = {a.value + b.value, a.slope + b.slope, a.bend + b.bend};
         break;
       case Operation::subtract:
-        a = {a.value - b.value, a.slope - b.slope};
+        a = {a.value - b.value, a.slope - b.slope, a.bend - b.bend};
         break;
       case Operation::multiply:
-        a = {a.value * b.value, product(b.value, a.slope) + product(a.value, b.slope)};
+        a = along(a.value * b.value, b.value, a.value, [] { return Second{0.0, 1.0, 0.0}; });
         break;
       case Operation::divide: {
-        const double quotient = a.value / b.value;
-        a = {quotient, product(1.0 / b.value, a.slope) - product(quotient / b.value, b.slope)};
+        const double over = 1.0 / b.value, quotient = a.value / b.value;
+        a = along(quotient, over, -quotient / b.value, [&] {
+          return Second{0.0, -over * over, 2.0 * quotient * over * over};
+        });
         break;
       }
       case Operation::power: {
-        const double whole = std::pow(a.value, b.value);
-        a = {whole, product(b.value * std::pow(a.value, b.value - 1.0), a.slope) +
-                        product(whole * std::log(a.value), b.slope)};
+        const double x = a.value, y = b.value, whole = std::pow(x, y), lower = std::pow(x, y - 1.0);
+        // What does not change counts for nothing: the logarithm of a negative base, say.
+        const double log = b.slope == 0.0 && b.bend == 0.0 ? 0.0 : std::log(x);
+        a = along(whole, y * lower, whole * log, [&] {
+          const double xx = y == 0.0 || y == 1.0 ? 0.0 : y * (y - 1.0) * std::pow(x, y - 2.0);
+          return Second{xx, lower * (1.0 + y * log), whole * log * log};
+        });
         break;
       }
       default: {
         const Function& f = functions[index];
-        double slope = product(f.by_x(a.value, b.value), a.slope);
-        if (f.by_y != nullptr) {
-          // At equal slopes it does not matter which of two equal arguments min and max take.
-          const bool is_tie = a.value == b.value && a.slope == b.slope && (f.name == "min" || f.name == "max");
-          slope = is_tie ? a.slope : slope + product(f.by_y(a.value, b.value), b.slope);
-        }
-        a = {f.value(a.value, b.value), slope};
+        // At equal slopes it does not matter which of two equal arguments min and max take.
+        if (a.value == b.value && a.slope == b.slope && a.bend == b.bend && (f.name == "min" || f.name == "max")) break;
+        a = along(f.value(a.value, b.value), f.by_x(a.value, b.value),
+                  f.by_y != nullptr ? f.by_y(a.value, b.value) : 0.0, [&] { return f.second(a.value, b.value); });
       }
     }
   }

@@ -31,6 +31,8 @@ class Expression {
   /// Its derivative where the names change at the rates `slopes`, exact but for rounding; not a number where it has
   /// none: at the kinks of abs, min and max, and where a value of a function begins.
   double slope(std::span<const double> numbers, std::span<const double> slopes) const;
+  /// Its second derivative where the names change at these rates and these rise at the rates `bends`, as slope().
+  double bend(std::span<const double> numbers, std::span<const double> slopes, std::span<const double> bends) const;
 
   /// Whether a name may be given to a number: letters, digits and underscores, not a digit first, neither pi nor a
   /// function.
@@ -45,9 +47,9 @@ class Expression {
     double number = 0.0;
   };
   struct Dual {
-    double value = 0.0, slope = 0.0;
+    double value = 0.0, slope = 0.0, bend = 0.0;
   };
-  Dual evaluate(std::span<const double> numbers, std::span<const double> slopes) const;
+  Dual evaluate(std::span<const double> numbers, std::span<const double> slopes, std::span<const double> bends) const;
 
   std::string text_;
   std::vector<int> uses_;

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -68,19 +69,45 @@ double DependentNumber::value(std::span<const double> named) const {
   return factor ? own * factor->at(named).at(factor->time) : own;
 }
 
+double HeldFactor::slope(const TimeFunction& function_there, std::span<const double> named,
+                         std::span<const double> slopes) const {
+  double change = 0.0;
+  for (const DependentNumber& one : numbers) {
+    const double by = one.expression.slope(named, slopes) * one.dimension.unit(units);
+    if (by == 0.0) continue;
+    const int number = one.at.place.number;
+    if (!function_there.has_derivative_at(number, time)) return std::numeric_limits<double>::quiet_NaN();
+    change += by * function_there.by(number, time, 0, time);
+  }
+  return change;
+}
+
 double DependentNumber::slope(std::span<const double> named, std::span<const double> slopes) const {
   const double own = expression.slope(named, slopes);
   if (!factor) return own;
   const TimeFunction function = factor->at(named);
-  double change = 0.0;
-  for (const DependentNumber& one : factor->numbers) {
-    const double by = one.expression.slope(named, slopes) * one.dimension.unit(factor->units);
-    if (by == 0.0) continue;
-    const int number = one.at.place.number;
-    if (!function.has_derivative_at(number, factor->time)) return std::numeric_limits<double>::quiet_NaN();
-    change += by * function.by(number, factor->time, 0, factor->time);
-  }
-  return own * function.at(factor->time) + expression.value(named) * change;
+  return own * function.at(factor->time) + expression.value(named) * factor->slope(function, named, slopes);
+}
+
+// Functions of time have first derivatives by their numbers; the second is the difference of these along the change.
+double DependentNumber::bend(std::span<const double> named, std::span<const double> slopes,
+                             std::span<const double> bends) const {
+  const double own = expression.bend(named, slopes, bends);
+  if (!factor) return own;
+  const TimeFunction function = factor->at(named);
+  const double factor_slope = factor->slope(function, named, slopes);
+  constexpr double step = 1e-5;
+  const auto slope_at = [&](double e) {
+    std::vector<double> there(named.begin(), named.end()), slopes_there(slopes.begin(), slopes.end());
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      there[k] += e * (slopes[k] + 0.5 * e * bends[k]);
+      slopes_there[k] += e * bends[k];
+    }
+    return factor->slope(factor->at(there), there, slopes_there);
+  };
+  const double factor_bend = factor_slope == 0.0 ? 0.0 : (slope_at(step) - slope_at(-step)) / (2.0 * step);
+  return own * function.at(factor->time) + 2.0 * expression.slope(named, slopes) * factor_slope +
+         expression.value(named) * factor_bend;
 }
 
 std::vector<int> DependentNumber::uses() const {

@@ -294,6 +294,26 @@ void set_named(Scene& scene, int named, double value, bool in_range) {
   scene = std::move(changed);
 }
 
+DependentDerivatives derivatives_along(const Scene& scene, std::vector<double> slopes, std::vector<double> named,
+                                       bool has_bends) {
+  DependentDerivatives out;
+  if (!scene.dependents) return out;
+  std::vector<double> bends(named.size(), 0.0);
+  for (const DependentNumber& one : *scene.dependents) {
+    const double slope = one.slope(named, slopes), bend = has_bends ? one.bend(named, slopes, bends) : 0.0;
+    if (one.at.place.owner == Owner::number) {
+      const auto item = static_cast<std::size_t>(one.at.place.item);
+      slopes[item] = slope;
+      bends[item] = bend;
+      named[item] = one.value(named);
+    }
+    const double unit = one.dimension.unit(scene.units) * one.dimension.per_scale(scene.measured_in);
+    out.slopes.push_back(slope * unit);
+    if (has_bends) out.bends.push_back(bend * unit);
+  }
+  return out;
+}
+
 }  // namespace
 
 const DependentNumber* dependent_number(const Scene& scene, const ParameterPlace& place) {
@@ -332,20 +352,13 @@ std::vector<double> dependent_values(const Scene& scene, std::vector<double> nam
 }
 
 std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double> named) {
-  std::vector<double> out;
-  if (!scene.dependents) return out;
   std::vector<double> slopes(named.size(), 0.0);
   slopes[static_cast<std::size_t>(by)] = 1.0;
-  for (const DependentNumber& one : *scene.dependents) {
-    const double slope = one.slope(named, slopes);
-    if (one.at.place.owner == Owner::number) {
-      const auto item = static_cast<std::size_t>(one.at.place.item);
-      slopes[item] = slope;
-      named[item] = one.value(named);
-    }
-    out.push_back(slope * one.dimension.unit(scene.units) * one.dimension.per_scale(scene.measured_in));
-  }
-  return out;
+  return derivatives_along(scene, std::move(slopes), std::move(named), false).slopes;
+}
+
+DependentDerivatives dependents_along(const Scene& scene, std::vector<double> slopes, std::vector<double> named) {
+  return derivatives_along(scene, std::move(slopes), std::move(named), true);
 }
 
 void follow_expressions(Scene& scene, bool in_range) {

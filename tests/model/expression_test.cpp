@@ -65,6 +65,17 @@ TEST(Expression, HasTheDerivativeThatDifferencesHave) {
       const double difference = (at(-2 * h) - 8 * at(-h) + 8 * at(h) - at(2 * h)) / (12 * h);
       EXPECT_NEAR(expression.slope(std::array{3.0, 0.5}, along), difference, 1e-9 * (1.0 + std::abs(difference)))
           << text;
+      // Where the names rise at rates of their own too.
+      const std::array bends{-0.4, 0.9};
+      const auto on_the_way = [&](double t) {
+        return expression.value(std::array{3.0 + t * along[0] + t * t / 2 * bends[0],  //
+                                           0.5 + t * along[1] + t * t / 2 * bends[1]});
+      };
+      const double far = 1e-3;
+      const double second = (16 * (on_the_way(-far) + on_the_way(far)) - on_the_way(-2 * far) - on_the_way(2 * far) -
+                             30 * on_the_way(0.0)) /
+                            (12 * far * far);
+      EXPECT_NEAR(expression.bend(std::array{3.0, 0.5}, along, bends), second, 1e-7 * (1.0 + std::abs(second))) << text;
     }
   }
 }
@@ -81,6 +92,12 @@ TEST(Expression, HasNoDerivativeAtKinks) {
   EXPECT_EQ(slope("max(r, r)", 2.0, 1.0), 1.0);
   EXPECT_EQ(slope("r^2", 0.0, 1.0), 0.0);
   EXPECT_EQ(slope("r^1", 0.0, 1.0), 1.0);
+  const auto bend = [](const std::string& text, double r) {
+    return Expression(text, names).bend(std::array{r, 0.5}, std::array{1.0, 0.0}, std::array{0.0, 0.0});
+  };
+  EXPECT_TRUE(std::isnan(bend("abs(r)", 0.0)));
+  EXPECT_EQ(bend("r^2", 0.0), 2.0);
+  EXPECT_EQ(bend("r^1", 0.0), 0.0);
 }
 
 TEST(Expression, NamesWhatItUses) {
