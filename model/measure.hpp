@@ -73,6 +73,7 @@ struct Measure::Term {
   std::shared_ptr<const Profile> profile{};
   double shift = 0.0;  ///< rad or m
   double span = 1.0;   ///< m, of a length g
+  int number = -1;     ///< place of the factor among the numbers of a NumberList, where it is one of them
 
   /// What the factor multiplies.
   Dimension dimension() const { return profile ? dimension::none : measure.dimension(); }

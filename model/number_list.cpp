@@ -14,17 +14,27 @@
 namespace poise {
 namespace {
 
-// Of CrossSection::numbers.
-constexpr int second_moment = 1, modulus = 2;
-
 /// The named numbers come first in p, and have no unit.
 std::vector<double> named_in(const Scene& scene, const std::vector<double>& p) {
   return {p.begin(), p.begin() + static_cast<std::ptrdiff_t>(scene.named_values.size())};
 }
 
+Measure& measure_of(Scene& scene, const DependentPlace& factor) {
+  const auto item = static_cast<std::size_t>(factor.place.item);
+  return factor.place.owner == Owner::element ? scene.elements[item].on
+         : factor.place.owner == Owner::drive ? scene.drives[item].on
+                                              : scene.stops[item].on;
+}
+
+/// A factor as a scene has it in its scales, over the same in SI.
+double unit_of_factor(const Measure& sum, const Measure::Term& term, const Scales& scales) {
+  return sum.dimension().per_scale(scales) / term.dimension().per_scale(scales);
+}
+
 }  // namespace
 
-NumberList::NumberList(const Scene& scene) : scene_(scene), rows_(parameter_table(scene_)) {
+NumberList::NumberList(const Scene& scene, const std::vector<int>& vectors)
+    : scene_(scene), rows_(parameter_table(scene_)) {
   for (const Body& body : scene_.bodies) point_.emplace_back(body.points.size());
   body_.resize(scene_.bodies.size());
   element_.resize(scene_.elements.size());
@@ -42,6 +52,7 @@ NumberList::NumberList(const Scene& scene) : scene_(scene), rows_(parameter_tabl
   place_rows();
   place_tracks();
   read_values();
+  place_vectors(vectors);
   place_dependents();
 }
 
@@ -136,27 +147,55 @@ void NumberList::read_values() {
   }
 }
 
+void NumberList::place_vectors(const std::vector<int>& vectors) {
+  if (!vectors.empty()) vector_.resize(scene_.forces.size());
+  for (const int force : vectors) {
+    const Vec2& vector = scene_.forces[at(force)].vector;
+    vector_[at(force)] = {static_cast<int>(values_.size()), static_cast<int>(values_.size()) + 1, true};
+    values_.insert(values_.end(), {vector.x, vector.y});
+  }
+}
+
+int NumberList::place_of_component(const DependentPlace& of, std::size_t item) {
+  if (of.of == DependentPlace::Of::factor) {
+    Measure::Term& term = measure_of(scene_, of).terms[at(of.component)];
+    term.number = static_cast<int>(values_.size());
+    values_.push_back(term.factor);
+    return term.number;
+  }
+  const bool is_force = of.of == DependentPlace::Of::force;
+  std::vector<Components>& all = is_force ? vector_ : axis_;
+  all.resize(is_force ? scene_.forces.size() : scene_.joints.size());
+  int& place = of.component == 0 ? all[item].x : all[item].y;
+  if (place >= 0) return place;
+  const Vec2& vector = is_force ? scene_.forces[item].vector : scene_.joints[item].axis;
+  place = static_cast<int>(values_.size());
+  values_.push_back(of.component == 0 ? vector.x : vector.y);
+  return place;
+}
+
 void NumberList::place_dependents() {
   if (!scene_.dependents) return;
-  followed_ = dependent_values(scene_, named_values(scene_), false);
+  const std::vector<double> followed = dependent_values(scene_, named_values(scene_), false);
   std::size_t row = 0;
-  for (std::size_t k = 0; k < followed_.size(); ++k) {
+  for (std::size_t k = 0; k < followed.size(); ++k) {
     const DependentPlace& of = (*scene_.dependents)[k].at;
     const std::size_t item = at(of.place.item);
     int place = -1;
+    double unit = 1.0;
     if (of.of == DependentPlace::Of::row && of.place.owner != Owner::number) {
       while (!(rows_[row].place == of.place)) ++row;
       place = static_cast<int>(row);
-    } else if (of.of == DependentPlace::Of::force || of.of == DependentPlace::Of::axis) {
-      const bool is_force = of.of == DependentPlace::Of::force;
-      std::vector<Components>& all = is_force ? vector_ : axis_;
-      all.resize(is_force ? scene_.forces.size() : scene_.joints.size());
-      const Vec2& vector = is_force ? scene_.forces[item].vector : scene_.joints[item].axis;
-      place = static_cast<int>(values_.size());
-      (of.component == 0 ? all[item].x : all[item].y) = place;
-      values_.push_back(of.component == 0 ? vector.x : vector.y);
+    } else if (of.of != DependentPlace::Of::row && of.of != DependentPlace::Of::left_out) {
+      place = place_of_component(of, item);
+      if (of.of == DependentPlace::Of::factor) {
+        const Measure& sum = measure_of(scene_, of);
+        unit = unit_of_factor(sum, sum.terms[at(of.component)], scene_.measured_in);
+      }
     }
     dependent_.push_back(place);
+    units_.push_back(unit);
+    followed_.push_back(unit * followed[k]);
   }
 }
 
@@ -174,10 +213,10 @@ void NumberList::follow_names(std::vector<double>& p) const {
   if (dependent_.empty()) return;
   const std::vector<double> values = dependent_values(scene_, named_in(scene_, p), false);
   for (std::size_t k = 0; k < values.size(); ++k) {
-    if (dependent_[k] >= 0) p[at(dependent_[k])] += values[k] - followed_[k];
+    if (dependent_[k] >= 0) p[at(dependent_[k])] += units_[k] * values[k] - followed_[k];
   }
   for (std::size_t f = 0; f < vector_.size(); ++f) {
-    if (!vector_[f].vary()) continue;
+    if (!vector_[f].vary() || vector_[f].are_whole) continue;
     const Vec2& before = scene_.forces[f].vector;
     p[at(force_[f])] += norm(with_components(before, vector_[f], p.data())) - norm(before);
   }
@@ -203,7 +242,7 @@ std::vector<std::pair<int, double>> NumberList::followers(int row, const std::ve
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     const int place = dependent_[k];
     if (place < 0 || slopes[k] == 0.0 || !std::isfinite(slopes[k])) continue;
-    out.emplace_back(place, slopes[k]);
+    out.emplace_back(place, units_[k] * slopes[k]);
     if (at(place) < rows_.size() && moves_springs(rows_[at(place)].place)) add_springs_of(place, slopes[k], p, out);
     const DependentPlace& of = (*scene_.dependents)[k].at;
     if (of.of != DependentPlace::Of::force) continue;
@@ -224,9 +263,6 @@ std::string NumberList::why_not_followed(int row) const {
     if (one.at.of == DependentPlace::Of::left_out) continue;
     const std::string written = one.item + " = \"" + one.text() + "\"";
     if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
-    if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::factor) {
-      return written + " is a factor of a sum, by which there are no derivatives";
-    }
     if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force &&
         scene_.forces[at(one.at.place.item)].vector == Vec2{}) {
       return written + " is a force of zero, which has no direction";

@@ -2,24 +2,29 @@
 
 // Which numbers a scene has, and where each stands in a flat array p.
 
-#include <optional>
+#include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
+#include "model/plain_value.hpp"
 #include "model/scene.hpp"
 
 namespace poise {
 
 /// The numbers of a scene as an array p: the rows of parameter_table(), in the units of the scene; behind them the
-/// numbers of bodies that come with curved slots and rolling wheels, and the components of forces and axes that are
-/// dependent numbers. Dependent numbers, and the springs of flexible links, which follow from a section, stand in p
-/// like others: whoever changes p lets them follow().
+/// numbers of bodies that come with curved slots and rolling wheels, and the components of forces and axes and the
+/// factors of sums that are dependent numbers. Dependent numbers, and the springs of flexible links, which follow from
+/// a section, stand in p like others: whoever changes p lets them follow().
 class NumberList {
  public:
-  explicit NumberList(const Scene& scene);
+  explicit NumberList(const Scene& scene) : NumberList(scene, {}) {}
+  /// With both components of these forces as numbers, in place of their magnitudes.
+  NumberList(const Scene& scene, const std::vector<int>& vectors);
 
   const Scene& scene() const { return scene_; }
   const std::vector<ParameterRow>& rows() const { return rows_; }
@@ -30,6 +35,12 @@ class NumberList {
   /// multiplies the stiffnesses of the springs of flexible links by  E I  over that of the scene. Throws InputError
   /// where an expression has no value.
   void follow(std::vector<double>& p) const;
+  /// Sets what follows from the named numbers where those that are no expressions have the values `named` and change at
+  /// the rates `slopes` by as much as `step`, which is zero but for its derivatives:  a + a' step + a'' step^2 / 2,
+  /// exact to second order. Then the springs of flexible links. What has no derivative is as if it did not change.
+  /// Forces that follow have both components as numbers. Throws InputError as follow() does.
+  template <class T>
+  void follow_along(std::vector<double> named, const std::vector<double>& slopes, const T& step, T* p) const;
   /// Rows from which others follow: those of named numbers, and of the sections of flexible links.
   const std::vector<int>& leaders() const { return leaders_; }
   /// The derivatives of p by the number of such a row, along the expressions that follow from it: for each number that
@@ -53,6 +64,7 @@ class NumberList {
   /// Places in p of the components of a vector that are numbers of their own, or -1.
   struct Components {
     int x = -1, y = -1;
+    bool are_whole = false;  ///< the vector is these, whatever its magnitude is
     bool vary() const { return x >= 0 || y >= 0; }
   };
   Components vector_of(int force) const { return vector_.empty() ? Components{} : vector_[at(force)]; }
@@ -77,10 +89,14 @@ class NumberList {
     CurveNumbers curve{};
   };
 
+  static constexpr int second_moment = 1, modulus = 2;  // of CrossSection::numbers
+
   static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   void place_rows();
   void place_tracks();
+  void place_vectors(const std::vector<int>& vectors);
   void place_dependents();
+  int place_of_component(const DependentPlace& of, std::size_t item);
   void read_values();
   void follow_names(std::vector<double>& p) const;
   void add_springs_of(int row, double slope, const std::vector<double>& p,
@@ -97,8 +113,35 @@ class NumberList {
   std::vector<Vec2> along_force_, along_axis_;
   std::vector<Components> vector_, axis_;  // empty where no component is a number of its own
   std::vector<int> dependent_;             // place in p of each dependent number, or -1
+  std::vector<double> units_;              // in which p has it, over those of DependentNumber
   std::vector<double> followed_;           // values that follow from the scene's named numbers
   std::vector<int> leaders_;
 };
+
+template <class T>
+void NumberList::follow_along(std::vector<double> named, const std::vector<double>& slopes, const T& step, T* p) const {
+  if (!dependent_.empty()) {
+    const std::vector<double> values = dependent_values(scene_, named, false);
+    DependentDerivatives along;
+    if constexpr (has_derivatives<T>) along = dependents_along(scene_, slopes, std::move(named));
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (dependent_[k] < 0) continue;
+      T& number = p[dependent_[k]];
+      number = T(units_[k] * values[k]);
+      if constexpr (has_derivatives<T>) {
+        if (std::isfinite(along.slopes[k])) number += T(units_[k] * along.slopes[k]) * step;
+        if (std::isfinite(along.bends[k])) number += T(0.5 * units_[k] * along.bends[k]) * (step * step);
+      }
+    }
+  }
+  for (std::size_t l = 0; l < section_.size(); ++l) {
+    const T* const now = p + section_[l];
+    const double* const before = &values_[at(section_[l])];
+    const T ratio = now[second_moment] * now[modulus] / T(before[second_moment] * before[modulus]);
+    for (const int spring : scene_.flexible_links[l].springs) {
+      p[element(spring)] = T(values_[at(element(spring))]) * ratio;
+    }
+  }
+}
 
 }  // namespace poise

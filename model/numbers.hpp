@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -56,6 +56,7 @@ class Numbers {
   Planar<T> force(int force) const {
     const NumberList::Components components = list_->vector_of(force);
     const Vec2& vector = scene().forces[static_cast<std::size_t>(force)].vector;
+    if (components.are_whole) return with_components(vector, components, p_);
     return p_[list_->force(force)] * (components.vary() ? unit_or_zero(with_components(vector, components, p_))
                                                         : constant(list_->along_force(force), vector));
   }
@@ -93,24 +94,11 @@ class Numbers {
   struct Term {
     T factor;
     ProfileOf<T> of;
-    // Where its points are numbers: over the measure less the shift; of a profile that rolls over its share of the
-    // chords, whose sum is the span.
-    std::optional<Spline<T>> curve{};
-    std::optional<ProfileIn<T>> rolling{};
 
     bool has_profile() const { return of.profile != nullptr; }
+    const ProfileOf<T>& profile() const { return of; }
     /// P and its derivatives by g.
-    ProfileValue<T> at(const T& g) const {
-      if constexpr (!may_enclose_set<T>) {
-        if (curve) return curve->at(T(g - of.shift));
-        if (rolling) {
-          ProfileValue<T> p = rolling->at(T(g / of.span));
-          p.first = p.first / of.span;
-          return p;
-        }
-      }
-      return of.at(g);
-    }
+    ProfileValue<T> at(const T& g) const { return of.at(g); }
   };
   /// Term k of a sum, of the measure of a stop of this index with the numbers of its coupling; -1 of another sum.
   Term term(const Measure& sum, std::size_t k, int stop) const;
@@ -187,7 +175,8 @@ T Numbers<T>::limit(int stop, bool upper) const {
 template <class T>
 typename Numbers<T>::Term Numbers<T>::term(const Measure& sum, std::size_t k, int stop) const {
   const Measure::Term& given = sum.terms[k];
-  Term out{T(given.factor), given.profile ? profile_of<T>(given) : ProfileOf<T>{}};
+  Term out{given.number < 0 ? T(given.factor) : p_[given.number],
+           given.profile ? profile_of<T>(given) : ProfileOf<T>{}};
   const CouplingKind* const kind = stop < 0 ? nullptr : list_->coupling(stop);
   if (kind == nullptr) return out;
   for (const CouplingPart& part : kind->parts) {
@@ -222,7 +211,8 @@ void Numbers<T>::roll(int first, const Measure::Term& given, Term& out) const {
     out.of.span = T(std::numeric_limits<double>::quiet_NaN());  // a cusp
     return;
   }
-  out.rolling = curve.function(given.profile->pieces().front().law, *parts, given.profile->at(0.0).value);
+  out.of.rolling = std::make_shared<const ProfileIn<T>>(
+      curve.function(given.profile->pieces().front().law, *parts, given.profile->at(0.0).value));
   out.of.span = curve.chords() * T(unit);
 }
 
@@ -244,7 +234,7 @@ void Numbers<T>::lead(int stop, int first, const Measure::Term& given, Term& out
   for (std::size_t k = 0; k < along.size(); ++k) {
     of_points.push_back(T(points[curve.components * (static_cast<int>(k) % curve.points) + component] / unit));
   }
-  out.curve = Spline<T>(std::move(along), of_points, is_cam || stop_of(first).closed);
+  out.of.curve = std::make_shared<const Spline<T>>(std::move(along), of_points, is_cam || stop_of(first).closed);
 }
 
 }  // namespace poise

@@ -12,6 +12,19 @@ concept HasDerivatives = requires(const T& x) {
   x.v;
 };
 
+/// Of other scalars with derivatives, that specialise it: value(x), and is_constant(x), whether all its derivatives are
+/// zero.
+template <class T>
+struct OtherDerivatives;
+template <class T>
+concept HasOtherDerivatives = requires(const T& x) {
+  OtherDerivatives<T>::value(x);
+};
+
+/// Whether a scalar carries derivatives.
+template <class T>
+inline constexpr bool has_derivatives = HasDerivatives<T> || HasOtherDerivatives<T>;
+
 /// What a scalar is without its derivatives.
 template <class T>
 const T& without_derivatives(const T& x) {
@@ -20,6 +33,10 @@ const T& without_derivatives(const T& x) {
 template <HasDerivatives T>
 const auto& without_derivatives(const T& x) {
   return without_derivatives(x.a);
+}
+template <HasOtherDerivatives T>
+auto without_derivatives(const T& x) {
+  return OtherDerivatives<T>::value(x);
 }
 
 /// Its type: double of dual numbers in double.
@@ -46,6 +63,8 @@ bool is_just(const T& x, double number) {
       if (!is_just(x.v[k], 0.0)) return false;
     }
     return is_just(x.a, number);
+  } else if constexpr (HasOtherDerivatives<T>) {
+    return OtherDerivatives<T>::is_constant(x) && without_derivatives(x) == number;
   } else {
     return x == T(number);
   }

@@ -51,6 +51,7 @@ class SceneNumbers {
     const Measure::Term& given;
 
     bool has_profile() const { return given.profile != nullptr; }
+    ProfileOf<T> profile() const { return profile_of<T>(given); }
     ProfileValue<T> at(const T& g) const { return profile_of<T>(given).at(g); }
   };
   Term term(const Measure& sum, std::size_t k, int /*stop*/) const { return {T(sum.terms[k].factor), sum.terms[k]}; }

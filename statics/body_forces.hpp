@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/length_of.hpp"
 #include "model/plain_value.hpp"
 #include "model/scene_numbers.hpp"
 #include "statics/body_measures.hpp"
@@ -22,10 +23,7 @@ namespace body_forces {
 /// |d|; of balls also where they cannot tell it from zero, of dual numbers without derivatives where it is zero.
 template <class T>
 T length_of(const Planar<T>& d) {
-  if constexpr (HasDerivatives<T>) {
-    if (is_zero(d.x) && is_zero(d.y)) return T(0);
-  }
-  return norm(d);
+  return poise::length_of(d);
 }
 
 /// The force of an effort on a distance that may be zero.

@@ -13,6 +13,8 @@
 #include "model/measures/position.hpp"
 #include "model/measures/rope.hpp"
 #include "model/profile.hpp"
+#include "model/set_valued.hpp"
+#include "model/spline.hpp"
 
 namespace poise {
 
@@ -21,9 +23,23 @@ template <class T>
 struct ProfileOf {
   std::shared_ptr<const Profile> profile;
   T shift{}, span{1};
+  /// In place of the profile, where the points that it goes through are numbers: over the measure less the shift; of
+  /// one that rolls over its share of the chords, whose sum is the span.
+  std::shared_ptr<const Spline<T>> curve{};
+  std::shared_ptr<const ProfileIn<T>> rolling{};
 
   /// P and its derivatives by g.
   ProfileValue<T> at(const T& g) const {
+    if constexpr (!may_enclose_set<T>) {
+      if (curve) return curve->at(T(g - shift));
+      if (rolling) {
+        ProfileValue<T> p = rolling->at(T(g / span));
+        p.first = p.first / span;
+        p.second = p.second / (span * span);
+        p.third = p.third / (span * span * span);
+        return p;
+      }
+    }
     ProfileValue<T> p = profile->at(T((g - shift) / span));
     p.first = p.first / span;
     p.second = p.second / (span * span);
@@ -62,6 +78,15 @@ class SumMeasure {
     for (Term& term : terms_) {
       term.slots = std::visit([&](const auto& g) { return slots_in(support_, g.support()); }, term.part);
     }
+  }
+
+  void set_numbers(const Phasors<T>& phasors) {
+    for (Term& term : terms_) std::visit([&](auto& g) { g.set_numbers(phasors); }, term.part);
+  }
+  /// Of the term that was added as number k.
+  void set_term(std::size_t k, const T& factor, ProfileOf<T> of) {
+    terms_[k].factor = factor;
+    terms_[k].of = std::move(of);
   }
 
   const std::vector<int>& support() const { return support_; }
