@@ -177,7 +177,7 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   own.reduced.expect(x.data());
 
   const Scene near = disturbed(model.scene());
-  const MotionModel near_model(near, scales_, also());
+  const MotionModel near_model(near, scales_, varying_);
   out.scene = model.scene();
   std::vector<SceneParameter> numbers = numbers_;
   if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);

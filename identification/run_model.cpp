@@ -135,6 +135,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   for (const Force& force : scene_.forces) quadratic_ = quadratic_ && !force.to;
   for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
   quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
+  std::vector<ParameterPlace> varying;
   for (const SceneParameter& number : numbers_) {
     if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
       throw InputError(
@@ -143,16 +144,12 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
                       "carries couples without friction; give it a length",
                       run_.name, number.path()));
     }
-    if (!number.is_geometric()) continue;
-    if (!also_) also_ = scene_;
-    // No other number that the scene has is likely to cancel these.
-    double change = 0.0618033988749895 * reach(number);
-    while (!number.allows(*also_, number.get(scene_) + change)) change *= -0.5;
-    number.set(*also_, number.get(scene_) + change);
+    if (number.is_geometric()) varying.push_back(number.place());
   }
+  varying_ = VaryingNumbers(scene_, varying);
   std::string written;
   std::vector<StartValue> wanted;
-  const MotionModel model(scene_, scales_, also());
+  const MotionModel model(scene_, scales_, varying_);
   if (run_.equilibrium) {
     written = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
@@ -325,8 +322,8 @@ double RunModel::reach(const SceneParameter& number) const {
 /// The scene in its coordinates and units, the loops closed if asked for. Drives without a start begin where they are
 /// then.
 RunModel::Assembled RunModel::assemble(Scene scene, bool closed) const {
-  Assembled out{std::make_shared<const MotionModel>(scene, scales_, also()), closed_};
-  if (closed && also_) out.q = out.model->to_si(closed_from(*out.model, out.model->from_si(closed_)));
+  Assembled out{std::make_shared<const MotionModel>(scene, scales_, varying_), closed_};
+  if (closed && !varying_.empty()) out.q = out.model->to_si(closed_from(*out.model, out.model->from_si(closed_)));
   if (measured_starts_.empty()) return out;
   for (const int k : measured_starts_) {
     Drive& drive = scene.drives[static_cast<std::size_t>(k)];
@@ -337,7 +334,7 @@ RunModel::Assembled RunModel::assemble(Scene scene, bool closed) const {
     for (const int i : reader.coordinates()) q.push_back(out.q[static_cast<std::size_t>(i)]);
     drive.start = reader.read(q.data(), none.data(), by_q.data(), by_v.data());
   }
-  out.model = std::make_shared<const MotionModel>(std::move(scene), scales_, also());
+  out.model = std::make_shared<const MotionModel>(std::move(scene), scales_, varying_);
   return out;
 }
 
@@ -383,7 +380,7 @@ std::vector<std::string> RunModel::nuisance_names() const {
   std::vector<std::string> names;
   if (equilibrium_unknown_) names.emplace_back("equilibrium");
   if (!start_unknown_) return names;
-  const Layout layout = lay_out(scene_, Purpose::dynamics, also());
+  const Layout layout = lay_out(scene_, Purpose::dynamics, varying_);
   for (const char* what : {"start ", "start rate "}) {
     for (const int i : independent_) names.push_back(what + layout.coordinates[static_cast<std::size_t>(i)].name);
   }
@@ -394,7 +391,7 @@ std::vector<Dimension> RunModel::nuisance_dimensions() const {
   std::vector<Dimension> out;
   if (equilibrium_unknown_) out.push_back(run_.equilibrium->body >= 0 ? dimension::angle : dimension::length);
   if (!start_unknown_) return out;
-  const Layout layout = lay_out(scene_, Purpose::dynamics, also());
+  const Layout layout = lay_out(scene_, Purpose::dynamics, varying_);
   for (const int per_time : {0, -1}) {
     for (const int i : independent_) {
       const bool angle = layout.coordinates[static_cast<std::size_t>(i)].kind == Coordinate::Kind::angle;
@@ -458,7 +455,7 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
     out.released = start_unknown_ ? released_ : released_in(*assembled.model, out.q);
     if (run_.equilibrium) {
       if (!balance(scene, equilibrium, derivatives, out)) return out;
-      out.model = std::make_shared<const MotionModel>(scene, scales_, also());
+      out.model = std::make_shared<const MotionModel>(scene, scales_, varying_);
     } else {
       if (derivatives) vary(scene, out);
       out.model = std::move(assembled.model);
@@ -471,7 +468,7 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
 
 // In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
 bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const {
-  const MotionModel model(scene, scales_, also());
+  const MotionModel model(scene, scales_, varying_);
   try {
     out.q = start_motion(model, {equilibrium_in(model, equilibrium)}, &out.q, &independent_).q;
   } catch (const InputError&) {
@@ -497,7 +494,7 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
   set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
   if (!derivatives) return true;
   vary(scene, out);
-  const MotionModel balanced(scene, scales_, also());
+  const MotionModel balanced(scene, scales_, varying_);
   Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
   again.set_inputs(balanced.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
   again.set_variations(out.variations);
@@ -824,7 +821,7 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
 
 std::vector<double> RunModel::start_from_readings(const double* unknowns, const Record& record) const {
   // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
-  const MotionModel model(scene_, scales_, also());
+  const MotionModel model(scene_, scales_, varying_);
   constexpr std::size_t most = 16;
   std::vector<std::size_t> sensors;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {

@@ -175,7 +175,6 @@ class RunModel {
   Built build(const double* unknowns, double equilibrium, bool derivatives) const;
   bool balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const;
   void vary(const Scene& scene, Built& out) const;
-  const Scene* also() const { return also_ ? &*also_ : nullptr; }
   Assembled assemble(Scene scene, bool closed) const;
   std::vector<double> released_in(const MotionModel& model, std::vector<double> q) const;
   std::vector<StartValue> start_values(const MotionModel& model, const std::vector<double>& q) const;
@@ -210,7 +209,7 @@ class RunModel {
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
   double size_ = 1.0;                 // of the mechanism, m
-  std::optional<Scene> also_;         // with geometric numbers: the scene at other values of them
+  VaryingNumbers varying_;            // geometric ones
   bool quadratic_ = true;             // everything is at most quadratic in points and lengths
   std::vector<int> measured_starts_;  // drives that start from the assembled pose
   std::vector<double> closed_;        // a closed pose, SI

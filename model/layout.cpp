@@ -5,6 +5,8 @@
 #include <deque>
 #include <map>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,7 +19,37 @@ namespace {
 struct Connection {
   int joint;
   int link_a, link_b;
-  Vec2 a, b;
+  LinkPoint a, b;
+};
+
+// A sum of the angles that joints keep: all of it, the part that does not vary, and the joints whose angles do, as
+// those of a Turn.
+struct AngleSum {
+  ExactSum all, fixed;
+  std::vector<int> varying;
+
+  void add(const AngleSum& other, double sign = 1.0) {
+    all.add(other.all, sign);
+    fixed.add(other.fixed, sign);
+    for (const int joint : std::vector<int>(other.varying)) add_varying(sign > 0.0 ? joint : -joint);
+  }
+  // The angle of a joint, whose index and 1 is `varies` where it varies, else 0.
+  void add(double angle, int varies) {
+    all.add(angle);
+    if (varies == 0)
+      fixed.add(angle);
+    else
+      add_varying(varies);
+  }
+
+ private:
+  void add_varying(int joint) {
+    const auto opposite = std::find(varying.begin(), varying.end(), -joint);
+    if (opposite != varying.end())
+      varying.erase(opposite);
+    else
+      varying.insert(std::upper_bound(varying.begin(), varying.end(), joint), joint);
+  }
 };
 
 // Bodies kept parallel by welds and slides, with their constant angle to the representative.
@@ -39,10 +71,11 @@ class Frames {
     }
     return i;
   }
-  const ExactSum& turn(int i) const { return turn_[i]; }
+  const AngleSum& turn(int i) const { return turn_[i]; }
 
-  // Sets angle(b) - angle(a) = angle. Returns false if both are parallel already.
-  bool merge(int a, int b, double angle) {
+  // Sets angle(b) - angle(a) = angle, of a joint whose index and 1 is `varies` where its angle varies, else 0. Returns
+  // false if both are parallel already.
+  bool merge(int a, int b, double angle, int varies) {
     const int ra = find(a);
     const int rb = find(b);
     if (ra == rb) return false;
@@ -51,9 +84,9 @@ class Frames {
     const int child = forward ? rb : ra;
     const double sign = forward ? 1.0 : -1.0;
     parent_[child] = forward ? ra : rb;
-    ExactSum turn;
+    AngleSum turn;
     turn.add(turn_[a], sign);
-    turn.add(sign * angle);
+    turn.add(sign * angle, forward ? varies : -varies);
     turn.add(turn_[b], -sign);
     turn_[child] = turn;
     return true;
@@ -61,7 +94,7 @@ class Frames {
 
  private:
   std::vector<int> parent_;
-  std::vector<ExactSum> turn_;
+  std::vector<AngleSum> turn_;
 };
 
 // What is left of an angle without whole turns.
@@ -76,6 +109,13 @@ double within_a_turn(ExactSum angle) {
 }
 
 bool is_zero(Vec2 v) { return v.x == 0.0 && v.y == 0.0; }
+bool is_zero(const LinkPoint& p) { return p.vector == 0 && is_zero(p.at); }
+
+// The index and 1 of a vector among those that vary, or 0.
+int index_of(const std::vector<VaryingVector>& vectors, const VaryingVector& one) {
+  const auto found = std::find(vectors.begin(), vectors.end(), one);
+  return found == vectors.end() ? 0 : static_cast<int>(found - vectors.begin()) + 1;
+}
 
 // Why a coordinate is kept, as bits.
 struct Reason {
@@ -95,19 +135,15 @@ struct Reason {
 // Builds a Layout in named steps; coordinates keep their provisional numbers until number_coordinates().
 class Builder {
  public:
-  Builder(const Scene& scene, Purpose purpose, const Scene* also) : scene_(scene), purpose_(purpose), also_(also) {}
+  Builder(const Scene& scene, Purpose purpose, VaryingNumbers varying) : scene_(scene), purpose_(purpose) {
+    out_.varying = std::move(varying);
+  }
 
   Layout build() {
+    find_vectors();
     find_cuts();
     connect_links();
     find_what_matters();
-    if (also_ != nullptr) {
-      Builder other(*also_, purpose_, &scene_);
-      other.find_cuts();
-      other.connect_links();
-      other.find_what_matters();
-      for (std::size_t i = 0; i < reasons_.size(); ++i) reasons_[i] |= other.reasons_[i];
-    }
     guess_bars();
     if (any_cut_) guess_what_is_cut();
     number_coordinates();
@@ -116,6 +152,34 @@ class Builder {
   }
 
  private:
+  const VaryingNumbers& varying() const { return out_.varying; }
+
+  void find_vectors() {
+    if (varying().empty()) return;
+    for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+      for (std::size_t k = 0; k < scene_.bodies[i].points.size(); ++k) {
+        const PointRef point{static_cast<int>(i), static_cast<int>(k)};
+        if (varying().has_point(point)) out_.vectors.push_back({VaryingVector::Of::point, point});
+      }
+    }
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      const int joint = static_cast<int>(j);
+      if (varying().has_length(scene_, joint)) out_.vectors.push_back({VaryingVector::Of::bar, {}, joint});
+      if (varying().has_axis(joint)) out_.vectors.push_back({VaryingVector::Of::axis, {}, joint});
+    }
+  }
+
+  LinkPoint end_of_bar(int joint) const {
+    return {{scene_.joints[static_cast<std::size_t>(joint)].length, 0},
+            index_of(out_.vectors, {VaryingVector::Of::bar, {}, joint})};
+  }
+
+  Arm along_line(int coordinate, int joint, int turn, bool forward) const {
+    const Vec2& axis = scene_.joints[static_cast<std::size_t>(joint)].axis;
+    const int vector = index_of(out_.vectors, {VaryingVector::Of::axis, {}, joint});
+    return forward ? Arm{coordinate, axis, turn, vector} : Arm{coordinate, -axis, turn, -vector};
+  }
+
   // In motion the force in a joint has to be known where its friction depends on it: such joints close loops, so that
   // their forces are multipliers of closures. The couple in a slide is that of a second closure, at an end of its
   // carriage.
@@ -124,7 +188,8 @@ class Builder {
     carriage_.assign(scene_.joints.size(), -1);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const int index = static_cast<int>(j);
-      cut_[j] = purpose_ == Purpose::dynamics && (grips(scene_, index) || (also_ != nullptr && grips(*also_, index)));
+      const bool may_grip = varying().has_friction(scene_, index) && friction_element(scene_, index) >= 0;
+      cut_[j] = purpose_ == Purpose::dynamics && (grips(scene_, index) || may_grip);
       any_cut_ = any_cut_ || cut_[j];
     }
   }
@@ -203,9 +268,11 @@ class Builder {
     std::vector<double> open(scene_.joints.size(), 0.0);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
-      if (!joint.keeps_angle() || has_carriage(j) || frames_->merge(joint.a.body, joint.b.body, joint.angle)) continue;
-      ExactSum difference = frames_->turn(joint.b.body);
-      difference.add(frames_->turn(joint.a.body), -1.0);
+      if (!joint.keeps_angle() || has_carriage(j)) continue;
+      const int varies = varying().has_angle(scene_, static_cast<int>(j)) ? static_cast<int>(j) + 1 : 0;
+      if (frames_->merge(joint.a.body, joint.b.body, joint.angle, varies)) continue;
+      ExactSum difference = frames_->turn(joint.b.body).all;
+      difference.add(frames_->turn(joint.a.body).all, -1.0);
       const double kept = difference.to<double>();
       difference.add(-joint.angle);
       open[j] = std::abs(within_a_turn(difference));
@@ -224,17 +291,20 @@ class Builder {
 
   void make_angles() {
     std::vector<int> coordinate_of(out_.links.size(), -1);
-    std::map<std::pair<std::vector<double>, double>, int> known;
-    const auto index_of = [&](const ExactSum& turn, double open) {
-      const auto [at, fresh] = known.try_emplace({turn.parts(), open}, static_cast<int>(out_.turns.size()));
-      if (fresh) out_.turns.push_back({turn, open});
+    std::map<std::tuple<std::vector<double>, double, std::vector<int>, std::vector<double>>, int> known;
+    const auto place_of = [&](const AngleSum& turn, double open) {
+      const bool varies = !turn.varying.empty();
+      const ExactSum fixed = varies ? turn.fixed : ExactSum{};
+      const auto [at, fresh] =
+          known.try_emplace({turn.all.parts(), open, turn.varying, fixed.parts()}, static_cast<int>(out_.turns.size()));
+      if (fresh) out_.turns.push_back({turn.all, open, turn.varying, fixed});
       return at->second;
     };
-    index_of({}, 0.0);
+    place_of({}, 0.0);
     for (std::size_t i = 0; i < out_.links.size(); ++i) {
       Link& link = out_.links[i];
       const int lead = frames_->find(static_cast<int>(i));
-      link.turn = index_of(frames_->turn(static_cast<int>(i)), i == 0 ? 0.0 : frame_open_[lead]);
+      link.turn = place_of(frames_->turn(static_cast<int>(i)), i == 0 ? 0.0 : frame_open_[lead]);
       if (lead != 0 && coordinate_of[lead] < 0) {
         coordinate_of[lead] = static_cast<int>(out_.coordinates.size());
         Coordinate c;
@@ -266,11 +336,10 @@ class Builder {
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const Joint& joint = scene_.joints[j];
       const int index = static_cast<int>(j);
-      const Vec2 a = scene_.local(joint.a);
-      const Vec2 b = scene_.local(joint.b);
+      const LinkPoint a = out_.place_of(scene_, joint.a), b = out_.place_of(scene_, joint.b);
       if (joint.keeps_length()) {
-        add({index, joint.a.body, bar_link_[j], a, {0, 0}});
-        add({index, bar_link_[j], joint.b.body, {joint.length, 0}, b});
+        add({index, joint.a.body, bar_link_[j], a, {}});
+        add({index, bar_link_[j], joint.b.body, end_of_bar(index), b});
         continue;
       }
       if (joint.has_travel()) {
@@ -296,9 +365,9 @@ class Builder {
     const Link& a = out_.links[c.link_a];
     const Link& b = out_.links[c.link_b];
     std::vector<Arm> arms;
-    if (!is_zero(c.a)) arms.push_back({a.frame, c.a, a.turn});
-    if (out_.travel[c.joint] >= 0) arms.push_back({out_.travel[c.joint], scene_.joints[c.joint].axis, a.turn});
-    if (!is_zero(c.b)) arms.push_back({b.frame, -c.b, b.turn});
+    if (!is_zero(c.a)) arms.push_back({a.frame, c.a.at, a.turn, c.a.vector});
+    if (out_.travel[c.joint] >= 0) arms.push_back(along_line(out_.travel[c.joint], c.joint, a.turn, true));
+    if (!is_zero(c.b)) arms.push_back({b.frame, -c.b.at, b.turn, -c.b.vector});
     return arms;
   }
 
@@ -324,10 +393,13 @@ class Builder {
       link.parent = forward ? c.link_a : c.link_b;
       link.depth = out_.links[link.parent].depth + 1;
       link.arms = local_arms(c);
-      hops_[child] = {forward ? c.a : c.b, forward ? c.b : c.a, c.joint};
+      hops_[child] = {forward ? c.a.at : c.b.at, forward ? c.b.at : c.a.at, c.joint};
       // The parent's arm comes first: poses() then subtracts what it measures from before it adds small arms.
       if (!forward) {
-        for (Arm& arm : link.arms) arm.arm = -arm.arm;
+        for (Arm& arm : link.arms) {
+          arm.arm = -arm.arm;
+          arm.vector = -arm.vector;
+        }
         std::reverse(link.arms.begin(), link.arms.end());
       }
       reach(child);
@@ -394,16 +466,16 @@ class Builder {
       closure.link_a = c.link_a;
       closure.link_b = c.link_b;
       closure.name = scene_.joints[c.joint].name;
-      closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b);
+      closure.arms = out_.path_between(c.link_a, c.a, c.link_b, c.b);
       // path() gives p_b - p_a, which equals the travel along the axis.
       if (out_.travel[c.joint] >= 0) {
-        closure.arms.push_back({out_.travel[c.joint], -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
+        closure.arms.push_back(along_line(out_.travel[c.joint], c.joint, out_.links[c.link_a].turn, false));
       }
       out_.closures.push_back(closure);
       const int carriage = carriage_[static_cast<std::size_t>(c.joint)];
       if (carriage < 0) continue;
-      closure.arms = out_.path(c.link_a, c.a, c.link_b, c.b + end_of_carriage(c.joint));
-      closure.arms.push_back({carriage, -scene_.joints[c.joint].axis, out_.links[c.link_a].turn});
+      closure.arms = out_.path(c.link_a, c.a.at, c.link_b, c.b.at + end_of_carriage(c.joint));
+      closure.arms.push_back(along_line(carriage, c.joint, out_.links[c.link_a].turn, false));
       out_.closures.push_back(std::move(closure));
     }
   }
@@ -431,26 +503,30 @@ class Builder {
     for (const Closure& closure : out_.closures) mark_path(closure.arms, Reason::closes_loop);
 
     std::vector<unsigned> bears(out_.links.size(), 0);
-    const auto bear_at = [&](int body, Vec2 at, unsigned reason) {
+    const auto bear_at = [&](int body, bool apart, unsigned reason) {
       bears[body] |= reason;
-      if (!is_zero(at)) mark(out_.links[body].frame, reason);
+      if (apart) mark(out_.links[body].frame, reason);
     };
-    const bool heavy = !is_zero(scene_.gravity);
+    const bool heavy = !is_zero(scene_.gravity) || varying().has_gravity();
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       const int index = static_cast<int>(i);
-      if (heavy && body.mass != 0) bear_at(index, body.center, Reason::weight);
+      const bool has_mass = body.mass != 0 || varying().has_mass(index);
+      const bool apart = !is_zero(body.center) || varying().has_center(index);
+      if (heavy && has_mass) bear_at(index, apart, Reason::weight);
       if (purpose_ != Purpose::dynamics) continue;
-      if (body.mass != 0) bear_at(index, body.center, Reason::inertia);
-      if (body.inertia != 0) mark(out_.links[i].frame, Reason::inertia);
+      if (has_mass) bear_at(index, apart, Reason::inertia);
+      if (body.inertia != 0 || varying().has_inertia(index)) mark(out_.links[i].frame, Reason::inertia);
     }
-    for (const Force& force : scene_.forces) {
-      if (is_zero(force.vector)) continue;
-      force.for_each_point([&](PointRef point) { bear_at(point.body, scene_.local(point), Reason::load); });
+    for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+      const Force& force = scene_.forces[f];
+      if (!acts(f)) continue;
+      force.for_each_point(
+          [&](PointRef point) { bear_at(point.body, !is_zero(out_.place_of(scene_, point)), Reason::load); });
       if (force.follows >= 0) mark(out_.links[force.follows].frame, Reason::load);
     }
-    for (const Torque& torque : scene_.torques) {
-      if (torque.value != 0) mark(out_.links[torque.body].frame, Reason::load);
+    for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
+      if (turns(t)) mark(out_.links[scene_.torques[t].body].frame, Reason::load);
     }
     for (auto it = out_.tree_order.rbegin(); it != out_.tree_order.rend(); ++it) {
       const Link& link = out_.links[*it];
@@ -458,10 +534,11 @@ class Builder {
       mark_path(link.arms, bears[*it]);
       bears[link.parent] |= bears[*it];
     }
-    for (const Element& e : scene_.elements) {
+    for (std::size_t k = 0; k < scene_.elements.size(); ++k) {
+      const Element& e = scene_.elements[k];
       if (stores_energy(e.law)) {
         // A number that identification varies may initially be zero.
-        if (purpose_ == Purpose::dynamics || idle(e.law).empty()) mark_measure(e.on, Reason::spring);
+        if (purpose_ == Purpose::dynamics || why_idle(k).empty()) mark_measure(e.on, Reason::spring);
       } else if (purpose_ == Purpose::dynamics) {
         mark_measure(e.on, Reason::damper);
       }
@@ -473,8 +550,16 @@ class Builder {
     note_what_never_enters(heavy);
   }
 
-  std::vector<Arm> path_between(PointRef a, PointRef b) const {
-    return out_.path(a.body, scene_.local(a), b.body, scene_.local(b));
+  // Whether a load, or an element, has no effect that numbers could give it.
+  bool acts(std::size_t force) const {
+    return !is_zero(scene_.forces[force].vector) || varying().has_any(Owner::force, static_cast<int>(force));
+  }
+  bool turns(std::size_t torque) const {
+    return scene_.torques[torque].value != 0 || varying().has_any(Owner::torque, static_cast<int>(torque));
+  }
+  std::string_view why_idle(std::size_t element) const {
+    const bool varies = varying().has_any(Owner::element, static_cast<int>(element));
+    return varies ? std::string_view{} : idle(scene_.elements[element].law);
   }
 
   // Of a measure of points.
@@ -482,17 +567,17 @@ class Builder {
     switch (measure.kind) {
       case Measure::Kind::distance:
       case Measure::Kind::component:
-        return path_between(measure.a, measure.b);
+        return out_.path(scene_, measure.a, measure.b);
       case Measure::Kind::rope: {
         std::vector<Arm> arms;
         for (std::size_t k = 1; k < measure.contacts.size(); ++k) {
-          const std::vector<Arm> part = path_between(measure.contacts[k - 1].at, measure.contacts[k].at);
+          const std::vector<Arm> part = out_.path(scene_, measure.contacts[k - 1].at, measure.contacts[k].at);
           arms.insert(arms.end(), part.begin(), part.end());
         }
         return arms;
       }
       default:
-        return out_.path(0, {0, 0}, measure.b.body, scene_.local(measure.b));
+        return out_.path_to(scene_, measure.b);
     }
   }
 
@@ -563,19 +648,21 @@ class Builder {
             fmt::format("drive \"{}\": statics leaves drives out, its coordinate is free", drive.name));
       }
     }
-    for (const Force& force : scene_.forces) {
-      if (is_zero(force.vector)) out_.dropped.push_back(fmt::format("force \"{}\": it is zero", force.name));
+    for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
+      if (!acts(f)) out_.dropped.push_back(fmt::format("force \"{}\": it is zero", scene_.forces[f].name));
     }
-    for (const Torque& torque : scene_.torques) {
+    for (std::size_t t = 0; t < scene_.torques.size(); ++t) {
+      const Torque& torque = scene_.torques[t];
       if (out_.links[torque.body].frame < 0) {
         out_.dropped.push_back(fmt::format("torque \"{}\": its body does not turn", torque.name));
-      } else if (torque.value == 0) {
+      } else if (!turns(t)) {
         out_.dropped.push_back(fmt::format("torque \"{}\": it is zero", torque.name));
       }
     }
-    for (const Element& e : scene_.elements) {
+    for (std::size_t k = 0; k < scene_.elements.size(); ++k) {
+      const Element& e = scene_.elements[k];
       if (purpose_ != Purpose::statics || !stores_energy(e.law)) continue;
-      const std::string_view why = !idle(e.law).empty() ? idle(e.law)
+      const std::string_view why = !why_idle(k).empty() ? why_idle(k)
                                    : changes(e.on)      ? ""
                                                         : "nothing changes its measure";
       if (!why.empty()) out_.dropped.push_back(fmt::format("{} \"{}\": {}", e.family(), e.name, why));
@@ -634,7 +721,7 @@ class Builder {
   void guess_what_is_cut() {
     Scene whole = scene_;
     for (Joint& joint : whole.joints) joint.friction.reset();
-    const Layout of_whole = Builder(whole, purpose_, nullptr).build();
+    const Layout of_whole = Builder(whole, purpose_, {}).build();
     const auto start_of = [](const Layout& layout, int coordinate) {
       return coordinate < 0 ? 0.0 : layout.coordinates[static_cast<std::size_t>(coordinate)].start;
     };
@@ -719,7 +806,6 @@ class Builder {
 
   const Scene& scene_;
   Purpose purpose_;
-  const Scene* also_;
   Layout out_;
   std::vector<bool> cut_;  // per joint: closes a loop
   bool any_cut_ = false;
@@ -852,33 +938,56 @@ void Layout::loosen(const std::vector<double>& by) {
 std::vector<Arm> Layout::paths_to(const Scene& scene, const Force& force) const {
   std::vector<Arm> out;
   force.for_each_point([&](PointRef point) {
-    const std::vector<Arm> arms = path(0, {0, 0}, point.body, scene.local(point));
+    const std::vector<Arm> arms = path_to(scene, point);
     out.insert(out.end(), arms.begin(), arms.end());
   });
   std::stable_sort(out.begin(), out.end(), [](const Arm& l, const Arm& r) { return l.coordinate < r.coordinate; });
   return out;
 }
 
-std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
+LinkPoint Layout::place_of(const Scene& scene, PointRef p) const {
+  return {scene.local(p), index_of(vectors, {VaryingVector::Of::point, p})};
+}
+
+namespace {
+
+// By coordinate and turn, those that vary behind the others, each vector together.
+bool comes_before(const Arm& l, const Arm& r) {
+  if (l.coordinate != r.coordinate) return l.coordinate < r.coordinate;
+  if (l.turn != r.turn) return l.turn < r.turn;
+  return std::abs(l.vector) < std::abs(r.vector);
+}
+
+}  // namespace
+
+std::vector<Arm> Layout::path_between(int link_a, const LinkPoint& a, int link_b, const LinkPoint& b) const {
   std::vector<Arm> arms;
-  if (!is_zero(a)) arms.push_back({links[link_a].frame, -a, links[link_a].turn});
-  if (!is_zero(b)) arms.push_back({links[link_b].frame, b, links[link_b].turn});
+  if (!is_zero(a)) arms.push_back({links[link_a].frame, -a.at, links[link_a].turn, -a.vector});
+  if (!is_zero(b)) arms.push_back({links[link_b].frame, b.at, links[link_b].turn, b.vector});
   for_links_between(links, link_a, link_b, [&](int link, double sign) {
     for (Arm arm : links[link].arms) {
       arm.arm = sign * arm.arm;
+      if (sign < 0.0) arm.vector = -arm.vector;
       arms.push_back(arm);
     }
   });
-  std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) {
-    return l.coordinate != r.coordinate ? l.coordinate < r.coordinate : l.turn < r.turn;
-  });
+  std::stable_sort(arms.begin(), arms.end(), comes_before);
   std::vector<Arm> merged;
   std::vector<Component> xs, ys;
   for (auto arm = arms.begin(); arm != arms.end();) {
     const Arm& first = *arm;
+    if (first.vector != 0) {
+      const auto begin = arm;
+      int times = 0;
+      for (; arm != arms.end() && !comes_before(first, *arm); ++arm) times += arm->vector > 0 ? 1 : -1;
+      const bool is_forward = times > 0;
+      const auto one_of = std::find_if(begin, arm, [&](const Arm& one) { return (one.vector > 0) == is_forward; });
+      for (; times != 0; times += is_forward ? -1 : 1) merged.push_back(*one_of);
+      continue;
+    }
     xs.clear();
     ys.clear();
-    for (; arm != arms.end() && arm->coordinate == first.coordinate && arm->turn == first.turn; ++arm) {
+    for (; arm != arms.end() && !comes_before(first, *arm); ++arm) {
       xs.push_back({arm->arm.x, arm->open.x});
       ys.push_back({arm->arm.y, arm->open.y});
     }
@@ -890,7 +999,7 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
       return k < missing ? 0.0 : sum.parts()[k - missing];
     };
     for (std::size_t k = 0; k < count; ++k) {
-      merged.push_back({first.coordinate, {part(x.sum, k), part(y.sum, k)}, first.turn, {}});
+      merged.push_back({first.coordinate, {part(x.sum, k), part(y.sum, k)}, first.turn, 0, {}});
     }
     if (count > 0) {
       merged.back().rounding = {x.rounding, y.rounding};
@@ -900,6 +1009,8 @@ std::vector<Arm> Layout::path(int link_a, Vec2 a, int link_b, Vec2 b) const {
   return merged;
 }
 
-Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also) { return Builder(scene, purpose, also).build(); }
+Layout lay_out(const Scene& scene, Purpose purpose, VaryingNumbers varying) {
+  return Builder(scene, purpose, std::move(varying)).build();
+}
 
 }  // namespace poise

@@ -6,6 +6,7 @@
 
 #include "model/exact_sum.hpp"
 #include "model/scene.hpp"
+#include "model/varying_numbers.hpp"
 
 namespace poise {
 
@@ -27,6 +28,10 @@ struct Turn {
   ExactSum angle;
   /// By which it may be another because welds and slides set it in several ways that agree to rounding only.
   double open = 0.0;
+  /// The joints whose angles vary among those that it is the sum of, each its index and 1, negative where the angle is
+  /// subtracted; and the sum of the others.
+  std::vector<int> varying{};
+  ExactSum fixed{};
 
   template <class T>
   T to() const {
@@ -34,11 +39,30 @@ struct Turn {
   }
 };
 
+/// A vector that arms are made of, with numbers that vary: a point in its body's frame, a bar along the x axis of its
+/// own, or the direction of a joint's line.
+struct VaryingVector {
+  enum class Of { point, bar, axis };
+  Of of = Of::point;
+  PointRef point{};
+  int joint = -1;
+
+  friend bool operator==(const VaryingVector&, const VaryingVector&) = default;
+};
+
+/// A place in the frame of a link: its coordinates, m, and where these vary the index and 1 into Layout::vectors.
+struct LinkPoint {
+  Vec2 at{};
+  int vector = 0;
+};
+
 /// One term of a position: arm exp(i turn) phi, with phi the phasor of `coordinate`, or 1 when coordinate is -1.
 struct Arm {
   int coordinate = -1;
   Vec2 arm{};    ///< of a length coordinate: arm / |arm| is meant
   int turn = 0;  ///< index into Layout::turns
+  /// Where its numbers vary, the index and 1 into Layout::vectors, negative where the vector is subtracted; else 0.
+  int vector = 0;
   /// By which the components may differ because the numbers of the scene that they are sums of are rounded.
   Vec2 rounding{half_unit * std::abs(arm.x), half_unit* std::abs(arm.y)};
   /// By which the components may be others because joints repeat others to rounding only (Layout::loosen).
@@ -100,9 +124,11 @@ struct Layout {
   std::vector<Link> links;      ///< one per body, then one per bar
   std::vector<int> tree_order;  ///< links, parents before children
   std::vector<Closure> closures;
-  std::vector<int> travel;           ///< per joint: coordinate of its travel, or -1
-  std::vector<int> redundant_angle;  ///< joints whose constant angle follows from other joints
-  std::vector<std::string> dropped;  ///< items left out of the compiled model, and why
+  std::vector<int> travel;             ///< per joint: coordinate of its travel, or -1
+  std::vector<int> redundant_angle;    ///< joints whose constant angle follows from other joints
+  VaryingNumbers varying;              ///< those that it was made for
+  std::vector<VaryingVector> vectors;  ///< that depend on them
+  std::vector<std::string> dropped;    ///< items left out of the compiled model, and why
   Vec2 anchor{};      ///< the ground point that sizes are measured from, m: the first that a joint, element, ... uses
   double size = 1.0;  ///< longest distance from the anchor through the tree to a point of a body, m
 
@@ -119,15 +145,25 @@ struct Layout {
 
   /// p_b - p_a for points given as (link, local coordinates): arms with common ancestors cancelled, sorted by
   /// coordinate and turn. Arms that differ in neither are summed exactly; a sum that no double holds remains several
-  /// arms, of which the last has the rounding of all. Equal numbers of opposite sign cancel with their rounding.
-  std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const;
+  /// arms, of which the last has the rounding of all. Equal numbers of opposite sign cancel with their rounding. Arms
+  /// whose numbers vary come behind the others of their coordinate and turn, each vector for itself.
+  std::vector<Arm> path_between(int link_a, const LinkPoint& a, int link_b, const LinkPoint& b) const;
+  std::vector<Arm> path(int link_a, Vec2 a, int link_b, Vec2 b) const { return path_between(link_a, {a}, link_b, {b}); }
+  /// From one point of a body of the scene to another, and from the world's origin.
+  std::vector<Arm> path(const Scene& scene, PointRef a, PointRef b) const {
+    return path_between(a.body, place_of(scene, a), b.body, place_of(scene, b));
+  }
+  std::vector<Arm> path_to(const Scene& scene, PointRef p) const {
+    return path_between(0, {}, p.body, place_of(scene, p));
+  }
+  LinkPoint place_of(const Scene& scene, PointRef p) const;
 
   /// The sum over the points of a force (Force::for_each_point) of their places in the world, sorted by coordinate.
   std::vector<Arm> paths_to(const Scene& scene, const Force& force) const;
 };
 
-/// Finds the structure. Throws InputError if welds and slides require contradictory angles. `also`: the same scene with
-/// other numbers, of which one may be zero here; the coordinates that matter there are kept too.
-Layout lay_out(const Scene& scene, Purpose purpose, const Scene* also = nullptr);
+/// Finds the structure. Throws InputError if welds and slides require contradictory angles. Numbers that vary count as
+/// other than zero, whatever they are in the scene: so the structure is that of the scene at all their values.
+Layout lay_out(const Scene& scene, Purpose purpose, VaryingNumbers varying = {});
 
 }  // namespace poise

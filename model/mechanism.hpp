@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/layout.hpp"
@@ -58,6 +59,11 @@ class Mechanism {
   explicit Mechanism(const Scene& scene, Purpose purpose = Purpose::statics);
   /// The same from a layout of the scene.
   Mechanism(const Scene& scene, Layout layout, Purpose purpose);
+  /// Gives all that varies (Layout::varying) the values that it has in these numbers: a Numbers<T> of the same scene,
+  /// or the SceneNumbers<T> of one that differs from it in such numbers only. Where T is a dual number all results then
+  /// have derivatives by the numbers. Laws refer to the numbers. Of a mechanism for statics.
+  template <class NumbersOfScene>
+  void set_numbers(const NumbersOfScene& numbers);
   Mechanism(const Mechanism&);
   Mechanism(Mechanism&&) noexcept;
   Mechanism& operator=(const Mechanism&);
@@ -119,8 +125,8 @@ class Mechanism {
   /// Force elements that take part; for Purpose::dynamics all, in the order of the scene.
   int elements() const { return static_cast<int>(elements_.size()); }
   /// The law of one, and the value of its measure.
-  const Law& law_of(int element) const { return elements_[element].law; }
-  void replace_law(int element, const Law& law) { elements_[element].law = law; }
+  const LawIn<T>& law_of(int element) const { return elements_[element].law; }
+  void replace_law(int element, const LawIn<T>& law) { elements_[element].law = law; }
   T measure_of(int element, Planar<T>* pose) const { return elements_[element].on.value(at(pose)); }
   /// g += the gradient of its measure, n values.
   void add_measure_gradient(int element, Planar<T>* pose, T* g) const {
@@ -168,8 +174,10 @@ class Mechanism {
   };
   struct ForceElement {
     CompiledMeasure<T> on;
-    Law law;
+    LawIn<T> law;
     TangentBlock block;
+    int element;          // of the scene
+    bool is_half_square;  // of the distance, see HalfSquareMeasure
   };
   struct LoadAt {  // a unit force at a point, for derivatives; its frame as of a follower, or -1
     PhasorSum<T> path;
@@ -180,6 +188,7 @@ class Mechanism {
     PhasorSum<T> path;
     TangentBlock block;
     Planar<T> force;               // at zero angle of its frame
+    int load;                      // index into Scene::forces
     int frame;                     // -1: fixed
     std::vector<int> frame_entry;  // tangent entry (support[i], frame)
   };
@@ -198,12 +207,19 @@ class Mechanism {
   }
   void need_scratch(int size);
   PhasorSum<T> path_to(const Scene& scene, const Force& force) const;
-  void compile_loads(const Scene& scene);
+  Arm arm_to(const Scene& scene, PointRef point) const;
+  template <class NumbersOfScene>
+  Planar<T> coefficient_of(const NumbersOfScene& numbers, PointRef point) const;
+  template <class NumbersOfScene>
+  static Planar<T> force_at_points(const NumbersOfScene& numbers, int force);
+  template <class NumbersOfScene>
+  void set_loads(const NumbersOfScene& numbers);
   void compile_closures();
-  ForceElement compiled_element(const Scene& scene, const Element& element, Purpose purpose) const;
+  ForceElement compiled_element(const Scene& scene, int element, Purpose purpose) const;
   void compile_elements(const Scene& scene, Purpose purpose);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);
+  void find_what_varies(const Scene& scene);
   void compile_load_derivatives(const Scene& scene);
   void make_jacobian_pattern();
   void make_tangent_pattern();
@@ -213,12 +229,15 @@ class Mechanism {
   std::vector<Planar<T>> load_;  // a_t
   std::vector<T> torque_;        // per coordinate
   bool has_torque_ = false;
+  std::vector<Planar<T>> carried_;  // by each link, while loads are summed up; kept where they vary
+  bool loads_vary_ = false;
   // Closures in compressed rows; entry_own / entry_frame: place of the x row's Jacobian entry, y row next to it.
   std::vector<int> closure_first_;
   std::vector<int> closure_coordinate_;
   std::vector<Planar<T>> closure_coefficient_;
   std::vector<Planar<T>> closure_constant_;
   std::vector<int> closure_own_, closure_frame_, closure_row_;
+  std::vector<std::pair<int, PhasorSum<T>>> varying_closures_;
   std::vector<ConstraintBlock> blocks_;
   int equalities_ = 0;
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
@@ -230,6 +249,8 @@ class Mechanism {
   std::vector<std::string> follower_names_;
   std::vector<Limit> stops_;
   std::vector<T> lower_, upper_;
+  std::vector<int> varying_limits_;  // stops of which a limit varies
+  std::vector<char> varying_laws_;   // per force element, empty where none varies
   std::vector<int> jacobian_row_, jacobian_column_;
   std::vector<int> tangent_row_, tangent_column_;
   std::vector<int> slide_entry_, slide_transposed_;  // per length: tangent entry (length, frame) and (frame, length)

@@ -5,7 +5,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include "model/couplings.hpp"
+#include "model/gas_struts.hpp"
 #include "model/mechanism.hpp"
+#include "model/plain_value.hpp"
+#include "model/scene_numbers.hpp"
 
 namespace poise {
 
@@ -16,12 +20,15 @@ template <class T>
 Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose)
     : layout_(std::move(layout)),
       phasors_(layout_, !scene.elements.empty() || !scene.stops.empty() || !scene.drives.empty()) {
-  compile_loads(scene);
+  load_.assign(coordinates(), {});
+  torque_.assign(coordinates(), T(0));
+  set_loads(SceneNumbers<T>(scene));
   compile_closures();
   compile_elements(scene, purpose);
   compile_followers(scene);
   compile_stops(scene);
   if (purpose == Purpose::dynamics) compile_load_derivatives(scene);
+  find_what_varies(scene);
   make_jacobian_pattern();
   make_tangent_pattern();
 }
@@ -54,41 +61,73 @@ PhasorSum<T> Mechanism<T>::path_to(const Scene& scene, const Force& force) const
   return {phasors_, layout_.paths_to(scene, force)};
 }
 
+template <class T>
+Arm Mechanism<T>::arm_to(const Scene& scene, PointRef point) const {
+  const Link& link = layout_.links[point.body];
+  const LinkPoint place = layout_.place_of(scene, point);
+  return {link.frame, place.at, link.turn, place.vector};
+}
+
+// Of a scene's own numbers what the layout is made of, with its rounding.
+template <class T>
+template <class NumbersOfScene>
+Planar<T> Mechanism<T>::coefficient_of(const NumbersOfScene& numbers, PointRef point) const {
+  return phasors_.coefficient(arm_to(numbers.scene(), point));
+}
+
+// What acts at each of the points of a force, in the frame of what it follows.
+template <class T>
+template <class NumbersOfScene>
+Planar<T> Mechanism<T>::force_at_points(const NumbersOfScene& numbers, int force) {
+  const Force& of = numbers.scene().forces[force];
+  const Planar<T> vector = numbers.force(force);
+  if (!of.to) return vector;
+  return T(norm(numbers.point(*of.to) - numbers.point(of.at)) / T(2)) * vector;
+}
+
 // Every dead force F at p does the work Re(conj(F) p): summed over the tree, all of them become one number per phasor.
 template <class T>
-void Mechanism<T>::compile_loads(const Scene& scene) {
-  load_.assign(coordinates(), {});
-  torque_.assign(coordinates(), T(0));
-  std::vector<Planar<T>> carried(layout_.links.size());
-  const auto add = [&](const Arm& arm, const Planar<T>& force) {
-    if (arm.coordinate < 0 || arm.coordinate >= coordinates()) return;
-    load_[arm.coordinate] += conj(force) * phasors_.coefficient(arm);
-  };
-  const auto apply = [&](int body, Vec2 at, const Planar<T>& force) {
-    carried[body] += force;
-    add({layout_.links[body].frame, at, layout_.links[body].turn}, force);
+template <class NumbersOfScene>
+void Mechanism<T>::set_loads(const NumbersOfScene& numbers) {
+  const Scene& scene = numbers.scene();
+  std::fill(load_.begin(), load_.end(), Planar<T>{});
+  std::fill(torque_.begin(), torque_.end(), T(0));
+  carried_.assign(layout_.links.size(), {});
+  const auto add_at = [&](int coordinate, const Planar<T>& coefficient, const Planar<T>& force) {
+    if (coordinate < 0 || coordinate >= coordinates()) return;
+    load_[coordinate] += conj(force) * coefficient;
   };
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    const Body& body = scene.bodies[i];
-    if (body.mass != 0) {
-      apply(static_cast<int>(i), body.center, static_cast<T>(body.mass) * planar_cast<T>(scene.gravity));
+    const int body = static_cast<int>(i);
+    if (scene.bodies[i].mass == 0 && !layout_.varying.has_mass(body)) continue;
+    const Planar<T> weight = T(numbers.mass(body)) * numbers.gravity();
+    const Link& link = layout_.links[i];
+    carried_[i] += weight;
+    if (layout_.varying.has_center(body)) {
+      add_at(link.frame, numbers.center(body) * phasors_.turned(link.turn), weight);
+    } else {
+      add_at(link.frame, phasors_.coefficient({link.frame, scene.bodies[i].center, link.turn}), weight);
     }
   }
-  for (const Force& force : scene.forces) {
+  for (std::size_t f = 0; f < scene.forces.size(); ++f) {
+    const Force& force = scene.forces[f];
     if (force.follows >= 0) continue;
-    const Planar<T> share = scene.share_at_points<T>(force) * planar_cast<T>(force.vector);
-    force.for_each_point([&](PointRef point) { apply(point.body, scene.local(point), share); });
+    const Planar<T> share = force_at_points(numbers, static_cast<int>(f));
+    force.for_each_point([&](PointRef point) {
+      carried_[point.body] += share;
+      add_at(layout_.links[point.body].frame, coefficient_of(numbers, point), share);
+    });
   }
   for (auto it = layout_.tree_order.rbegin(); it != layout_.tree_order.rend(); ++it) {
     const Link& link = layout_.links[*it];
     if (link.parent < 0) continue;
-    for (const Arm& arm : link.arms) add(arm, carried[*it]);
-    carried[link.parent] += carried[*it];
+    for (const Arm& arm : link.arms) add_at(arm.coordinate, phasors_.coefficient(arm), carried_[*it]);
+    carried_[link.parent] += carried_[*it];
   }
-  for (const Torque& torque : scene.torques) {
-    const int k = layout_.links[torque.body].frame;
+  for (std::size_t t = 0; t < scene.torques.size(); ++t) {
+    const int k = layout_.links[scene.torques[t].body].frame;
     if (k < 0 || k >= coordinates()) continue;
-    torque_[k] += static_cast<T>(torque.value);
+    torque_[k] += T(numbers.torque(static_cast<int>(t)));
     has_torque_ = true;
   }
 }
@@ -100,6 +139,7 @@ void Mechanism<T>::compile_closures() {
     std::vector<Arm> arms = closure.arms;
     std::stable_sort(arms.begin(), arms.end(), [](const Arm& l, const Arm& r) { return l.coordinate < r.coordinate; });
     const PhasorSum<T> gap(phasors_, arms);
+    if (gap.varies()) varying_closures_.emplace_back(closures(), gap);
     closure_constant_.push_back(gap.constant());
     const int first = static_cast<int>(jacobian_row_.size());
     const int row = equalities_;
@@ -123,22 +163,32 @@ void Mechanism<T>::compile_closures() {
 // In statics a spring of free length zero is smooth where its points coincide; derivatives by its numbers, which motion
 // needs, are those of the distance.
 template <class T>
-typename Mechanism<T>::ForceElement Mechanism<T>::compiled_element(const Scene& scene, const Element& element,
+typename Mechanism<T>::ForceElement Mechanism<T>::compiled_element(const Scene& scene, int index,
                                                                    Purpose purpose) const {
+  const Element& element = scene.elements[index];
   const auto* spring = std::get_if<LinearSpring>(&element.law);
-  if (purpose == Purpose::statics && spring != nullptr && element.on.kind == Measure::Kind::distance &&
-      spring->free_length == 0.0 && spring->acts != LinearSpring::Acts::compression) {
-    return {
-        CompiledMeasure<T>::half_square(scene, layout_, phasors_, element.on), ConstantForce{spring->stiffness}, {}};
+  const bool is_half_square = purpose == Purpose::statics && spring != nullptr &&
+                              element.on.kind == Measure::Kind::distance && spring->free_length == 0.0 &&
+                              spring->acts != LinearSpring::Acts::compression &&
+                              !layout_.varying.has({Owner::element, index, 0, 1});
+  if (is_half_square) {
+    return {CompiledMeasure<T>::half_square(scene, layout_, phasors_, element.on),
+            law_in<T>(ConstantForce{spring->stiffness}),
+            {},
+            index,
+            true};
   }
-  return {{scene, layout_, phasors_, element.on}, element.law, {}};
+  return {{scene, layout_, phasors_, element.on}, law_in<T>(element.law), {}, index, false};
 }
 
 template <class T>
 void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
-  for (const Element& element : scene.elements) {
-    ForceElement compiled = compiled_element(scene, element, purpose);
-    const bool acts = stores_energy(element.law) && idle(element.law).empty() && !compiled.on.support().empty();
+  for (std::size_t k = 0; k < scene.elements.size(); ++k) {
+    const Element& element = scene.elements[k];
+    const int index = static_cast<int>(k);
+    ForceElement compiled = compiled_element(scene, index, purpose);
+    const bool may_act = idle(element.law).empty() || layout_.varying.has_any(Owner::element, index);
+    const bool acts = stores_energy(element.law) && may_act && !compiled.on.support().empty();
     if (!acts && purpose == Purpose::statics) continue;
     need_scratch(compiled.on.scratch_size());
     if (resists_motion(element.law)) {
@@ -151,11 +201,15 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
 
 template <class T>
 void Mechanism<T>::compile_followers(const Scene& scene) {
-  for (const Force& f : scene.forces) {
-    if (f.follows < 0 || (f.vector.x == 0 && f.vector.y == 0)) continue;
+  const SceneNumbers<T> numbers(scene);
+  for (std::size_t k = 0; k < scene.forces.size(); ++k) {
+    const Force& f = scene.forces[k];
+    const int index = static_cast<int>(k);
+    const bool acts = f.vector.x != 0 || f.vector.y != 0 || layout_.varying.has_any(Owner::force, index);
+    if (f.follows < 0 || !acts) continue;
     const Link& carrier = layout_.links[f.follows];
-    const Planar<T> share = scene.share_at_points<T>(f) * planar_cast<T>(f.vector);
-    Follower follower{path_to(scene, f), {}, share * phasors_.turned(carrier.turn), carrier.frame, {}};
+    const Planar<T> share = force_at_points(numbers, index);
+    Follower follower{path_to(scene, f), {}, share * phasors_.turned(carrier.turn), index, carrier.frame, {}};
     need_scratch(follower.path.size());
     followers_.push_back(std::move(follower));
     follower_names_.push_back(f.name);
@@ -169,6 +223,72 @@ void Mechanism<T>::compile_stops(const Scene& scene) {
     need_scratch(stops_.back().on.scratch_size());
     lower_.push_back(static_cast<T>(s.min));
     upper_.push_back(static_cast<T>(s.max));
+  }
+}
+
+// Sums without numbers that vary leave set_numbers() nothing to do.
+template <class T>
+void Mechanism<T>::find_what_varies(const Scene& scene) {
+  const VaryingNumbers& varying = layout_.varying;
+  if (varying.empty()) {
+    carried_ = std::vector<Planar<T>>();
+    return;
+  }
+  for (const Owner owner : {Owner::scene, Owner::force, Owner::torque, Owner::body, Owner::point, Owner::joint}) {
+    loads_vary_ = loads_vary_ || varying.has_some(owner);
+  }
+  loads_vary_ = loads_vary_ || !layout_.vectors.empty();
+  for (const ForceElement& e : elements_) varying_laws_.push_back(varying.has_any(Owner::element, e.element));
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    const int index = static_cast<int>(s);
+    const CouplingKind* const kind = coupling_kind(stop);
+    const int strut = strut_of(scene, stop);
+    const bool varies = strut >= 0        ? varying.has_any(Owner::element, strut)
+                        : kind != nullptr ? varying.has_any(Owner::coupling, index - kind->row)
+                                          : varying.has_any(Owner::stop, index);
+    if (varies) varying_limits_.push_back(index);
+  }
+}
+
+template <class T>
+template <class NumbersOfScene>
+void Mechanism<T>::set_numbers(const NumbersOfScene& numbers) {
+  if (layout_.varying.empty()) return;
+  const Scene& scene = numbers.scene();
+  phasors_.set_numbers(numbers);
+  if (loads_vary_) set_loads(numbers);
+  for (auto& [closure, gap] : varying_closures_) {
+    gap.set_numbers(phasors_);
+    closure_constant_[closure] = gap.constant();
+    auto coefficient = closure_coefficient_.begin() + closure_first_[closure];
+    for (const auto& term : gap.terms()) *coefficient++ = term.coefficient;
+  }
+  for (std::size_t k = 0; k < elements_.size(); ++k) {
+    ForceElement& e = elements_[k];
+    e.on.set_numbers(numbers, phasors_, scene.elements[e.element].on, -1);
+    if (!varying_laws_[k]) continue;
+    numbers.with_law(e.element, [&](const auto& law) {
+      if constexpr (requires { law.stiffness; }) {
+        if (e.is_half_square) {
+          e.law = ConstantForceOf<NumberOfLaw<T>>{law.stiffness};
+          return;
+        }
+      }
+      e.law = law;
+    });
+  }
+  for (Follower& follower : followers_) {
+    follower.path.set_numbers(phasors_);
+    follower.force = force_at_points(numbers, follower.load) *
+                     phasors_.turned(layout_.links[scene.forces[follower.load].follows].turn);
+  }
+  for (std::size_t s = 0; s < stops_.size(); ++s) {
+    stops_[s].on.set_numbers(numbers, phasors_, scene.stops[s].on, static_cast<int>(s));
+  }
+  for (const int s : varying_limits_) {
+    lower_[s] = numbers.limit(s, false);
+    upper_[s] = numbers.limit(s, true);
   }
 }
 
@@ -360,14 +480,14 @@ void Mechanism<T>::tangent(Planar<T>* pose, const T* multiplier, T* values) cons
   for (const ForceElement& e : elements_) {
     if (!stores_energy(e.law)) continue;
     const LawForce<T> force = force_at_rest(e.law, e.on.value(here));
-    if (force.value == 0 && force.by_measure == 0) continue;
+    if (is_just(force.value, 0.0) && is_just(force.by_measure, 0.0)) continue;
     e.on.curvature(here, force.value, force.by_measure,
                    [&](int i, int j, const T& value) { e.block.add(i, j, value, values); });
   }
   for (int s = 0; s < stops(); ++s) {
     const Limit& stop = stops_[s];
     const T& push = multiplier[stop_row(s)];
-    if (push == 0) continue;
+    if (is_just(push, 0.0)) continue;
     stop.on.curvature(here, push, T(0), [&](int i, int j, const T& value) { stop.block.add(i, j, value, values); });
   }
   for (const Follower& f : followers_) {

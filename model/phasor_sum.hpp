@@ -30,6 +30,10 @@ class PhasorSum {
   /// Arms of one coordinate must be consecutive. Dropped coordinates have their start value.
   PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms);
 
+  /// Takes its coefficients again from phasors whose numbers have been set. Its support stays.
+  void set_numbers(const Phasors<T>& phasors);
+  bool varies() const { return !arms_.empty(); }
+
   const std::vector<Term>& terms() const { return terms_; }
   const Planar<T>& constant() const { return constant_; }
   /// Coordinates that change it, sorted.
@@ -112,23 +116,19 @@ class PhasorSum {
   }
 
  private:
+  // add(coordinate, coefficient), of a constant -1, for every arm.
+  template <class Add>
+  static void for_each_arm(const Phasors<T>& phasors, const std::vector<Arm>& arms, Add add);
+
   std::vector<Term> terms_;
   Planar<T> constant_{};
   std::vector<int> support_;
+  std::vector<Arm> arms_;  // where some vary
 };
 
 template <class T>
-PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms) {
-  terms_.reserve(arms.size());
-  const auto add = [&](int coordinate, const Planar<T>& c) {
-    if (coordinate < 0) {
-      constant_ += c;
-    } else if (!terms_.empty() && terms_.back().coordinate == coordinate) {
-      terms_.back().coefficient += c;
-    } else {
-      terms_.push_back({coordinate, -1, -1, c});
-    }
-  };
+template <class Add>
+void PhasorSum<T>::for_each_arm(const Phasors<T>& phasors, const std::vector<Arm>& arms, Add add) {
   for (const Arm& arm : arms) {
     Planar<T> c = phasors.coefficient(arm);
     int t = arm.coordinate;
@@ -143,6 +143,21 @@ PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms)
     }
     add(t, c);
   }
+}
+
+template <class T>
+PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms) {
+  terms_.reserve(arms.size());
+  for_each_arm(phasors, arms, [&](int coordinate, const Planar<T>& c) {
+    if (coordinate < 0) {
+      constant_ += c;
+    } else if (!terms_.empty() && terms_.back().coordinate == coordinate) {
+      terms_.back().coefficient += c;
+    } else {
+      terms_.push_back({coordinate, -1, -1, c});
+    }
+  });
+  if (std::any_of(arms.begin(), arms.end(), [&](const Arm& arm) { return phasors.varies(arm); })) arms_ = arms;
   support_.reserve(terms_.size());
   for (const Term& term : terms_) {
     support_.push_back(term.coordinate);
@@ -157,6 +172,22 @@ PhasorSum<T>::PhasorSum(const Phasors<T>& phasors, const std::vector<Arm>& arms)
     term.own_slot = slot(term.coordinate);
     if (phasors.frame(term.coordinate) >= 0) term.frame_slot = slot(phasors.frame(term.coordinate));
   }
+}
+
+template <class T>
+void PhasorSum<T>::set_numbers(const Phasors<T>& phasors) {
+  if (arms_.empty()) return;
+  constant_ = {};
+  for (Term& term : terms_) term.coefficient = {};
+  std::size_t known = 0;  // terms so far, which come in the order in which they were made
+  for_each_arm(phasors, arms_, [&](int coordinate, const Planar<T>& c) {
+    if (coordinate < 0) {
+      constant_ += c;
+      return;
+    }
+    if (known == 0 || terms_[known - 1].coordinate != coordinate) ++known;
+    terms_[known - 1].coefficient += c;
+  });
 }
 
 }  // namespace poise

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 #include "model/layout.hpp"
@@ -31,8 +33,19 @@ class Phasors {
       is_angle_.push_back(c.kind == Coordinate::Kind::angle);
       any_frame_.push_back(c.frame);
     }
-    for (const Turn& turn : layout.turns) turned_.push_back(unit(turn.to<T>()));
+    for (std::size_t k = 0; k < layout.turns.size(); ++k) {
+      const Turn& turn = layout.turns[k];
+      turns_.push_back(turn.to<T>());
+      turned_.push_back(unit(turns_.back()));
+      if (!turn.varying.empty()) varying_turns_.push_back({static_cast<int>(k), turn.fixed.to<T>(), turn.varying});
+    }
+    varying_vectors_ = layout.vectors;
   }
+
+  /// Takes what varies (Layout::varying) from these numbers, of the scalar T, in place of those that the layout was
+  /// made of. Does not allocate after the first time.
+  template <class NumbersOfScene>
+  void set_numbers(const NumbersOfScene& numbers);
 
   int coordinates() const { return static_cast<int>(frame_.size()); }
   int angles() const { return angles_; }
@@ -80,10 +93,22 @@ class Phasors {
   bool is_angle(int t) const { return is_angle_[t]; }
   int any_frame(int t) const { return any_frame_[t]; }
 
-  /// exp(i turn) of an index into Layout::turns.
+  /// The angle of an index into Layout::turns, and whether it varies; exp(i turn).
+  const T& turn(int turn) const { return turns_[turn]; }
+  bool turn_varies(int turn) const {
+    return std::any_of(varying_turns_.begin(), varying_turns_.end(),
+                       [&](const VaryingTurn& one) { return one.turn == turn; });
+  }
+  /// Whether the coefficient of an arm varies.
+  bool varies(const Arm& arm) const { return arm.vector != 0 || turn_varies(arm.turn); }
   const Planar<T>& turned(int turn) const { return turned_[turn]; }
   /// Coefficient  arm exp(i turn)  of an arm's phasor; along a length it is a unit vector.
   Planar<T> coefficient(const Arm& arm) const {
+    if (arm.vector != 0 && !vectors_.empty()) {
+      const Planar<T>& vector = vectors_[static_cast<std::size_t>(std::abs(arm.vector)) - 1];
+      const Planar<T> c = arm.vector > 0 ? vector : -vector;
+      return arm.turn == 0 ? c : c * turned_[arm.turn];
+    }
     const bool along = arm.coordinate >= 0 && !is_angle(arm.coordinate);
     Planar<T> c =
         along ? direction<T>(arm.arm)
@@ -108,8 +133,38 @@ class Phasors {
   std::vector<T> start_;
   std::vector<char> is_angle_;
   std::vector<int> any_frame_;
+  std::vector<T> turns_;
   std::vector<Planar<T>> turned_;
+  struct VaryingTurn {
+    int turn;
+    T fixed;
+    std::vector<int> joints;  // as Turn::varying
+  };
+  std::vector<VaryingTurn> varying_turns_;
+  std::vector<VaryingVector> varying_vectors_;
+  std::vector<Planar<T>> vectors_;  // of these, once numbers are set
 };
+
+template <class T>
+template <class NumbersOfScene>
+void Phasors<T>::set_numbers(const NumbersOfScene& numbers) {
+  for (const VaryingTurn& one : varying_turns_) {
+    T sum = one.fixed;
+    for (const int joint : one.joints) {
+      const T angle = numbers.kept_by(std::abs(joint) - 1);
+      sum = joint > 0 ? T(sum + angle) : T(sum - angle);
+    }
+    turned_[one.turn] = unit(sum);
+    turns_[one.turn] = sum;
+  }
+  vectors_.resize(varying_vectors_.size());
+  for (std::size_t k = 0; k < vectors_.size(); ++k) {
+    const VaryingVector& one = varying_vectors_[k];
+    vectors_[k] = one.of == VaryingVector::Of::point ? numbers.point(one.point)
+                  : one.of == VaryingVector::Of::bar ? Planar<T>{numbers.kept_by(one.joint), T(0)}
+                                                     : numbers.axis(one.joint);
+  }
+}
 
 template <class T>
 void Phasors<T>::first(const Planar<T>* pose, const T* u, Planar<T>* out) const {

@@ -51,7 +51,7 @@ Forces forces_at(const MotionModel& model, double t, const std::vector<double>& 
                  const std::vector<double>& a) {
   const Scene& scene = model.scene();
   if (scene.time_functions.empty()) return forces_of(model, x, v, a, scene.drives);
-  const MotionModel then(at_time(scene, t), model.scales(), &scene);
+  const MotionModel then(at_time(scene, t), model.scales(), loads_in_time(scene));
   return forces_of(then, x, v, a, scene.drives);
 }
 

@@ -39,7 +39,7 @@ LoadsInMotion loads_in_motion(const MotionModel& model, const MotionState& start
     return model.from_si({first, first + static_cast<std::ptrdiff_t>(n)});
   };
   const std::vector<double> x = values(path.q);
-  const MotionModel then(at_time(model.scene(), time), model.scales(), &model.scene());
+  const MotionModel then(at_time(model.scene(), time), model.scales(), loads_in_time(model.scene()));
   out.forces = forces_of(then, x, values(path.v), values(path.a), then.scene().drives);
   out.poses = model.poses(x);
   out.links = link_loads(then.scene(), out.poses, in_motion(then.scene(), out.forces));

@@ -10,8 +10,8 @@ class MotionModel : public ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.
   explicit MotionModel(Scene scene);
-  /// The same in given units, which models that differ in masses or stiffnesses can share; `also` as for lay_out().
-  MotionModel(Scene scene, const Scales& scales, const Scene* also = nullptr);
+  /// The same in given units, which models that differ in masses or stiffnesses can share; `varying` as for lay_out().
+  MotionModel(Scene scene, const Scales& scales, const VaryingNumbers& varying = {});
 
   const Scene& scaled_scene() const { return scaled_; }        ///< measured in scales()
   const Inertia<double>& inertia() const { return inertia_; }  ///< of the scaled scene
@@ -20,5 +20,9 @@ class MotionModel : public ScaledModel {
   Scene scaled_;
   Inertia<double> inertia_;
 };
+
+/// The loads of a scene that follow functions of time, but for such as are always zero: models of the scene at its
+/// times that are made for these have the same coordinates.
+VaryingNumbers loads_in_time(const Scene& scene);
 
 }  // namespace poise

@@ -64,6 +64,17 @@ void add_changes_of_springs(const Scene& before, const BodyPoses& from, const Sc
   }
 }
 
+// Whether a point of one is a point of the other.
+bool have_same_coordinates(const Layout& a, const Layout& b) {
+  if (a.kept != b.kept) return false;
+  for (int i = 0; i < a.kept; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Coordinate &one = a.coordinates[at], &other = b.coordinates[at];
+    if (one.kind != other.kind || one.name != other.name) return false;
+  }
+  return true;
+}
+
 // Travels depend on the places of points, which may change.
 Scene starting_as(Scene scene, const Scene& other) {
   scene.start = other.start;
@@ -122,7 +133,8 @@ struct Stepped {
  private:
   bool in_one(const Scene& here, const Scene& there, const std::vector<int>& active_stops) {
     const StaticModel to(there);
-    const StaticModel from(here, to.scales(), &there);
+    const StaticModel from(here, to.scales());
+    if (!have_same_coordinates(from.layout(), to.layout())) return false;
     const auto x = followed_in_one_step(from, from.start(), active_stops, to);
     if (!x) return false;
     poses = to.poses(*x);

@@ -174,9 +174,8 @@ class PathFinder {
 
   // The assembled start of the scene, driven to the first value in steps.
   std::vector<double> driven_start(const StaticModel& first) {
-    Scene released = varied_.scene();
-    released.stops.pop_back();
-    const ScaledModel plain(released, Purpose::statics, varied_.scales(), &first.scene());
+    // The stop that holds it has no limits there.
+    const ScaledModel plain(varied_.scene(), Purpose::statics, varied_.scales(), varied_.varying());
     const Mobility mobility = analyse_mobility(plain);
     expect_closed(plain, mobility);
     std::vector<double> x = mobility.x;

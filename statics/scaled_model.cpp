@@ -6,15 +6,16 @@
 namespace poise {
 
 ScaledModel::ScaledModel(Scene scene, Purpose purpose)
-    : scene_(std::move(scene)), mechanism_(compiled(purpose, std::nullopt, nullptr)) {}
+    : scene_(std::move(scene)), mechanism_(compiled(purpose, std::nullopt, {})) {}
 
-ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales, const Scene* also)
-    : scene_(std::move(scene)), mechanism_(compiled(purpose, scales, also)) {}
+ScaledModel::ScaledModel(Scene scene, Purpose purpose, const Scales& scales, const VaryingNumbers& varying)
+    : scene_(std::move(scene)), mechanism_(compiled(purpose, scales, varying)) {}
 
 // One layout determines the scales and, measured in them, is used to compile the scaled scene. Large scenes are scaled
 // in place and back, which is exact with powers of two, instead of being copied.
-Mechanism<double> ScaledModel::compiled(Purpose purpose, const std::optional<Scales>& scales, const Scene* also) {
-  Layout layout = lay_out(scene_, purpose, also);
+Mechanism<double> ScaledModel::compiled(Purpose purpose, const std::optional<Scales>& scales,
+                                        const VaryingNumbers& varying) {
+  Layout layout = lay_out(scene_, purpose, varying);
   scales_ = scales ? *scales : choose_scales(scene_, layout.size);
   layout.scale_lengths(scales_.per_length());
   scale(scene_, scales_);

@@ -16,8 +16,8 @@ class ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.
   ScaledModel(Scene scene, Purpose purpose);
-  /// The same in given units, which models that differ in loads or masses can share; `also` as for lay_out().
-  ScaledModel(Scene scene, Purpose purpose, const Scales& scales, const Scene* also = nullptr);
+  /// The same in given units, which models that differ in loads or masses can share; `varying` as for lay_out().
+  ScaledModel(Scene scene, Purpose purpose, const Scales& scales, const VaryingNumbers& varying = {});
   ScaledModel(const ScaledModel&) = delete;
   ScaledModel& operator=(const ScaledModel&) = delete;
 
@@ -37,7 +37,7 @@ class ScaledModel {
 
  private:
   std::vector<BodyPose<double>> in_si(std::vector<BodyPose<double>> poses) const;
-  Mechanism<double> compiled(Purpose purpose, const std::optional<Scales>& scales, const Scene* also);
+  Mechanism<double> compiled(Purpose purpose, const std::optional<Scales>& scales, const VaryingNumbers& varying);
 
   Scene scene_;
   Scales scales_;

@@ -9,8 +9,8 @@ namespace poise {
 StaticModel::StaticModel(Scene scene)
     : ScaledModel(at_time(std::move(scene), 0.0), Purpose::statics), problem_(mechanism()) {}
 
-StaticModel::StaticModel(Scene scene, const Scales& scales, const Scene* also)
-    : ScaledModel(at_time(std::move(scene), 0.0), Purpose::statics, scales, also), problem_(mechanism()) {}
+StaticModel::StaticModel(Scene scene, const Scales& scales, const VaryingNumbers& varying)
+    : ScaledModel(at_time(std::move(scene), 0.0), Purpose::statics, scales, varying), problem_(mechanism()) {}
 
 StaticModel::~StaticModel() = default;
 

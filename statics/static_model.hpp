@@ -18,8 +18,8 @@ class StaticModel : public ScaledModel {
   StaticModel(const StaticModel&) = delete;
   StaticModel& operator=(const StaticModel&) = delete;
   ~StaticModel();
-  /// The same in given units; `also` as for lay_out().
-  StaticModel(Scene scene, const Scales& scales, const Scene* also = nullptr);
+  /// The same in given units; `varying` as for lay_out().
+  StaticModel(Scene scene, const Scales& scales, const VaryingNumbers& varying = {});
 
   /// The scene measured in scales(), made anew by every call.
   Scene scaled_scene() const { return scaled(scene(), scales()); }

@@ -1,12 +1,13 @@
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <vector>
 
 #include <ceres/jet.h>
 
+#include "model/second_dual.hpp"
 #include "solvers/parametric_problem.hpp"
+#include "statics/varied_numbers.hpp"
 #include "statics/varied_scene.hpp"
 
 namespace poise {
@@ -14,11 +15,13 @@ namespace poise {
 /// A scene of which one number varies, compiled for given states of its one-way springs, which act both ways or not at
 /// all. Rows of c: closures, stops of VariedScene::scene_at() (a driven measure is the last of them), then the measure
 /// of each one-way spring, whose lower bound is its free length. The parameter is 0 at VariedScene::from() and 1 at
-/// to(). Scaled units.
+/// to(). Scaled units. Derivatives are exact: the mechanism is evaluated in dual numbers, of the coordinates and of all
+/// numbers of the scene.
 class VariedMechanism final : public solvers::ParametricProblem {
  public:
-  /// `acts`: one per one_way_springs(). `varied` must outlive this.
+  /// `acts`: one per one_way_springs().
   VariedMechanism(const VariedScene& varied, const std::vector<char>& acts);
+  ~VariedMechanism() override;
 
   /// Indices of Scene::elements.
   static std::vector<int> one_way_springs(const Scene& scene);
@@ -36,36 +39,24 @@ class VariedMechanism final : public solvers::ParametricProblem {
               std::span<double> tangent) override;
 
  private:
-  using Dual = ceres::Jet<double, 1>;
-  // Compiled at one value of the parameter.
-  struct Piece {
-    double p = 0.0;
-    std::unique_ptr<ScaledModel> model;
-    std::unique_ptr<Mechanism<Dual>> dual;  // made when first needed
-    std::vector<Planar<double>> pose;
-    std::vector<Planar<Dual>> dual_pose;
-  };
-  Piece compiled(double p) const;
-  // They have the same coordinates and entries.
-  static bool alike(const Piece& a, const Piece& b);
-  Piece& at(double p);
-  void make_dual(Piece& piece) const;
+  // The mechanism, and all numbers, in the scalar T.
   template <class T>
-  void fill(const Mechanism<T>& m, std::vector<Planar<T>>& pose, const T* x, T* values) const;
-  void plain(double p, std::span<const double> x, std::vector<double>& values);
-  // Of two compiled pieces:  f(p) = f_a + (p - a) / (b - a) (f_b - f_a).
-  double share(double p) const { return (p - first_.p) / (second_.p - first_.p); }
+  struct Evaluation;
+  using Dual = ceres::Jet<double, 1>;
 
-  const VariedScene& varied_;
-  std::vector<int> one_way_;
-  std::vector<char> acts_;
-  bool affine_ = false;
-  Piece first_, second_;      // of an affine parameter
-  std::deque<Piece> recent_;  // of others
+  template <class T>
+  Evaluation<T>& in(std::unique_ptr<Evaluation<T>>& evaluation) const;
+  template <class T>
+  void fill(Evaluation<T>& at, const T& p, T* values) const;
+
+  VariedNumbers numbers_;
+  Layout layout_;
   int n_ = 0, equalities_ = 0, rows_ = 0;
   bool symmetric_ = true;
   solvers::Pattern jacobian_pattern_, tangent_pattern_;
-  std::vector<double> at_first_, at_second_, stencil_[4], tangents_[2];
+  std::unique_ptr<Evaluation<double>> plain_;
+  std::unique_ptr<Evaluation<Dual>> by_p_;           // made when first needed
+  std::unique_ptr<Evaluation<SecondDual>> changes_;  // the same
 };
 
 }  // namespace poise

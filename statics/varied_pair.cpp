@@ -43,6 +43,9 @@ VariedScene second_number(const Scene& scene, const VariedNumber& first, const V
 
 VariedPair::VariedPair(const Scene& scene, const VariedNumber& first, const VariedNumber& second)
     : second_(second_number(scene, first, second)),
-      first_(second_.scene_at(second_.generic()), first.name, first.from, first.to) {}
+      first_(second_.scene_at(second_.generic()), first.name, first.from, first.to) {
+  first_.vary_with(second_);
+  second_.vary_with(first_);
+}
 
 }  // namespace poise

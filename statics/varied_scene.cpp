@@ -154,16 +154,15 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (is_named) set_value(there, name_, end);  // with all that follows in its range
   }
   try {
-    // Derivatives by a named number are taken around each value, so that expressions need values beyond the ends too.
-    constexpr double beyond = 0.004;
-    scene_at(is_named ? value_at(-beyond) : from_);
-    scene_at(is_named ? value_at(1.0 + beyond) : to_);
+    scene_at(from_);
+    scene_at(to_);
   } catch (const InputError& error) {
     fail(error.what());  // limits of a stop that change places, say
   }
   // Units of the scene as it is at some value at which nothing is zero.
   const Scene somewhere = scene_at(generic());
   scales_ = ScaledModel(somewhere, Purpose::statics).scales();
+  find_courses();
 }
 
 VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_("the change"), from_(0.0), to_(1.0) {
@@ -211,6 +210,7 @@ VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_(
             (places_.size() == 1 && enters_affinely(scene_, places_[0]));
   other_ = std::make_shared<const Scene>(std::move(to));
   scales_ = ScaledModel(scene_at(generic()), Purpose::statics).scales();
+  find_courses();
 }
 
 VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
@@ -220,8 +220,46 @@ VariedScene VariedScene::in(Scene scene, const VariedScene& like) const {
   for (std::size_t k = 0; k < places_.size(); ++k)
     out.whole_[k] = poise::value_at(out.scene_, places_[k]).value_or(0.0);
   out.scales_ = like.scales_;
-  out.structure_ = like.structure_ ? like.structure_ : std::make_shared<const Scene>(like.scene_at(like.generic()));
+  out.find_courses();
   return out;
+}
+
+void VariedScene::find_courses() {
+  courses_.clear();
+  vector_courses_.clear();
+  const int last_stop = static_cast<int>(scene_.stops.size()) - 1;
+  if (driven_) courses_ = {{{Owner::stop, last_stop, 0, 0}, from_, to_}, {{Owner::stop, last_stop, 0, 1}, from_, to_}};
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const ParameterPlace& place = places_[k];
+    if (other_ && place.owner == Owner::force) {
+      vector_courses_.push_back({place.item, scene_.forces[place.item].vector, other_->forces[place.item].vector});
+    } else if (other_) {
+      courses_.push_back(
+          {place, poise::value_at(scene_, place).value_or(0.0), poise::value_at(*other_, place).value_or(0.0)});
+    } else {
+      const double unit = name_ == "loads" ? whole_[k] : 1.0;
+      courses_.push_back({place, from_ * unit, to_ * unit});
+    }
+  }
+  varying_ = VaryingNumbers(scene_, varying_rows());
+}
+
+Scene VariedScene::reference_scene() const {
+  if (other_) return scene_at(0.0);
+  return !places_.empty() && places_[0].owner == Owner::number ? scene_at(generic()) : scene_;
+}
+
+std::vector<ParameterPlace> VariedScene::varying_rows() const {
+  std::vector<ParameterPlace> out = others_;
+  for (const Course& course : courses_) out.push_back(course.place);
+  for (const VectorCourse& course : vector_courses_) out.push_back({Owner::force, course.force});
+  return out;
+}
+
+void VariedScene::vary_with(const VariedScene& other) {
+  const std::vector<ParameterPlace> rows = other.varying_rows();
+  others_.insert(others_.end(), rows.begin(), rows.end());
+  varying_ = VaryingNumbers(scene_, varying_rows());
 }
 
 double VariedScene::excess() const {
@@ -262,8 +300,7 @@ Scene VariedScene::scene_at(double value) const {
 }
 
 std::unique_ptr<StaticModel> VariedScene::model_at(double value) const {
-  const Scene also = generic_scene();
-  return std::make_unique<StaticModel>(scene_at(value), scales_, &also);
+  return std::make_unique<StaticModel>(scene_at(value), scales_, varying_);
 }
 
 }  // namespace poise

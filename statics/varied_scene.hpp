@@ -8,6 +8,7 @@
 #include "model/dimension.hpp"
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
+#include "model/varying_numbers.hpp"
 #include "statics/static_model.hpp"
 
 namespace poise {
@@ -27,7 +28,7 @@ class VariedScene {
   /// has, or in no number.
   VariedScene(Scene from, Scene to);
   /// The same number over the same range in another scene, which differs from this one in other numbers only; compiled
-  /// in the coordinates and units of `like`, so that points of both can be compared.
+  /// in the units of `like`, so that points of both can be compared.
   VariedScene in(Scene scene, const VariedScene& like) const;
 
   /// The scene as given.
@@ -49,11 +50,34 @@ class VariedScene {
   bool is_affine() const { return affine_; }
   /// A value within the range at which nothing vanishes that does not vanish elsewhere.
   double generic() const { return from_ + 0.6180339887498949 * (to_ - from_); }
-  /// A scene with the structure that all values share.
-  Scene generic_scene() const { return structure_ ? *structure_ : scene_at(generic()); }
   const Scales& scales() const { return scales_; }
   /// Of varied loads: how many times the forces that act where they are zero; 0 where no others act.
   double excess() const;
+
+  /// A row of the parameter table that varies in proportion to the part of the range, SI. Of a force the magnitude
+  /// along the direction that it has in reference_scene(), negative where it is reversed.
+  struct Course {
+    ParameterPlace place;
+    double from = 0.0, to = 0.0;
+
+    double at(double part) const { return part == 1.0 ? to : from + part * (to - from); }
+  };
+  /// A force that varies with its direction.
+  struct VectorCourse {
+    int force = 0;
+    Vec2 from{}, to{};
+  };
+  /// Of all values: what follows from these numbers varies too, of named ones before the others are set.
+  const std::vector<Course>& courses() const { return courses_; }
+  const std::vector<VectorCourse>& vector_courses() const { return vector_courses_; }
+  /// A scene in which all else is as at every value; what follows from named numbers is as their expressions say.
+  Scene reference_scene() const;
+  /// Rows of the numbers that vary, and those for which the structure leaves room.
+  std::vector<ParameterPlace> varying_rows() const;
+  const VaryingNumbers& varying() const { return varying_; }
+  /// Leaves room for the numbers of another varied scene of the same structure, so that both have the same coordinates
+  /// where one is in() the other.
+  void vary_with(const VariedScene& other);
 
   /// The scene at a value, SI.
   Scene scene_at(double value) const;
@@ -61,6 +85,8 @@ class VariedScene {
   std::unique_ptr<StaticModel> model_at(double value) const;
 
  private:
+  void find_courses();
+
   Scene scene_;
   std::string name_;
   Dimension dimension_{};
@@ -70,7 +96,10 @@ class VariedScene {
   std::vector<double> whole_;           // values of the places that the factor 1 stands for
   std::shared_ptr<const Scene> other_;  // at the part 1, where all differing numbers vary together
   Scales scales_{};
-  std::shared_ptr<const Scene> structure_;  // of in()
+  std::vector<Course> courses_;
+  std::vector<VectorCourse> vector_courses_;
+  std::vector<ParameterPlace> others_;  // of vary_with()
+  VaryingNumbers varying_;
 };
 
 }  // namespace poise

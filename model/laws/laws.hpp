@@ -2,7 +2,9 @@
 
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "model/laws/bump_stop.hpp"
 #include "model/laws/constant_force.hpp"
@@ -13,12 +15,21 @@
 #include "model/laws/gas_strut.hpp"
 #include "model/laws/linear_spring.hpp"
 #include "model/laws/preloaded_spring.hpp"
+#include "model/plain_value.hpp"
 
 namespace poise {
 
-/// All force laws. A new one needs its own file in this folder and its name here.
-using Law = std::variant<LinearSpring, CubicSpring, ConstantForce, Damper, DryFriction, PreloadedSpring, CurveSpring,
-                         GasStrut, BumpStop>;
+/// All force laws, with numbers of the scalar N. A new one needs its own file in this folder and its name here.
+template <class N>
+using LawOf = std::variant<LinearSpringOf<N>, CubicSpringOf<N>, ConstantForceOf<N>, DamperOf<N>, DryFrictionOf<N>,
+                           PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>>;
+using Law = LawOf<double>;
+
+/// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too.
+template <class T>
+using NumberOfLaw = std::conditional_t<has_derivatives<T>, T, double>;
+template <class T>
+using LawIn = LawOf<NumberOfLaw<T>>;
 
 /// A law that stores energy, and so acts in statics.
 template <class L>
@@ -33,11 +44,13 @@ concept ResistsMotion = requires(const L& law, double g) {
   law.resisting(g, g);
 };
 
-inline bool stores_energy(const Law& law) {
+template <class N>
+bool stores_energy(const LawOf<N>& law) {
   return std::visit([]<class L>(const L&) { return StoresEnergy<L>; }, law);
 }
 
-inline bool resists_motion(const Law& law) {
+template <class N>
+bool resists_motion(const LawOf<N>& law) {
   return std::visit([]<class L>(const L&) { return ResistsMotion<L>; }, law);
 }
 
@@ -54,8 +67,9 @@ inline bool damps_small_motion(const Law& law) {
 }
 
 /// True of friction that sticks at rate zero, see DryFriction.
-inline bool sticks(const Law& law) {
-  const auto* friction = std::get_if<DryFriction>(&law);
+template <class N>
+bool sticks(const LawOf<N>& law) {
+  const auto* friction = std::get_if<DryFrictionOf<N>>(&law);
   return friction != nullptr && friction->sticks();
 }
 
@@ -126,7 +140,7 @@ inline double force_scale(const Law& law, double change) {
 
 /// V(g), 0 for laws that store none.
 template <class S>
-S energy(const Law& law, const S& g) {
+S energy(const LawIn<S>& law, const S& g) {
   return std::visit(
       [&]<class L>(const L& l) {
         if constexpr (StoresEnergy<L>)
@@ -139,7 +153,7 @@ S energy(const Law& law, const S& g) {
 
 /// Static force of the law, 0 for laws that store no energy.
 template <class S>
-LawForce<S> force_at_rest(const Law& law, const S& g) {
+LawForce<S> force_at_rest(const LawIn<S>& law, const S& g) {
   return std::visit(
       [&]<class L>(const L& l) {
         if constexpr (StoresEnergy<L>)
@@ -152,7 +166,7 @@ LawForce<S> force_at_rest(const Law& law, const S& g) {
 
 /// Additional force of the law at the rate w.
 template <class S>
-LawForce<S> force_of_motion(const Law& law, const S& g, const S& w) {
+LawForce<S> force_of_motion(const LawIn<S>& law, const S& g, const S& w) {
   return std::visit(
       [&]<class L>(const L& l) {
         if constexpr (ResistsMotion<L>)
@@ -163,9 +177,25 @@ LawForce<S> force_of_motion(const Law& law, const S& g, const S& w) {
       law);
 }
 
+/// The law with its numbers in the scalar of laws on measures in T, as they are.
+template <class T>
+LawIn<T> law_in(const Law& law) {
+  if constexpr (has_derivatives<T>) {
+    return std::visit(
+        [](const auto& l) -> LawIn<T> {
+          std::vector<T> numbers;
+          for (const Number& number : numbers_of_law(l)) numbers.push_back(T(number.get(&l).value_or(0.0)));
+          return l.with(numbers.data());
+        },
+        law);
+  } else {
+    return law;
+  }
+}
+
 /// dT / d numbers_of(law)[number].
 template <class S>
-S force_by_number(const Law& law, int number, const S& g, const S& w) {
+S force_by_number(const LawIn<S>& law, int number, const S& g, const S& w) {
   return std::visit([&](const auto& l) { return l.force_by(number, g, w); }, law);
 }
 

@@ -9,7 +9,7 @@ template <class T>
 LinearMeasure<T> compile_angle(const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
   const Link& a = layout.links[measure.body_a];
   const Link& b = layout.links[measure.body_b];
-  LinearMeasure<T> g(layout.turns[b.turn].template to<T>() - layout.turns[a.turn].template to<T>());
+  LinearMeasure<T> g(phasors, a.turn, b.turn);
   if (a.frame == b.frame) return g;
   g.add(phasors, b.frame, T(1));
   g.add(phasors, a.frame, T(-1));

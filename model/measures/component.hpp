@@ -6,6 +6,7 @@
 
 #include "model/measures/configuration.hpp"
 #include "model/phasor_sum.hpp"
+#include "model/plain_value.hpp"
 
 namespace poise {
 
@@ -19,13 +20,23 @@ template <class T>
 class ComponentMeasure {
  public:
   ComponentMeasure() = default;
-  /// `direction`: c; `frame`: a kept angle.
-  ComponentMeasure(PhasorSum<T> d, const Planar<T>& direction, int frame)
-      : d_(std::move(d)), c_(direction), frame_(frame), support_(d_.support()) {
+  /// `direction`: c, that of a body that is turned by `turn` from a kept angle, `frame`; an index into Layout::turns.
+  ComponentMeasure(const Phasors<T>& phasors, PhasorSum<T> d, const Planar<T>& direction, int turn, int frame)
+      : d_(std::move(d)),
+        direction_(direction),
+        c_(turn == 0 ? direction : direction * phasors.turned(turn)),
+        turn_(turn),
+        frame_(frame),
+        support_(d_.support()) {
     const auto at = std::lower_bound(support_.begin(), support_.end(), frame);
     if (at == support_.end() || *at != frame) support_.insert(at, frame);
     slots_ = slots_in(support_, d_.support());
     frame_slot_ = slots_in(support_, {frame}).front();
+  }
+
+  void set_numbers(const Phasors<T>& phasors) {
+    d_.set_numbers(phasors);
+    if (turn_ != 0) c_ = direction_ * phasors.turned(turn_);
   }
 
   const std::vector<int>& support() const { return support_; }
@@ -55,7 +66,7 @@ class ComponentMeasure {
     const auto put = [&](int a, int b, const T& value) { add(std::max(a, b), std::min(a, b), value); };
     d_.derivative(at.phasors, at.pose, at.scratch);
     const T turning = dot(turned, d);
-    if (slope != 0) {
+    if (!is_just(slope, 0.0)) {
       const int n = d_.size();
       // The derivative by slot i of d, and last that by the frame.
       const auto by = [&](int i) { return i < n ? dot(e, at.scratch[i]) : turning; };
@@ -120,8 +131,8 @@ class ComponentMeasure {
   Planar<T> along(const Configuration<T>& at) const { return c_ * at.pose[frame_]; }
 
   PhasorSum<T> d_;
-  Planar<T> c_{};
-  int frame_ = 0;
+  Planar<T> direction_{}, c_{};
+  int turn_ = 0, frame_ = 0;
   std::vector<int> support_, slots_;  // of d's support in it
   int frame_slot_ = 0;
 };

@@ -21,5 +21,6 @@ struct Configuration {
 //   second(at, u, v), third(at, u, v, w)   D2g[u, v], D3g[u, v, w] along directions of the coordinates
 //   bend(at, u, use)                   use(slot, D2g[u, .])
 //   scratch_size()
+//   set_numbers(phasors)               takes what it is made of again from phasors whose numbers have been set
 
 }  // namespace poise

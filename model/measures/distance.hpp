@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "model/length_of.hpp"
 #include "model/measures/configuration.hpp"
 #include "model/phasor_sum.hpp"
 
@@ -19,15 +20,17 @@ class DistanceMeasure {
   DistanceMeasure() = default;
   explicit DistanceMeasure(PhasorSum<T> d) : d_(std::move(d)) {}
 
+  void set_numbers(const Phasors<T>& phasors) { d_.set_numbers(phasors); }
+
   const std::vector<int>& support() const { return d_.support(); }
   int scratch_size() const { return d_.size(); }
 
-  T value(const Configuration<T>& at) const { return norm(d_.at(at.pose)); }
+  T value(const Configuration<T>& at) const { return length_of(d_.at(at.pose)); }
 
   template <class Use>
   void gradient(const Configuration<T>& at, Use use) const {
     const Planar<T> d = d_.at(at.pose);
-    const T r = norm(d);
+    const T r = length_of(d);
     if (r == 0) return;
     d_.derivative(at.phasors, at.pose, at.scratch);
     for (int i = 0; i < d_.size(); ++i) use(i, T(dot(d, at.scratch[i]) / r));
@@ -37,7 +40,7 @@ class DistanceMeasure {
   template <class Add>
   void curvature(const Configuration<T>& at, const T& force, const T& slope, Add add) const {
     const Planar<T> d = d_.at(at.pose);
-    const T r = norm(d);
+    const T r = length_of(d);
     const T w = r == 0 ? slope : T(force / r);
     const T u = r == 0 ? T(0) : T((slope - w) / (r * r));
     d_.derivative(at.phasors, at.pose, at.scratch);
@@ -53,7 +56,7 @@ class DistanceMeasure {
 
   T second(const Configuration<T>& at, const T* u, const T* v) const {
     const Planar<T> d = d_.at(at.pose);
-    const T r = norm(d);
+    const T r = length_of(d);
     if (r == 0) return T(0);
     d_.derivative(at.phasors, at.pose, at.scratch);
     return second(at, d, r, d_.along(at.scratch, u), d_.along(at.scratch, v), u, v);
@@ -61,7 +64,7 @@ class DistanceMeasure {
 
   T third(const Configuration<T>& at, const T* u, const T* v, const T* w) const {
     const Planar<T> d = d_.at(at.pose);
-    const T r = norm(d);
+    const T r = length_of(d);
     if (r == 0) return T(0);
     d_.derivative(at.phasors, at.pose, at.scratch);
     const Planar<T> d_u = d_.along(at.scratch, u);
@@ -78,7 +81,7 @@ class DistanceMeasure {
   template <class Use>
   void bend(const Configuration<T>& at, const T* u, Use use) const {
     const Planar<T> d = d_.at(at.pose);
-    const T r = norm(d);
+    const T r = length_of(d);
     if (r == 0) return;
     d_.derivative(at.phasors, at.pose, at.scratch);
     const Planar<T> d_u = d_.along(at.scratch, u);

@@ -19,6 +19,8 @@ class HalfSquareMeasure {
   HalfSquareMeasure() = default;
   explicit HalfSquareMeasure(PhasorSum<T> d) : d_(std::move(d)) {}
 
+  void set_numbers(const Phasors<T>& phasors) { d_.set_numbers(phasors); }
+
   const std::vector<int>& support() const { return d_.support(); }
   int scratch_size() const { return d_.size(); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,13 +13,23 @@ template <class T>
 class LinearMeasure {
  public:
   LinearMeasure() = default;
-  explicit LinearMeasure(const T& constant) : constant_(constant) {}
+  /// With the constant  turn b - turn a,  indices into Layout::turns.
+  LinearMeasure(const Phasors<T>& phasors, int turn_a, int turn_b)
+      : constant_(phasors.turn(turn_b) - phasors.turn(turn_a)) {
+    if (phasors.turn_varies(turn_a) || phasors.turn_varies(turn_b)) turns_ = {turn_a, turn_b};
+  }
+
+  void set_numbers(const Phasors<T>& phasors) {
+    if (turns_[0] >= 0) constant_ = phasors.turn(turns_[1]) - phasors.turn(turns_[0]) + dropped_;
+  }
 
   /// g += factor q_coordinate; a dropped coordinate counts with its start value, none (-1) with zero.
   void add(const Phasors<T>& phasors, int coordinate, const T& factor) {
     if (coordinate < 0) return;
     if (phasors.dropped(coordinate)) {
-      constant_ += factor * phasors.start(coordinate);
+      const T part = factor * phasors.start(coordinate);
+      constant_ += part;
+      dropped_ += part;
       return;
     }
     std::size_t at = 0;
@@ -66,6 +77,8 @@ class LinearMeasure {
   std::vector<int> support_;
   std::vector<T> factor_;
   T constant_{};
+  T dropped_{};                       // part of it, of dropped coordinates
+  std::array<int, 2> turns_{-1, -1};  // where some turn varies
 };
 
 }  // namespace poise

@@ -31,6 +31,17 @@ class CompiledMeasure {
     return out;
   }
 
+  /// Takes what varies again from phasors whose numbers have been set, and from these. Of the measure that this is
+  /// compiled from, in the scene of the numbers; `stop` as of Numbers::term().
+  template <class NumbersOfScene>
+  void set_numbers(const NumbersOfScene& numbers, const Phasors<T>& phasors, const Measure& measure, int stop) {
+    std::visit([&](auto& g) { g.set_numbers(phasors); }, form_);
+    auto* const sum = std::get_if<SumMeasure<T>>(&form_);
+    if (sum == nullptr) return;
+    std::size_t next = 0;
+    set_terms(numbers, measure, T(1), stop, *sum, next);
+  }
+
   const std::vector<int>& support() const {
     return std::visit([](const auto& g) -> const std::vector<int>& { return g.support(); }, form_);
   }
@@ -102,17 +113,31 @@ class CompiledMeasure {
     return sum;
   }
 
+  // In the order of add_terms(). Numbers of couplings are those of the outermost sum.
+  template <class NumbersOfScene>
+  static void set_terms(const NumbersOfScene& numbers, const Measure& measure, const T& factor, int stop,
+                        SumMeasure<T>& sum, std::size_t& next) {
+    for (std::size_t k = 0; k < measure.terms.size(); ++k) {
+      const auto term = numbers.term(measure, k, stop);
+      const T whole = factor * term.factor;
+      if (!term.has_profile() && measure.terms[k].measure.kind == Measure::Kind::sum) {
+        set_terms(numbers, measure.terms[k].measure, whole, -1, sum, next);
+        continue;
+      }
+      sum.set_term(next++, whole, term.has_profile() ? term.profile() : ProfileOf<T>{});
+    }
+  }
+
   // Along an axis of the ground, or of a body that does not turn, the component of a point moves as a position does.
   static Form component(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
     const Link& carrier = layout.links[measure.a.body];
     Planar<T> axis = direction<T>(measure.axis);
-    if (carrier.turn != 0) axis = axis * phasors.turned(carrier.turn);
     PhasorSum<T> d = between(scene, layout, phasors, measure.a, measure.b);
     if (carrier.frame >= 0 && !phasors.dropped(carrier.frame)) {
-      return ComponentMeasure<T>(std::move(d), axis, carrier.frame);
+      return ComponentMeasure<T>(phasors, std::move(d), axis, carrier.turn, carrier.frame);
     }
     if (carrier.frame >= 0) axis = axis * unit(phasors.start(carrier.frame));
-    return PositionMeasure<T>(std::move(d), axis);
+    return PositionMeasure<T>(phasors, std::move(d), axis, carrier.turn);
   }
 
   static RopeMeasure<T> rope(const Scene& scene, const Layout& layout, const Phasors<T>& phasors,
@@ -151,10 +176,10 @@ class CompiledMeasure {
 
   static PhasorSum<T> between(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, PointRef a,
                               PointRef b) {
-    return {phasors, layout.path(a.body, scene.local(a), b.body, scene.local(b))};
+    return {phasors, layout.path(scene, a, b)};
   }
   static PhasorSum<T> place_of(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, PointRef p) {
-    return {phasors, layout.path(0, {0, 0}, p.body, scene.local(p))};
+    return {phasors, layout.path_to(scene, p)};
   }
 
   Form form_;

@@ -4,6 +4,7 @@
 
 #include "model/measures/configuration.hpp"
 #include "model/phasor_sum.hpp"
+#include "model/plain_value.hpp"
 
 namespace poise {
 
@@ -13,7 +14,19 @@ template <class T>
 class PositionMeasure {
  public:
   PositionMeasure() = default;
-  PositionMeasure(PhasorSum<T> p, const Planar<T>& direction) : p_(std::move(p)), e_(direction) {}
+  PositionMeasure(PhasorSum<T> p, const Planar<T>& direction)
+      : p_(std::move(p)), direction_(direction), e_(direction) {}
+  /// Of a direction in a body that is turned by `turn`, an index into Layout::turns.
+  PositionMeasure(const Phasors<T>& phasors, PhasorSum<T> p, const Planar<T>& direction, int turn)
+      : PositionMeasure(std::move(p), direction) {
+    turn_ = turn;
+    if (turn_ != 0) e_ = direction_ * phasors.turned(turn_);
+  }
+
+  void set_numbers(const Phasors<T>& phasors) {
+    p_.set_numbers(phasors);
+    if (turn_ != 0) e_ = direction_ * phasors.turned(turn_);
+  }
 
   const std::vector<int>& support() const { return p_.support(); }
   int scratch_size() const { return p_.size(); }
@@ -28,7 +41,7 @@ class PositionMeasure {
 
   template <class Add>
   void curvature(const Configuration<T>& at, const T& force, const T& slope, Add add) const {
-    if (slope != 0) {
+    if (!is_just(slope, 0.0)) {
       p_.derivative(at.phasors, at.pose, at.scratch);
       for (int i = 0; i < p_.size(); ++i) {
         const T by = slope * dot(e_, at.scratch[i]);
@@ -57,7 +70,8 @@ class PositionMeasure {
 
  private:
   PhasorSum<T> p_;
-  Planar<T> e_{};
+  Planar<T> direction_{}, e_{};
+  int turn_ = 0;
 };
 
 }  // namespace poise

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/length_of.hpp"
 #include "model/measures/configuration.hpp"
 #include "model/phasor_sum.hpp"
 
@@ -17,7 +18,7 @@ struct RopeSpan {
   RopeSpan(const Planar<T>& d, const T& offset) {
     using std::sqrt;
     const T square = dot(d, d);
-    length = offset == T(0) ? norm(d) : sqrt(T(square - offset * offset));
+    length = offset == T(0) ? length_of(d) : sqrt(T(square - offset * offset));
     along = T(1) / square * (d * Planar<T>{length, -offset});
   }
 
@@ -65,6 +66,10 @@ class RopeMeasure {
       std::vector<int> slots = slots_in(support_, parts[k].support());
       parts_.push_back({std::move(parts[k]), signed_radius(k + 1) - signed_radius(k), std::move(slots)});
     }
+  }
+
+  void set_numbers(const Phasors<T>& phasors) {
+    for (Part& part : parts_) part.d.set_numbers(phasors);
   }
 
   const std::vector<int>& support() const { return support_; }

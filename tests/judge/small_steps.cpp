@@ -196,7 +196,7 @@ double apart(const BodyPoses& a, const BodyPoses& b, double size) {
 }
 
 std::optional<std::vector<double>> coordinates_at(const StaticModel& model, const BodyPoses& poses) {
-  const StaticModel there(started_at(model.scene(), poses), model.scales(), &model.scene());
+  const StaticModel there(started_at(model.scene(), poses), model.scales());
   std::vector<double> x = there.start();
   if (x.size() != static_cast<std::size_t>(model.mechanism().coordinates())) return std::nullopt;
   const Mechanism<double>& m = model.mechanism();

@@ -4,6 +4,7 @@
 #include "statics/sensitivity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -211,7 +212,7 @@ TEST(Sensitivity, AnglesAgreeWithTheCompiledMechanismIn50Digits) {
       for (const int k : {-2, -1, 1, 2}) {
         Scene changed = model.scene();
         set_value_at(changed, place, value + k * h);
-        const StaticModel other(changed, model.scales(), &model.scene());
+        const StaticModel other(changed, model.scales(), VaryingNumbers(model.scene(), std::array{place}));
         ASSERT_EQ(other.layout().kept, model.layout().kept);
         const Reference exact = refine(other, found.equilibrium.x);
         ASSERT_TRUE(exact.refined) << name << " by " << first.number << ": " << exact.why;

@@ -150,7 +150,7 @@ TEST(Tolerance, SamplesOfRandomMechanismsAreEquilibriaNearTheNominalOne) {
       const double by = (2 * random.uniform() - 1) * tolerance.half_width;
       set_value_at(changed, place, *value_at(scene, place) + by);
     }
-    const StaticModel other(changed, model.scales(), &scene);
+    const StaticModel other(changed, model.scales());
     if (other.layout().kept != model.layout().kept) continue;
     const Equilibrium found = solve(other, study.equilibrium.x, test::by(Method::virtual_work));
     ASSERT_TRUE(found.found()) << found.why;
