@@ -12,13 +12,13 @@
 #include "identification/read_plan.hpp"
 #include "identification/read_runs.hpp"
 #include "identification/scene_parameter.hpp"
-#include "identification/set_parameter.hpp"
 #include "model/dependent_number.hpp"
 #include "model/joint_friction.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_parameter_changes.hpp"
 #include "model/scene_names.hpp"
+#include "model/set_parameter.hpp"
 #include "model/text_file.hpp"
 
 namespace poise {

@@ -13,8 +13,8 @@
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
-#include "identification/set_parameter.hpp"
 #include "model/one_line.hpp"
+#include "model/set_parameter.hpp"
 
 namespace poise::app {
 namespace fs = std::filesystem;

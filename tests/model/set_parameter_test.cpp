@@ -1,4 +1,4 @@
-#include "identification/set_parameter.hpp"
+#include "model/set_parameter.hpp"
 
 #include <string>
 
