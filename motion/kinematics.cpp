@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "model/meshing.hpp"
+#include "model/named_item.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/driven_path.hpp"
 #include "motion/equilibrium_pose.hpp"
@@ -355,22 +356,18 @@ class Sweep {
 }  // namespace
 
 Drive find_drive(const Scene& scene, const std::string& name) {
-  Drive drive;
-  drive.name = name;
-  std::vector<std::string> names;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    names.push_back(scene.bodies[i].name);
-    if (names.back() != name) continue;
-    drive.on = Measure::angle_between(0, static_cast<int>(i));
-    return drive;
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    names.push_back(scene.joints[j].name);
-    if (names.back() != name) continue;
-    drive.on = Measure::travel_of(static_cast<int>(j));
-    return drive;
-  }
+  const auto drive = [&](const Measure& on) {
+    Drive out;
+    out.name = name;
+    out.on = on;
+    return out;
+  };
+  NamedItem body = find_item(scene.bodies, name, [&](const Body& one) { return &one != scene.bodies.data(); });
+  if (body) return drive(Measure::angle_between(0, body.index));
+  NamedItem joint = find_item(scene.joints, name, [](const Joint& one) { return one.has_travel(); });
+  if (joint) return drive(Measure::travel_of(joint.index));
+  std::vector<std::string> names = std::move(body.known);
+  names.insert(names.end(), joint.known.begin(), joint.known.end());
   throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
                                where(scene), name, did_you_mean_or_list(name, names)));
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "model/named_item.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise {
@@ -22,13 +23,9 @@ template <class Item, class Fits = bool (*)(const Item&)>
 const Item& find(
     const Scene& scene, const std::vector<Item>& items, const char* what, const std::string& name,
     Fits fits = [](const Item&) { return true; }) {
-  std::vector<std::string> candidates;
-  for (const Item& item : items) {
-    if (!fits(item)) continue;
-    if (item.name == name) return item;
-    candidates.push_back(item.name);
-  }
-  fail_unknown(scene, what, name, candidates);
+  const NamedItem found = find_item(items, name, fits);
+  if (!found) fail_unknown(scene, what, name, found.known);
+  return items[found.index];
 }
 
 }  // namespace

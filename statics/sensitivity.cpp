@@ -12,6 +12,7 @@
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
+#include "model/named_item.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/linear_response.hpp"
 #include "statics/path.hpp"
@@ -30,12 +31,10 @@ constexpr double nothing = 1e-9;           // parts of a vector below which it h
 /// Index of the item so called; throws InputError with the nearest name.
 template <class Items>
 int item_called(const Items& items, const std::string& name, const std::string& whole, const std::string& kind) {
-  std::vector<std::string> known;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (items[i].name == name) return static_cast<int>(i);
-    known.push_back(items[i].name);
-  }
-  throw InputError(fmt::format("{}: expected the name of a {}{}", whole, kind, did_you_mean_or_list(name, known)));
+  const NamedItem found = find_item(items, name);
+  if (found) return found.index;
+  throw InputError(
+      fmt::format("{}: expected the name of a {}{}", whole, kind, did_you_mean_or_list(name, found.known)));
 }
 
 SoughtQuantity measured(const std::string& name, const Measure& on) {
@@ -102,16 +101,14 @@ SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
     return measured(name, Measure::angle_between(0, found));
   }
   if (const auto joint = after("travel.")) {
-    std::vector<std::string> known;
-    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-      const Joint& of = scene.joints[j];
-      if (of.has_travel()) known.push_back(of.name);
-      if (of.name != *joint) continue;
-      if (of.has_travel()) return measured(name, Measure::travel_of(static_cast<int>(j)));
-      throw InputError(fmt::format("{}: expected a slide or pin in a slot, {} is a {}", name, *joint, of.traits().key));
+    const NamedItem found = find_item(scene.joints, *joint, [](const Joint& of) { return of.has_travel(); });
+    if (found) return measured(name, Measure::travel_of(found.index));
+    if (const NamedItem other = find_item(scene.joints, *joint)) {
+      throw InputError(fmt::format("{}: expected a slide or pin in a slot, {} is a {}", name, *joint,
+                                   scene.joints[other.index].traits().key));
     }
-    throw InputError(
-        fmt::format("{}: expected the name of a slide or pin in a slot{}", name, did_you_mean_or_list(*joint, known)));
+    throw InputError(fmt::format("{}: expected the name of a slide or pin in a slot{}", name,
+                                 did_you_mean_or_list(*joint, found.known)));
   }
   if (const auto element = after("force.")) {
     const int found = element_called(scene, *element, name);
@@ -143,16 +140,16 @@ SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
   }
   if (const auto load = after("load_at_fold.")) {
     std::vector<std::string> known;
-    for (const Force& force : scene.forces) known.push_back(force.name);
-    for (const Torque& torque : scene.torques) known.push_back(torque.name);
-    if (std::find(known.begin(), known.end(), *load) == known.end()) {
-      throw InputError(fmt::format("{}: expected the name of a load{}", name, did_you_mean_or_list(*load, known)));
+    for (const ParameterRow& row : parameter_table(scene)) {
+      if (row.place.owner != Owner::force && row.place.owner != Owner::torque) continue;
+      known.emplace_back(row.path.parts[1]);
+      if (known.back() != *load) continue;
+      return {.name = name,
+              .kind = SoughtQuantity::Kind::load_at_fold,
+              .load = row.path.text(),
+              .dimension = row.dimension};
     }
-    const std::string path = "load." + *load;
-    return {.name = name,
-            .kind = SoughtQuantity::Kind::load_at_fold,
-            .load = path,
-            .dimension = parameter(scene, path).dimension};
+    throw InputError(fmt::format("{}: expected the name of a load{}", name, did_you_mean_or_list(*load, known)));
   }
   try {
     return measured(name, path_measure(scene, name).on);
