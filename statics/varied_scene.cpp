@@ -11,6 +11,7 @@
 #include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
+#include "model/named_item.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/static_numbers.hpp"
@@ -51,31 +52,24 @@ std::optional<Measure> driven_measure(const Scene& scene, const std::string& nam
     if (!name.starts_with(kind)) return std::nullopt;
     return name.substr(kind.size());
   };
-  std::vector<std::string> known;
-  const auto expected = [&](const std::string& what, const std::string& item) {
-    throw InputError(fmt::format("{}: expected {}{}", name, what, did_you_mean_or_list(item, known)));
+  const auto expected = [&](const std::string& what, const std::string& item, const NamedItem& among) {
+    throw InputError(fmt::format("{}: expected {}{}", name, what, did_you_mean_or_list(item, among.known)));
   };
   if (const auto body = named("angle.")) {
-    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-      if (scene.bodies[i].name == *body) return Measure::angle_between(0, static_cast<int>(i));
-      known.push_back(scene.bodies[i].name);
-    }
-    expected("the name of a body", *body);
+    const NamedItem found =
+        find_item(scene.bodies, *body, [&](const Body& one) { return &one != scene.bodies.data(); });
+    if (found) return Measure::angle_between(0, found.index);
+    expected("the name of a body", *body, found);
   }
   if (const auto joint = named("travel.")) {
-    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-      if (!scene.joints[j].has_travel()) continue;
-      if (scene.joints[j].name == *joint) return Measure::travel_of(static_cast<int>(j));
-      known.push_back(scene.joints[j].name);
-    }
-    expected("the name of a slide or a pin in a slot", *joint);
+    const NamedItem found = find_item(scene.joints, *joint, [](const Joint& one) { return one.has_travel(); });
+    if (found) return Measure::travel_of(found.index);
+    expected("the name of a slide or a pin in a slot", *joint, found);
   }
   if (const auto drive = named("drive."); drive && !find_parameter(scene, name)) {
-    for (const Drive& d : scene.drives) {
-      if (d.name == *drive) return d.on;
-      known.push_back(d.name);
-    }
-    expected("the name of a drive", *drive);
+    const NamedItem found = find_item(scene.drives, *drive);
+    if (found) return scene.drives[found.index].on;
+    expected("the name of a drive", *drive, found);
   }
   return std::nullopt;
 }
