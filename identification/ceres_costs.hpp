@@ -1,6 +1,6 @@
 #pragma once
 
-// The cost functions of identification/fit.cpp for Ceres. Private to this folder.
+// The cost functions of identification/minimise.cpp for Ceres. Private to this folder.
 
 #include <atomic>
 #include <functional>
