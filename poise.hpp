@@ -26,6 +26,7 @@
 #include "identification/compare_models.hpp"
 #include "identification/experiment.hpp"
 #include "identification/fit.hpp"
+#include "identification/identify.hpp"
 #include "identification/input_readings.hpp"
 #include "identification/known_numbers.hpp"
 #include "identification/monte_carlo.hpp"

@@ -1,9 +1,7 @@
 #include "app/results/identification/identify.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,9 +16,6 @@
 #include "app/results/identification/fitted_scene.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/check_spans.hpp"
-#include "identification/first_readings.hpp"
-#include "identification/residuals.hpp"
-#include "model/nearest_name.hpp"
 
 namespace poise::app {
 namespace {
@@ -34,23 +29,15 @@ struct IdentifyRequest {
   int jobs = 0;
 };
 
-/// The parameters of these names, or all values of the unknowns of these names. Throws InputError for another name.
-std::vector<int> parameters_named(const FitProblem& problem, const std::vector<std::string>& names) {
-  std::vector<int> out;
+/// Throws InputError for a name that no unknown has.
+void expect_unknowns(const FitProblem& problem, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    bool any = false;
-    std::vector<std::string> valid;
-    for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
-      valid.push_back(problem.parameters()[p].name);
-      if (problem.parameters()[p].name != name && problem.unknown_of(p).name != name) continue;
-      out.push_back(static_cast<int>(p));
-      any = true;
-    }
-    if (!any) {
-      throw InputError("--profile " + name + ": expected the name of an unknown" + did_you_mean_or_list(name, valid));
+    try {
+      parameters_named(problem, name);
+    } catch (const InputError& error) {
+      throw InputError(std::string("--profile ") + error.what());
     }
   }
-  return out;
 }
 
 int run_identify(const IdentifyRequest& request, const Palette& palette) {
@@ -74,39 +61,9 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   options.interrupt = &watch_for_interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
-  const std::vector<int> profiled = parameters_named(problem, request.profiles);
-  FitAnswer answer;
-  progress.now("simulating the runs");
-  answer.records = problem.records();
-  progress.now("fitting");
-  answer.fit = fit(problem, answer.records, options);
-  if (answer.fit.usable() && !experiment.is_simulated()) {
-    progress.now("moving the runs from their first readings");
-    answer.rms_from_readings = rms_from_first_readings(problem, answer.fit, answer.records);
-  }
-  if (answer.fit.usable()) answer.stops = stops_passed(problem, answer.fit);
-  if (answer.fit.usable() && answer.fit.identifiability.ok) {
-    progress.now("propagating the uncertainty of known numbers and inputs");
-    answer.inputs = input_effects(problem, answer.fit, answer.records);
-    if (!experiment.known.empty()) answer.known = known_effects(problem, answer.fit, answer.records);
-    add_known_effects(answer.known, answer.fit);
-    add_known_effects(answer.inputs, answer.fit);
-  }
-  std::vector<int> known;
-  std::copy_if(profiled.begin(), profiled.end(), std::back_inserter(known), [&](int p) {
-    const auto& errors = answer.fit.identifiability.standard_error;
-    return answer.fit.usable() && !errors.empty() && std::isfinite(errors[static_cast<std::size_t>(p)]);
-  });
-  answer.profiles = profiles(problem, answer.records, answer.fit, known,
-                             {.jobs = options.jobs, .interrupt = options.interrupt, .progress = options.progress});
-
-  if (request.bootstrap > 0 && answer.fit.usable()) {
-    answer.bootstrap = bootstrap(
-        problem, answer.records, answer.fit,
-        {.samples = request.bootstrap, .jobs = request.jobs, .interrupt = options.interrupt, .progress = [&](int done) {
-           progress.now(fmt::format("bootstrap: {} of {} samples", done, request.bootstrap));
-         }});
-  }
+  expect_unknowns(problem, request.profiles);
+  const Identification answer =
+      identify(problem, {.fit = options, .profiles = request.profiles, .bootstrap = request.bootstrap});
 
   const bool drawn = (files.wants_svg() || files.wants_html()) && !answer.fit.runs.empty();
   Result result = identify_result(problem, answer, common.settings);

@@ -44,7 +44,7 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
   options.interrupt = &watch_for_interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
-  FitAnswer answer;
+  Identification answer;
   progress.now("simulating the runs");
   answer.records = problem.records();
   progress.now("predicting the runs");

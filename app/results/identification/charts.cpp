@@ -35,13 +35,13 @@ std::string axis(const std::string& what, const Sensor& sensor, const Units& uni
 }
 
 /// The runs, of these, in which sensor k is read.
-std::vector<std::size_t> reading(const std::vector<std::size_t>& runs, const FitAnswer& answer, std::size_t k) {
+std::vector<std::size_t> reading(const std::vector<std::size_t>& runs, const Identification& answer, std::size_t k) {
   return chosen_of(runs, [&](std::size_t r) { return !answer.records[r].sensors[k].value.empty(); });
 }
 
 /// Which sensors of the worst run are drawn, those of one unit together: all, or those whose residuals are largest over
 /// their noise.
-std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const FitAnswer& answer) {
+std::vector<std::size_t> drawn_sensors(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   const auto size = [&](std::size_t k) {
@@ -96,7 +96,7 @@ std::string left_out(std::size_t drawn, const std::vector<std::string>& others, 
 /// The runs of a fit with their residuals, each computed once.
 class FittedRuns {
  public:
-  FittedRuns(const FitProblem& problem, const FitAnswer& answer) : problem_(problem), answer_(answer) {}
+  FittedRuns(const FitProblem& problem, const Identification& answer) : problem_(problem), answer_(answer) {}
 
   const RunResiduals& of(std::size_t r) {
     const auto known = found_.find(r);
@@ -106,11 +106,12 @@ class FittedRuns {
 
  private:
   const FitProblem& problem_;
-  const FitAnswer& answer_;
+  const Identification& answer_;
   std::map<std::size_t, RunResiduals> found_;
 };
 
-Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs, std::size_t r, std::size_t k) {
+Panel fitted_panel(const FitProblem& problem, const Identification& answer, FittedRuns& runs, std::size_t r,
+                   std::size_t k) {
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
   const Series& read = answer.records[r].sensors[k];
@@ -123,7 +124,7 @@ Panel fitted_panel(const FitProblem& problem, const FitAnswer& answer, FittedRun
   return panel;
 }
 
-Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs,
+Panel residual_panel(const FitProblem& problem, const Identification& answer, FittedRuns& runs,
                      const std::vector<std::size_t>& worst, std::size_t k) {
   const Sensor& sensor = problem.experiment().sensors[k];
   const Units& units = problem.experiment().scene.units;
@@ -142,7 +143,7 @@ Panel residual_panel(const FitProblem& problem, const FitAnswer& answer, FittedR
 
 /// Each curve of FitProblem::sensitivities() over the largest value of its parameter in any sensor drawn, which its
 /// name gives: parameters whose curves are alike in all of them cannot be identified separately.
-std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer& answer, std::size_t r,
+std::vector<Panel> sensitivity_panels(const FitProblem& problem, const Identification& answer, std::size_t r,
                                       const std::vector<std::size_t>& sensors) {
   const auto curves = problem.sensitivities(r, answer.fit.parameters, answer.fit.runs[r].nuisances);
   const std::vector<std::size_t> parameters = drawn_parameters(problem, answer.fit, r);
@@ -167,7 +168,7 @@ std::vector<Panel> sensitivity_panels(const FitProblem& problem, const FitAnswer
 }
 
 /// Readings as fitted and residuals of one run, sensor by sensor.
-Figure run_figure(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs, std::size_t r,
+Figure run_figure(const FitProblem& problem, const Identification& answer, FittedRuns& runs, std::size_t r,
                   const std::vector<std::size_t>& sensors) {
   Figure figure{.title = fmt::format("Run \"{}\"", problem.run(r).run().name), .charts = {.columns = 2}};
   for (const std::size_t k : sensors) {
@@ -186,7 +187,7 @@ Figure run_figure(const FitProblem& problem, const FitAnswer& answer, FittedRuns
 }
 
 /// Of a sensor in these runs, by lag; with the band in which 95 % of those of white noise would be.
-Panel autocorrelation_panel(const FitProblem& problem, const FitAnswer& answer, FittedRuns& runs,
+Panel autocorrelation_panel(const FitProblem& problem, const Identification& answer, FittedRuns& runs,
                             const std::vector<std::size_t>& drawn, std::size_t k) {
   Panel panel{.title = problem.experiment().sensors[k].name, .x_label = "lag (readings)", .y_label = "autocorrelation"};
   std::size_t fewest = 0;
@@ -209,7 +210,7 @@ Panel autocorrelation_panel(const FitProblem& problem, const FitAnswer& answer, 
 
 int fit_columns(const Experiment& experiment) { return experiment.sensors.size() > 1 ? 3 : 1; }
 
-std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& answer) {
+std::vector<std::string> not_drawn(const FitProblem& problem, const Identification& answer) {
   if (answer.fit.runs.empty()) return {};
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<std::string> others;
@@ -232,7 +233,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& a
   return lines;
 }
 
-std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer) {
+std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& answer) {
   if (answer.fit.runs.empty()) return {};
   const std::vector<std::size_t> worst = worst_first(answer.fit);
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
@@ -257,7 +258,7 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer
   return panels;
 }
 
-std::vector<Figure> fit_figures(const FitProblem& problem, const FitAnswer& answer) {
+std::vector<Figure> fit_figures(const FitProblem& problem, const Identification& answer) {
   if (answer.fit.runs.empty()) return {};
   std::vector<std::size_t> worst = worst_first(answer.fit);
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);

@@ -13,14 +13,14 @@ namespace poise::app {
 /// worst runs, and the relative sensitivities of the worst run, over one time axis for each column. Of many sensors
 /// those with the largest residuals are drawn, of many parameters those with the largest relative standard errors. To
 /// be drawn with fit_columns() side by side.
-std::vector<Panel> fit_panels(const FitProblem& problem, const FitAnswer& answer);
+std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& answer);
 /// What these leave out: a line on sensors, a line on parameters.
-std::vector<std::string> not_drawn(const FitProblem& problem, const FitAnswer& answer);
+std::vector<std::string> not_drawn(const FitProblem& problem, const Identification& answer);
 int fit_columns(const Experiment& experiment);
 
 /// Of a page: the worst runs one by one, each with its readings as fitted and its residuals, the autocorrelation of the
 /// residuals, and the relative sensitivities of the worst run, of the same sensors and parameters.
-std::vector<Figure> fit_figures(const FitProblem& problem, const FitAnswer& answer);
+std::vector<Figure> fit_figures(const FitProblem& problem, const Identification& answer);
 /// The 95 % intervals of the estimates that are not withheld, over their truths or, of measured runs, over themselves.
 /// None where standard errors are not known.
 std::vector<Figure> estimate_figures(const FitProblem& problem, const Fit& fitted);

@@ -23,7 +23,7 @@ std::string shown(const FitProblem& problem, const Fit& fitted, std::size_t p) {
 
 }  // namespace
 
-FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer) {
+FittedScene fitted_scene(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
   FittedScene out;

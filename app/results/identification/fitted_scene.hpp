@@ -16,6 +16,6 @@ struct FittedScene {
 /// The text of the experiment's scene file with its estimates in place, behind a comment that says where they come from
 /// and which are left. Changes by `set` of the experiment and by --set are written too. Not written are estimates that
 /// are withheld, those of an unknown that has several values, and numbers that the equilibrium of a run sets.
-FittedScene fitted_scene(const FitProblem& problem, const FitAnswer& answer);
+FittedScene fitted_scene(const FitProblem& problem, const Identification& answer);
 
 }  // namespace poise::app

@@ -173,7 +173,7 @@ void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vec
       others > 0 ? ", as " + count(others, "other run", "other runs") + "," : "", fmt::join(stops[first], ", "))));
 }
 
-std::vector<Line> warnings(const FitProblem& problem, const FitAnswer& answer) {
+std::vector<Line> warnings(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
   for (std::size_t r = 0; r < problem.experiment().runs.size(); ++r) {
@@ -420,7 +420,7 @@ void add_standard_errors(Group& content, const Fit& fitted) {
 }
 
 /// Those of several origins, one after the other.
-std::vector<const KnownEffect*> all_effects(const FitAnswer& answer) {
+std::vector<const KnownEffect*> all_effects(const Identification& answer) {
   std::vector<const KnownEffect*> out;
   for (const KnownEffect& effect : answer.known) out.push_back(&effect);
   for (const KnownEffect& effect : answer.inputs) out.push_back(&effect);
@@ -428,7 +428,7 @@ std::vector<const KnownEffect*> all_effects(const FitAnswer& answer) {
 }
 
 /// What known numbers and inputs contribute to the standard errors.
-void add_known(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+void add_known(Group& content, const FitProblem& problem, const Identification& answer) {
   const std::vector<const KnownEffect*> effects = all_effects(answer);
   Branch& array = content.array("known");
   for (const KnownEffect* effect : effects) {
@@ -474,7 +474,7 @@ void add_known(Group& content, const FitProblem& problem, const FitAnswer& answe
   }
 }
 
-void add_bootstrap(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+void add_bootstrap(Group& content, const FitProblem& problem, const Identification& answer) {
   if (!answer.bootstrap || answer.bootstrap->standard_error.empty()) {
     content.data("bootstrap", Value());
     return;
@@ -505,7 +505,7 @@ void add_bootstrap(Group& content, const FitProblem& problem, const FitAnswer& a
   add("high", "97.5 %", found.high);
 }
 
-void add_profiles(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+void add_profiles(Group& content, const FitProblem& problem, const Identification& answer) {
   Branch& array = content.array("profiles");
   for (const LikelihoodProfile& found : answer.profiles) {
     const auto p = static_cast<std::size_t>(found.parameter);
@@ -618,7 +618,7 @@ void add_outliers(Group& section, const FitProblem& problem, const Fit& fitted) 
 
 }  // namespace
 
-void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+void add_residuals(Group& content, const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   if (fitted.runs.empty()) return;
   const Experiment& experiment = problem.experiment();
@@ -636,7 +636,7 @@ void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& a
   add_outliers(section, problem, fitted);
 }
 
-void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer) {
+void add_fit_data(Group& content, const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
   const Units& units = experiment.scene.units;
@@ -723,7 +723,8 @@ std::string rms_in_words(const std::vector<double>& rms, const Experiment& exper
                             significant(std::sqrt(squares / angles) / units.angle, residual_digits), units.angle_name);
 }
 
-Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings) {
+Result identify_result(const FitProblem& problem, const Identification& answer,
+                       const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;
   Result out = experiment_result(problem, settings);
   out.verdict = verdict(problem, fitted);
@@ -760,7 +761,7 @@ Result identify_result(const FitProblem& problem, const FitAnswer& answer, const
   return out;
 }
 
-void add_readings(Result& result, const FitProblem& problem, const FitAnswer& answer) {
+void add_readings(Result& result, const FitProblem& problem, const Identification& answer) {
   if (answer.fit.runs.empty()) return;
   const Experiment& experiment = problem.experiment();
   std::vector<std::string> runs;

@@ -1,45 +1,28 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "identification/bootstrap.hpp"
-#include "identification/fit.hpp"
-#include "identification/input_readings.hpp"
-#include "identification/known_numbers.hpp"
-#include "identification/profile.hpp"
+#include "identification/identify.hpp"
 
 namespace poise::app {
 
-/// A fit, and the records that were fitted.
-struct FitAnswer {
-  Fit fit;
-  std::vector<Record> records;
-  /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
-  std::vector<double> rms_from_readings;
-  std::vector<KnownEffect> known;               ///< already in the fit's standard errors
-  std::vector<KnownEffect> inputs;              ///< input_effects(), likewise
-  std::vector<std::vector<std::string>> stops;  ///< per run: stops_passed()
-  std::vector<LikelihoodProfile> profiles;
-  std::optional<Bootstrap> bootstrap;
-};
-
 /// The estimates with their standard errors, what is not identifiable, residuals. What is withheld is null in the data,
 /// and so are its standard error and its truth; no number of it is in the text.
-Result identify_result(const FitProblem& problem, const FitAnswer& answer, const std::vector<std::string>& settings);
+Result identify_result(const FitProblem& problem, const Identification& answer,
+                       const std::vector<std::string>& settings);
 
 /// "phi1 0.00292 rad, phi2 0.00403 rad; all angles 0.00351 rad": root mean squares per sensor, SI.
 std::string rms_in_words(const std::vector<double>& rms, const Experiment& experiment);
 
 /// Adds a section on the residuals: in total, of the runs, outliers.
-void add_residuals(Group& content, const FitProblem& problem, const FitAnswer& answer);
+void add_residuals(Group& content, const FitProblem& problem, const Identification& answer);
 /// The same as data, with status and effort of the fit.
-void add_fit_data(Group& content, const FitProblem& problem, const FitAnswer& answer);
+void add_fit_data(Group& content, const FitProblem& problem, const Identification& answer);
 
 /// Adds the table for CSV, one row for each run and time: run, time, and for every sensor the reading, NAME.prediction
 /// and NAME.residual = reading - prediction, in the units of the scene. Empty where no fit was reached.
-void add_readings(Result& result, const FitProblem& problem, const FitAnswer& answer);
+void add_readings(Result& result, const FitProblem& problem, const Identification& answer);
 
 }  // namespace poise::app

@@ -84,7 +84,7 @@ void add_parameters(Group& content, const FitProblem& problem, const Validation&
 
 }  // namespace
 
-Result validation_result(const FitProblem& problem, const FitAnswer& answer, const Validation& validation,
+Result validation_result(const FitProblem& problem, const Identification& answer, const Validation& validation,
                          const FittedModel& model, Starts starts, const std::vector<std::string>& settings) {
   Result out = experiment_result(problem, settings);
   out.verdict = verdict(validation);
