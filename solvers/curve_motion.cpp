@@ -12,6 +12,7 @@
 #include "solvers/cubic.hpp"
 #include "solvers/kkt.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/root.hpp"
 #include "solvers/vectors.hpp"
 
 namespace poise::solvers {
@@ -534,17 +535,8 @@ class CurveMotion::Method {
   }
 
   static double root_of(const Cubic& v) {
-    double low = 0.0, high = 1.0, tau = v.a[0] / (v.a[0] - v.at(1.0));
-    for (int k = 0; k < 50; ++k) {
-      const double value = v.at(tau);
-      (value > 0 ? low : high) = tau;
-      const double slope = v.slope(tau);
-      double next = slope < 0 ? tau - value / slope : 0.5 * (low + high);
-      if (!(next > low && next < high)) next = 0.5 * (low + high);
-      if (std::abs(next - tau) < 1e-15) break;
-      tau = next;
-    }
-    return tau;
+    const auto at = [&](double tau) -> std::optional<ValueAndSlope> { return ValueAndSlope{v.at(tau), v.slope(tau)}; };
+    return *root_by_newton(at, {0.0, 1.0}, v.a[0] / (v.a[0] - v.at(1.0)), true);
   }
 
   // Where an interval has become as short as rounding allows.
