@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "solvers/root.hpp"
+
 namespace poise::comparison {
 namespace {
 
@@ -30,14 +32,11 @@ void pin(Scene& scene, PointRef a, PointRef b) {
 
 std::vector<double> arc_start(int links) {
   // The span decreases as the arc closes, from 1 at phi = 0 to 0 at a full circle.
-  double low = 0.0, high = 2.0 * M_PI / links;
-  for (int k = 0; k < 200; ++k) {
-    const double phi = 0.5 * (low + high);
-    const double span = std::sin(0.5 * links * phi) / (links * std::sin(0.5 * phi));
-    (span > chain_span ? low : high) = phi;
-  }
+  solvers::Bracket turn{0.0, 2.0 * M_PI / links};
+  solvers::bisect(turn,
+                  [&](double phi) { return std::sin(0.5 * links * phi) / (links * std::sin(0.5 * phi)) > chain_span; });
   std::vector<double> angles(links);
-  for (int i = 0; i < links; ++i) angles[i] = (i - 0.5 * (links - 1)) * low;
+  for (int i = 0; i < links; ++i) angles[i] = (i - 0.5 * (links - 1)) * turn.from;
   return angles;
 }
 

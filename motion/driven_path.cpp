@@ -7,6 +7,7 @@
 
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/root.hpp"
 #include "statics/curvature.hpp"
 #include "statics/held_rows.hpp"
 
@@ -238,21 +239,18 @@ std::optional<PathPose> DrivenPath::turning_point(const PathPose& from) const {
     z.tangent = tangent(z.x, base.tangent);
     return z;
   };
-  double low = 0.0, high = 1e-7;
-  OnCurve beyond = point(high);
+  solvers::Bracket bracket{0.0, 1e-7};
+  OnCurve beyond = point(bracket.to);
   while (beyond.tangent[n] > 0.0) {
-    low = high;
-    high *= 2.0;
-    if (high > farthest_turning) return std::nullopt;
-    beyond = point(high);
+    bracket = {bracket.to, 2.0 * bracket.to};
+    if (bracket.to > farthest_turning) return std::nullopt;
+    beyond = point(bracket.to);
   }
   if (largest(closure_.gap(beyond.x)) > closed_within) return std::nullopt;
-  while (high - low > 1e-12) {
-    const double middle = 0.5 * (low + high);
-    if (middle == low || middle == high) break;
-    (point(middle).tangent[n] > 0.0 ? low : high) = middle;
-  }
-  OnCurve turning = point(low);
+  solvers::bisect(
+      bracket, [&](double s) { return point(s).tangent[n] > 0.0; },
+      [](const solvers::Bracket& at) { return at.width() <= 1e-12; });
+  OnCurve turning = point(bracket.from);
   PathPose pose = from;
   pose.at = turning.at;
   pose.x = turning.x;
@@ -279,11 +277,9 @@ std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const Path
       beyond = minimiser([&](double at) { return -overrun(at); }, from.at, to.at);
       if (overrun(beyond) <= StopRoom::rounding) continue;
     }
-    double within = from.at;
-    for (double middle = 0.5 * beyond + 0.5 * within; middle != within && middle != beyond;) {
-      (rooms(sampled(from, to, middle).x)[s].overrun() > 0.0 ? beyond : within) = middle;
-      middle = 0.5 * beyond + 0.5 * within;
-    }
+    solvers::Bracket bracket{from.at, beyond};
+    solvers::bisect(bracket, [&](double at) { return !(rooms(sampled(from, to, at).x)[s].overrun() > 0.0); });
+    const double within = bracket.from;
     if (first && first->pose.at <= within) continue;
     PathPose pose = sampled(from, to, within);
     const bool at_max = rooms(pose.x)[s].at_max();

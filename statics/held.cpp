@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
 #include "solvers/linear_program.hpp"
+#include "solvers/root.hpp"
 #include "statics/contact_loads.hpp"
 #include "statics/friction_problem.hpp"
 
@@ -331,12 +332,11 @@ void find_factor(const FrictionProblem& problem, HeldPose& out) {
       return;
     }
   }
-  while (upper - lower > 1e-14 * upper && upper > least) {
-    const double middle = 0.5 * (lower + upper);
-    if (middle <= lower || middle >= upper) break;
-    (is_held(middle) ? upper : lower) = middle;
-    if (exhausted) break;
-  }
+  solvers::Bracket bracket{lower, upper};
+  solvers::bisect(
+      bracket, [&](double k) { return !is_held(k); },
+      [&](const solvers::Bracket& at) { return exhausted || at.width() <= 1e-14 * at.to || at.to <= least; });
+  upper = bracket.to;
   out.least_factor = upper > least ? upper : 0.0;
   const Decision at = decide(problem, upper, false);
   if (at.verdict == Holding::held) {
@@ -938,12 +938,11 @@ class RangeFinder {
       edge.proved = edge.at_limit && with_friction(out, true).proved;
       return;
     }
-    while (std::abs(in - out) > 1e-14 * std::max(std::abs(in), std::abs(out))) {
-      const double middle = 0.5 * (in + out);
-      if (middle == in || middle == out) break;
-      (held(middle) ? in : out) = middle;
-    }
-    edge.value = in;
+    solvers::Bracket bracket{in, out};
+    solvers::bisect(bracket, held, [](const solvers::Bracket& at) {
+      return at.width() <= 1e-14 * std::max(std::abs(at.from), std::abs(at.to));
+    });
+    in = edge.value = bracket.from;
     const double inwards = grows ? 1.0 : -1.0;
     for (double aside = 1e-12; aside < 1e-5 && !edge.proved; aside *= 10) {
       const Decision inside = with_friction(in * (1 + inwards * aside), true),

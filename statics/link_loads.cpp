@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "model/flexible_link.hpp"
+#include "solvers/root.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/contact_loads.hpp"
 #include "statics/mobility.hpp"
@@ -448,14 +449,11 @@ template <class F>
 std::vector<double> crossings(const std::vector<double>& bounds, F f) {
   std::vector<double> out;
   for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
-    double low = bounds[k], high = bounds[k + 1];
-    if ((f(low) > 0.0) == (f(high) > 0.0)) continue;
-    const bool rises = f(high) > 0.0;
-    while (low < 0.5 * (low + high) && 0.5 * (low + high) < high) {
-      const double middle = 0.5 * (low + high);
-      ((f(middle) > 0.0) == rises ? high : low) = middle;
-    }
-    out.push_back(low);
+    solvers::Bracket bracket{bounds[k], bounds[k + 1]};
+    const bool falls = f(bracket.from) > 0.0;
+    if (falls == (f(bracket.to) > 0.0)) continue;
+    solvers::bisect(bracket, [&](double x) { return (f(x) > 0.0) == falls; });
+    out.push_back(bracket.from);
   }
   return out;
 }
