@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "solvers/root.hpp"
 #include "statics/event_accuracy.hpp"
 #include "statics/tracing_steps.hpp"
 
@@ -25,27 +26,6 @@ constexpr double zero_coefficient = 1e-3;   // of those at the ends of the step:
 constexpr double run_away = 100.0;          // of a coordinate
 constexpr double known_distance = 1e-3;     // the fold that path() met is met again nearer than this
 constexpr double in_balance_within = 1e-8;  // residuals of a pose that is an equilibrium
-
-// Root of a function of opposite signs fa, fb at 0 and h: secant steps kept within the bracket (Illinois).
-// `f` returns the value, or nothing where it cannot be had.
-std::optional<double> root_by_secants(const std::function<std::optional<double>(double)>& f, double h, double fa,
-                                      double fb, double width) {
-  double a = 0.0, b = h, s = 0.0;
-  int side = 0;
-  for (int k = 0; k < 80 && b - a > width; ++k) {
-    s = (a * fb - b * fa) / (fb - fa);
-    if (!(s > a && s < b)) s = 0.5 * (a + b);
-    const std::optional<double> value = f(s);
-    if (!value) return std::nullopt;
-    if (std::abs(*value) < 1e-16 || std::min(s - a, b - s) < 0.1 * width) break;
-    const bool left = (*value > 0.0) == (fa > 0.0);
-    (left ? a : b) = s;
-    (left ? fa : fb) = *value;
-    if (side == (left ? 1 : -1)) (left ? fb : fa) *= 0.5;
-    side = left ? 1 : -1;
-  }
-  return s;
-}
 
 // SI; exactly the ends at 0 and 1.
 }  // namespace
@@ -251,13 +231,13 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
       if (!(fb < 0.0)) return;
       std::optional<FoldPlace> place = here;
       const auto s = fa <= 0.0 ? std::optional(0.0)
-                               : root_by_secants(
+                               : solvers::root_by_secants(
                                      [&](double at_s) -> std::optional<double> {
                                        place = at(piece, segment, at_s);
                                        if (!place) return std::nullopt;
                                        return f(*place);
                                      },
-                                     segment.h, fa, fb, 1e-15);
+                                     {0.0, segment.h}, fa, fb, 1e-15);
       if (!s || *s > until) return;
       until = *s;
       last = *place;
@@ -300,13 +280,13 @@ FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::
     }
     if (segment.a.coefficient * last.coefficient < 0.0) {
       std::optional<FoldPlace> place;
-      const auto s = root_by_secants(
+      const auto s = solvers::root_by_secants(
           [&](double at_s) -> std::optional<double> {
             place = at(piece, segment, at_s);
             if (!place) return std::nullopt;
             return place->coefficient;
           },
-          segment.h, segment.a.coefficient, segment.b.coefficient, 1e-12);
+          {0.0, segment.h}, segment.a.coefficient, segment.b.coefficient, 1e-12);
       const double usual = std::abs(segment.a.coefficient) + std::abs(segment.b.coefficient);
       const bool is_zero = s && std::abs(place->coefficient) < zero_coefficient * usual;
       if (is_zero && *s <= until) out.cusps.push_back({*place, out.places.size() - 1});

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
+#include "solvers/root.hpp"
 #include "solvers/vectors.hpp"
 #include "statics/equilibrium.hpp"
 #include "statics/event_accuracy.hpp"
@@ -108,18 +109,25 @@ class PathFinder {
   void add_flutter(int branch, PathPoint before, PathPoint after) {
     PathEvent event;
     event.kind = PathEvent::Kind::flutter;
-    for (int k = 0; k < 50; ++k) {
-      const double value = 0.5 * (before.parameter + after.parameter);
-      if (value == before.parameter || value == after.parameter) break;
+    bool is_lost = false;
+    const auto is_before = [&](double& value) -> std::optional<bool> {
       std::vector<double> x = before.x;
       for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.5 * (x[i] + after.x[i]);
       const auto spot = tracer_.spot(x, varied_.part_at(value), before.active_stops, 1.0);
-      if (!spot) return;
+      is_lost = !spot;
+      if (is_lost) return std::nullopt;
       PathPoint middle = tracer_.report(*spot);
       certify_point(varied_, options_, middle);
-      if (middle.proof != PointProof::proved) break;
-      (middle.stability == before.stability ? before : after) = std::move(middle);
-    }
+      if (middle.proof != PointProof::proved) return std::nullopt;
+      value = middle.parameter;
+      const bool out = middle.stability == before.stability;
+      (out ? before : after) = std::move(middle);
+      return out;
+    };
+    solvers::Bracket bracket{before.parameter, after.parameter};
+    int halvings = 0;
+    solvers::bisect(bracket, is_before, [&](const solvers::Bracket&) { return halvings++ == 50; });
+    if (is_lost) return;
     event.at = before;
     // Growth below a ten-millionth of the frequencies counts as none (motion/modes.hpp).
     event.error =

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "solvers/cubic.hpp"
+#include "solvers/root.hpp"
 #include "solvers/vectors.hpp"
 #include "statics/curvature.hpp"
 #include "statics/event_accuracy.hpp"
@@ -333,7 +334,7 @@ std::optional<PathSpot> PathTracer::at(const Segment& segment, double s) {
   return out;
 }
 
-// Root of f on a segment, of opposite signs at its ends: secant steps kept within the bracket (Illinois).
+// Root of f on a segment, of opposite signs at its ends.
 namespace {
 struct RootOnSegment {
   double s;
@@ -341,72 +342,49 @@ struct RootOnSegment {
 };
 template <class At, class F>
 std::optional<RootOnSegment> root_on_segment(At at, F f, double h, double fa, double fb) {
-  double a = 0.0, b = h;
-  std::optional<RootOnSegment> best;
-  int side = 0;
-  for (int k = 0; k < 80; ++k) {
-    double s = (a * fb - b * fa) / (fb - fa);
-    if (!(s > a && s < b)) s = 0.5 * (a + b);
-    std::optional<PathSpot> spot = at(s);
+  std::optional<PathSpot> spot;
+  const auto value = [&](double s) -> std::optional<double> {
+    spot = at(s);
     if (!spot) return std::nullopt;
-    const double value = f(*spot);
-    best = RootOnSegment{s, std::move(*spot)};
-    if (value == 0.0 || b - a < 1e-15 * h || s == a || s == b) break;
-    if (std::abs(value) < 1e-16) break;
-    if ((value > 0.0) == (fa > 0.0)) {
-      if (s - a < 1e-16) break;
-      a = s;
-      fa = value;
-      if (side == 1) fb *= 0.5;
-      side = 1;
-    } else {
-      if (b - s < 1e-16) break;
-      b = s;
-      fb = value;
-      if (side == -1) fa *= 0.5;
-      side = -1;
-    }
-  }
-  return best;
+    return f(*spot);
+  };
+  const std::optional<double> s = solvers::root_by_secants(value, {0.0, h}, fa, fb, 1e-15 * h);
+  if (!s) return std::nullopt;
+  return RootOnSegment{*s, std::move(*spot)};
 }
 }  // namespace
 
 std::optional<PathSpot> PathTracer::find_fold(const Segment& segment, double& s) {
   solvers::Curve& system = curve(segment.a.piece);
-  double low = 0.0, high = segment.h;
-  const double sign = segment.a.rate() > 0.0 ? 1.0 : -1.0;
-  s = segment.h * segment.a.rate() / (segment.a.rate() - segment.b.rate());
-  std::optional<PathSpot> best;
-  for (int k = 0; k < 40; ++k) {
-    std::optional<PathSpot> spot = at(segment, s);
+  std::optional<PathSpot> spot;
+  const auto rate = [&](double place) -> std::optional<solvers::ValueAndSlope> {
+    spot = at(segment, place);
     if (!spot) return std::nullopt;
-    const double rate = spot->rate();
     const VectorXd bend = system.bend(spot->point);
-    best = std::move(spot);
-    (sign * rate > 0.0 ? low : high) = s;
-    double next = s - rate / bend[bend.size() - 1];
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (rate == 0.0 || std::abs(next - s) < 1e-14 || high - low < 1e-14) break;
-    s = next;
-  }
-  return best;
+    return solvers::ValueAndSlope{spot->rate(), bend[bend.size() - 1]};
+  };
+  const double begin = segment.a.rate(), end = segment.b.rate();
+  const auto found = solvers::root_by_newton(rate, {0.0, segment.h}, segment.h * begin / (begin - end), begin > 0.0,
+                                             {.step = 1e-14, .width = 1e-14, .steps = 40});
+  if (!found) return std::nullopt;
+  s = *found;
+  return spot;
 }
 
 std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& s, bool& is_pole) {
   solvers::Curve& system = curve(segment.a.piece);
-  double low = 0.0, high = segment.h;
   const bool dense = system.unknowns() <= solvers::Curve::spectrum_limit;
   std::optional<PathSpot> best;
   const double width = (dense ? 1e-4 : 1e-12) * segment.h;
-  while (high - low > width) {
-    s = 0.5 * (low + high);
-    if (s == low || s == high) break;
-    std::optional<PathSpot> spot = at(segment, s);
-    if (!spot) spot = at(segment, s = low + 0.4987 * (high - low));
-    if (!spot) return std::nullopt;
-    (spot->point.orientation == segment.a.point.orientation ? low : high) = s;
-    best = std::move(spot);
-  }
+  solvers::Bracket bracket{0.0, segment.h};
+  const auto is_before = [&](double& place) -> std::optional<bool> {
+    best = at(segment, place);
+    if (!best) best = at(segment, place = bracket.from + 0.4987 * (bracket.to - bracket.from));
+    if (!best) return std::nullopt;
+    s = place;
+    return best->point.orientation == segment.a.point.orientation;
+  };
+  solvers::bisect(bracket, is_before, [&](const solvers::Bracket& at) { return at.width() <= width; });
   if (!best) return best;
   // The determinant also changes its sign through infinity, where multipliers do: a dead centre.
   is_pole = system.active().size() > 0 &&
@@ -422,16 +400,17 @@ std::optional<PathSpot> PathTracer::find_branch(const Segment& segment, double& 
 // Where several eigenvalues change their sign together.
 std::optional<PathSpot> PathTracer::find_multiple(const Segment& segment, double& s) {
   solvers::Curve& system = curve(segment.a.piece);
-  double low = 0.0, high = segment.h;
   std::optional<PathSpot> best;
-  for (int k = 0; k < 50; ++k) {
-    s = 0.5 * (low + high);
-    if (s == low || s == high) break;
-    std::optional<PathSpot> spot = at(segment, s);
-    if (!spot) return best;
-    (system.negative_directions(spot->point.z) == segment.a.negative ? low : high) = s;
+  const auto is_before = [&](double place) -> std::optional<bool> {
+    std::optional<PathSpot> spot = at(segment, place);
+    if (!spot) return std::nullopt;
+    s = place;
     best = std::move(spot);
-  }
+    return system.negative_directions(best->point.z) == segment.a.negative;
+  };
+  solvers::Bracket bracket{0.0, segment.h};
+  int halvings = 0;
+  solvers::bisect(bracket, is_before, [&](const solvers::Bracket&) { return halvings++ == 50; });
   return best;
 }
 
