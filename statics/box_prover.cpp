@@ -8,6 +8,8 @@
 
 #include <Eigen/LU>
 
+#include "statics/interval_matrix.hpp"
+
 namespace poise {
 
 namespace {
@@ -21,9 +23,6 @@ constexpr int most_dyad_sweeps = 3;
 constexpr double enough_for_dyads = 0.8;  // of its width before, to which a sweep narrows a dyad if another follows
 constexpr int most_closing_steps = 2;     // of Newton's method
 constexpr double narrow_for_dyads = 0.3;  // rad or sizes
-constexpr int most_inflations = 2;        // of a box in which Newton's operator finds no solution
-constexpr double little_further = 16.0;   // times its size, if its middle is refined
-constexpr double always_further = 1e-8;   // rad or sizes
 constexpr double turning = 0.5;    // of its length by which an element may be longer whose direction a box leaves open
 constexpr double stiff = 1.0;      // loads: elements whose force a box leaves open by more
 constexpr double open_gap = 1e-9;  // mechanism sizes: what rounding leaves open of loops that others close
@@ -49,14 +48,6 @@ std::optional<Interval> meet_circle(Interval& a, const Interval& other, const In
   const Interval size = sqrt(left);
   if (!a.meet(Interval(-size.upper(), size.upper()))) return std::nullopt;
   return size;
-}
-
-// sum += factor a.
-void add_product(Interval& sum, double factor, const Interval& a) {
-  if (factor >= 0)
-    sum = Interval::from(sum.minus_lower() + factor * a.minus_lower(), sum.upper() + factor * a.upper());
-  else
-    sum = Interval::from(sum.minus_lower() + -factor * a.upper(), sum.upper() + -factor * a.minus_lower());
 }
 
 // Bounds of all x with |x| <= |b| + E |x|, for a matrix E >= 0 of bounds: with weights w > 0 and E w < w the powers of
@@ -1279,227 +1270,54 @@ bool BoxProver::is_passed(const Distance& on, const Interval& length, const Inte
 
 // --- Newton's operator ----------------------------------------------------------------------------------------------
 
-// For two solutions, or one and the middle z_0 = (x_0, y_0),  f(z) - f(z_0) = A (z - z_0)  with rows of
-// A = [H(X, y_0) J(X)^T; J(X) 0], since y enters linearly. With C >= |I - R A| and a weighted norm |C|_w < 1, every
-// solution with x in X has |z - z_0| <= u for u = |R f| + C u; and if u is within X there is one, and no other.
 BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at) {
-  const bool square = m_ == n_;
-  const int size = square ? n_ : n_ + m_;
-  std::vector<double> x(n_);
-  for (int i = 0; i < n_; ++i) x[i] = box[i].middle();
-  std::vector<double> y(m_, 0.0);
-  std::vector<Planar<double>> pose(plain_.pose_size());
-  std::vector<double> jacobian(jacobian_.size());
-  std::vector<double> tangent(tangent_.size());
-  std::vector<double> constraint(constraint_.size());
-  std::vector<double> multipliers(constraint_.size(), 0.0);
-  Eigen::VectorXd residual(size);
-  Eigen::MatrixXd matrix(size, size);
-  Eigen::MatrixXd inverse;
-  const auto place = [&] {
-    plain_.place(x.data(), pose.data());
-    plain_.jacobian(pose.data(), jacobian.data());
-    plain_.constraint(x.data(), pose.data(), constraint.data());
-    matrix.setZero();
-    residual.setZero();
-    if (!square) {
-      for (int k = 0; k < m_; ++k) multipliers[rows_[k]] = y[k];
-      plain_.negative_force(x.data(), pose.data(), residual.data());
-      plain_.tangent(pose.data(), multipliers.data(), tangent.data());
-      for (std::size_t e = 0; e < tangent.size(); ++e) {
-        const int i = plain_.tangent_row()[e];
-        const int j = plain_.tangent_column()[e];
-        matrix(i, j) += tangent[e];
-        if (i != j && !plain_.has_follower_loads()) matrix(j, i) += tangent[e];
-      }
-    }
-    const int first = square ? 0 : n_;
-    for (std::size_t e = 0; e < jacobian.size(); ++e) {
-      const int k = equation_[plain_.jacobian_row()[e]];
-      if (k < 0 || k >= m_) continue;
-      const int i = plain_.jacobian_column()[e];
-      matrix(first + k, i) += jacobian[e];
-      if (square) continue;
-      matrix(i, first + k) += jacobian[e];
-      residual[i] += jacobian[e] * y[k];
-    }
-    for (int k = 0; k < m_; ++k) residual[first + k] = constraint[rows_[k]] - bounds_[k];
-  };
-  if (!square && m_ > 0) {
-    // y of least residual in the dependent coordinates.
-    plain_.place(x.data(), pose.data());
-    std::vector<double> force(n_);
-    plain_.negative_force(x.data(), pose.data(), force.data());
-    for (int l = 0; l < m_; ++l) {
-      for (int k = 0; k < m_; ++k) y[l] -= inverse_[static_cast<std::size_t>(l) * m_ + k] * force[dependent_[k]];
-    }
-  }
-  // Refine the middle while it stays near.
-  const std::vector<double> x_start = x;
-  const std::vector<double> y_start = y;
-  bool near = true;
-  for (int step = 0; step < 6 && near; ++step) {
-    place();
-    const Eigen::VectorXd z = -matrix.partialPivLu().solve(residual);
-    if (!z.allFinite()) {
-      near = false;
-      break;
-    }
-    double most = 0.0;
-    for (int i = 0; i < n_; ++i) {
-      x[i] += z[i];
-      most = std::max(most, std::abs(z[i]));
-      near = near && std::abs(x[i] - x_start[i]) <= 0.75 * box[i].width() + always_further;
-    }
-    if (!square) {
-      for (int k = 0; k < m_; ++k) y[k] += z[n_ + k];
-    }
-    if (most < 1e-14) break;
-  }
-  if (!near) {
-    x = x_start;
-    y = y_start;
-  }
-  place();
-  inverse = matrix.partialPivLu().inverse();
-  if (!inverse.allFinite()) return Finding::open;
-
-  std::vector<double> reach(n_);
-  for (int i = 0; i < n_; ++i) {
-    const double half = std::max(box[i].upper() - x[i], x[i] - box[i].lower());
-    reach[i] = 1.1 * half + 1e-12;
-  }
-  // f at the middle.
-  std::vector<Interval> f(size, Interval(0));
-  CoordinateBox middle(n_);
-  for (int i = 0; i < n_; ++i) middle[i] = Interval(x[i]);
-  mechanism_.place(middle.data(), pose_.data());
-  mechanism_.constraint(middle.data(), pose_.data(), constraint_.data());
-  const int first = square ? 0 : n_;
-  for (int k = 0; k < m_; ++k) f[first + k] = constraint_[rows_[k]] - Interval(bounds_[k]);
-  if (!square) {
-    mechanism_.negative_force(middle.data(), pose_.data(), f.data());
-    mechanism_.jacobian(pose_.data(), jacobian_.data());
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      const int k = equation_[plain_.jacobian_row()[e]];
-      if (k >= 0 && k < m_) f[plain_.jacobian_column()[e]] += jacobian_[e] * Interval(y[k]);
-    }
-  }
-  // The operator over all within reach of the middle: bounds of the distance of solutions, and whether there is one.
-  // False where it is no contraction.
-  CoordinateBox around(n_);
-  std::vector<double> u(size);
-  bool exists = false;
-  const auto apply = [&] {
-    for (int i = 0; i < n_; ++i) around[i] = Interval(x[i]) + Interval(-reach[i], reach[i]);
-    std::vector<Interval> a(static_cast<std::size_t>(size) * size, Interval(0));
-    const auto entry = [&](int i, int j) -> Interval& { return a[static_cast<std::size_t>(i) * size + j]; };
-    mechanism_.place(around.data(), pose_.data());
-    mechanism_.jacobian(pose_.data(), jacobian_.data());
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      const int k = equation_[plain_.jacobian_row()[e]];
-      if (k < 0 || k >= m_) continue;
-      const int i = plain_.jacobian_column()[e];
-      entry(first + k, i) += jacobian_[e];
-      if (!square) entry(i, first + k) += jacobian_[e];
-    }
-    if (!square) {
-      std::fill(multipliers_.begin(), multipliers_.end(), Interval(0));
-      for (int k = 0; k < m_; ++k) multipliers_[rows_[k]] = Interval(y[k]);
-      mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
-      for (std::size_t e = 0; e < tangent_.size(); ++e) {
-        const int i = plain_.tangent_row()[e];
-        const int j = plain_.tangent_column()[e];
-        entry(i, j) += tangent_[e];
-        if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];
-      }
-    }
-    std::vector<double> contraction(static_cast<std::size_t>(size) * size);
-    std::vector<double> first_step(size);
-    std::vector<Interval> row(size);
-    for (int i = 0; i < size; ++i) {
-      std::fill(row.begin(), row.end(), Interval(0));
-      Interval step(0);
-      for (int k = 0; k < size; ++k) {
-        const double factor = inverse(i, k);
-        if (factor == 0) continue;
-        add_product(step, factor, f[k]);
-        for (int j = 0; j < size; ++j) add_product(row[j], factor, a[static_cast<std::size_t>(k) * size + j]);
-      }
-      row[i] -= Interval(1);
-      first_step[i] = step.magnitude();
-      for (int j = 0; j < size; ++j) contraction[static_cast<std::size_t>(i) * size + j] = row[j].magnitude();
-    }
-    // Weights near the dominant direction of C.
-    const auto times = [&](const std::vector<double>& v, bool with_step) {
-      std::vector<double> product(size);
-      for (int i = 0; i < size; ++i) {
-        double sum = with_step ? first_step[i] : 0.0;
-        for (int j = 0; j < size; ++j) sum += contraction[static_cast<std::size_t>(i) * size + j] * v[j];
-        product[i] = sum;
-      }
-      return product;
-    };
-    std::vector<double> weight(size, 1.0);
-    for (int step = 0; step < 4; ++step) {
-      const std::vector<double> next = times(weight, false);
-      double most = 0.0;
-      for (const double v : next) most = std::max(most, v);
-      if (!(most > 0) || !std::isfinite(most)) break;
-      for (int i = 0; i < size; ++i) weight[i] = next[i] / most + 1e-3 * weight[i] + 1e-12;
-    }
-    double norm = 0.0;
-    double scale = 0.0;
-    const std::vector<double> grown = times(weight, false);
-    for (int i = 0; i < size; ++i) {
-      const double ratio = grown[i] / weight[i];
-      if (!(ratio < 1)) return false;
-      norm = std::max(norm, ratio);
-      scale = std::max(scale, first_step[i] / weight[i]);
-    }
-    const double bound = (Interval(scale) / (Interval(1) - Interval(norm))).upper();
-    for (int i = 0; i < size; ++i) u[i] = bound * weight[i];
-    for (int sweep = 0; sweep < 3; ++sweep) {
-      bool within = true;
-      for (int i = 0; i < n_; ++i) within = within && u[i] < reach[i];
-      exists = within;
-      const std::vector<double> next = times(u, true);
-      for (int i = 0; i < size; ++i) u[i] = std::min(u[i], next[i]);
-    }
-    return true;
-  };
-  if (!apply()) return Finding::open;
-  // What is left by rounding may reach further than a box that was narrowed as far as that.
-  for (int k = 0; k < most_inflations && !exists && near; ++k) {
-    const std::vector<double> before = u;
-    bool is_little = true;
-    for (int i = 0; i < n_; ++i) {
-      is_little = is_little && u[i] < std::max(little_further * reach[i], always_further);
-      reach[i] = std::max(reach[i], 2.0 * u[i]);
-    }
-    if (is_little && apply()) continue;
-    u = before;
-    exists = false;
-    break;
-  }
+  std::vector<double> middle(n_);
+  for (int i = 0; i < n_; ++i) middle[i] = box[i].middle();
+  if (!newton_) newton_.emplace(plain_, mechanism_, rows_, bounds_, equation_, m_);
+  if (!newton_->begin(box, middle, least_multipliers(middle)) || !newton_->apply()) return Finding::open;
+  newton_->reach_further();
   out = box;
   for (int i = 0; i < n_; ++i) {
-    if (!out[i].meet(Interval(x[i]) + Interval(-u[i], u[i]))) return Finding::empty;
+    if (!out[i].meet(newton_->coordinate(i))) return Finding::empty;
   }
-  if (!exists) return Finding::open;
-  // Active stops press, others are not passed.
+  if (!newton_->exists()) return Finding::open;
   CoordinateBox solution(n_);
-  for (int i = 0; i < n_; ++i) solution[i] = Interval(x[i]) + Interval(-u[i], u[i]);
-  std::vector<Interval> pushes(m_, Interval::entire());
-  for (int k = 0; k < m_ && !square; ++k) pushes[k] = Interval(y[k]) + Interval(-u[n_ + k], u[n_ + k]);
+  for (int i = 0; i < n_; ++i) solution[i] = newton_->coordinate(i);
+  if (!satisfies_other_rows(solution) || !may_rest_on_stops(solution)) return Finding::empty;
+  at = newton_->x();
+  return Finding::unique;
+}
+
+// The multipliers y of least residual in the dependent coordinates at x; zeros where the rows alone determine x.
+std::vector<double> BoxProver::least_multipliers(const std::vector<double>& x) const {
+  std::vector<double> y(m_, 0.0);
+  if (m_ == n_ || m_ == 0) return y;
+  std::vector<Planar<double>> pose(plain_.pose_size());
+  std::vector<double> force(n_);
+  plain_.place(x.data(), pose.data());
+  plain_.negative_force(x.data(), pose.data(), force.data());
+  for (int l = 0; l < m_; ++l) {
+    for (int k = 0; k < m_; ++k) y[l] -= inverse_[static_cast<std::size_t>(l) * m_ + k] * force[dependent_[k]];
+  }
+  return y;
+}
+
+// Whether rows that others imply where they repeat them close in a solution too; leaves its constraints.
+bool BoxProver::satisfies_other_rows(const CoordinateBox& solution) {
   mechanism_.place(solution.data(), pose_.data());
   mechanism_.constraint(solution.data(), pose_.data(), constraint_.data());
-  // Rows that others imply where they repeat them close there too.
   for (std::size_t k = static_cast<std::size_t>(m_); k < rows_.size(); ++k) {
     const Interval gap = constraint_[rows_[k]] - Interval(bounds_[k]);
-    if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return Finding::empty;
+    if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return false;
   }
-  if (square && plain_.stops() > 0) {
+  return true;
+}
+
+// Whether active stops may press in the solution that Newton's operator found, and others are not passed for certain.
+bool BoxProver::may_rest_on_stops(const CoordinateBox& solution) {
+  std::vector<Interval> pushes(m_, Interval::entire());
+  for (int k = 0; k < m_ && !newton_->is_square(); ++k) pushes[k] = newton_->multiplier(k);
+  if (newton_->is_square() && plain_.stops() > 0) {
     evaluate(solution);
     mechanism_.negative_force(solution.data(), pose_.data(), force_.data());
     std::vector<Interval> found;
@@ -1508,14 +1326,13 @@ BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& ou
   for (int s = 0; s < plain_.stops(); ++s) {
     const Interval& measure = constraint_[plain_.stop_row(s)];
     if (stops_[s] == StopState::inactive) {
-      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return Finding::empty;
+      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return false;
     } else if (stops_[s] != StopState::held) {
       const Interval& push = pushes[equation_[plain_.stop_row(s)]];
-      if (stops_[s] == StopState::at_upper ? push < Interval(0) : push > Interval(0)) return Finding::empty;
+      if (stops_[s] == StopState::at_upper ? push < Interval(0) : push > Interval(0)) return false;
     }
   }
-  at = x;
-  return Finding::unique;
+  return true;
 }
 
 // --- one box --------------------------------------------------------------------------------------------------------

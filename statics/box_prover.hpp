@@ -11,6 +11,7 @@
 #include "statics/crossing_branches.hpp"
 #include "statics/element_peaks.hpp"
 #include "statics/merged_mechanism.hpp"
+#include "statics/newton_operator.hpp"
 #include "statics/off_branch.hpp"
 #include "statics/static_model.hpp"
 
@@ -176,6 +177,9 @@ class BoxProver {
   bool is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull);
   bool is_passed(const Distance& on, const Interval& length, const Interval& pull);
   Finding newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
+  std::vector<double> least_multipliers(const std::vector<double>& x) const;
+  bool satisfies_other_rows(const CoordinateBox& solution);
+  bool may_rest_on_stops(const CoordinateBox& solution);
   void split(const CoordinateBox& box, Verdict& verdict) const;
 
   const StaticModel& model_;
@@ -201,6 +205,7 @@ class BoxProver {
   int loose_ = -1;                      // a coordinate of the first dyad that does not follow and is wide by itself
   Gap gap_;
   std::vector<Interval> parts_;
+  std::optional<NewtonOperator> newton_;  // made when a box is small enough for it
   std::optional<OffBranch> off_branch_;
   std::optional<CrossingBranches> crossings_;             // of rows whose value is zero
   std::vector<CrossingBranches::Region> regions_;         // that were found

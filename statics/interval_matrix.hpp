@@ -9,7 +9,7 @@ namespace poise {
 
 using solvers::Interval;
 
-// Dense matrices of intervals. They need solvers::RoundingUp.
+// Sums and dense matrices of intervals. They need solvers::RoundingUp.
 
 /// Row by row.
 struct IntervalMatrix {
@@ -20,6 +20,14 @@ struct IntervalMatrix {
   std::size_t rows, columns;
   std::vector<Interval> entries;
 };
+
+/// Adds factor a to a sum.
+inline void add_product(Interval& sum, double factor, const Interval& a) {
+  if (factor >= 0)
+    sum = Interval::from(sum.minus_lower() + factor * a.minus_lower(), sum.upper() + factor * a.upper());
+  else
+    sum = Interval::from(sum.minus_lower() + -factor * a.upper(), sum.upper() + -factor * a.minus_lower());
+}
 
 inline IntervalMatrix product(const IntervalMatrix& a, const IntervalMatrix& b) {
   IntervalMatrix out(a.rows, b.columns);

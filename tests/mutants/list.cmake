@@ -164,7 +164,7 @@ mutant("the last corner at another turn than the first" solvers/interval.cpp
 
 # --- box_prover.cpp: closures ---------------------------------------------------------------------------------------
 
-mutant("products with negative factors thin" statics/box_prover.cpp
+mutant("products with negative factors thin" statics/interval_matrix.hpp
   [=[sum.minus_lower() + -factor * a.upper()]=]
   [=[sum.minus_lower() + factor * a.minus_lower()]=])
 mutant("arms without the width of lengths on them" statics/box_prover.cpp
@@ -319,26 +319,26 @@ mutant("shooting with the stiffness of the middle" statics/box_prover.cpp
 mutant("shooting without what is left of balance" statics/box_prover.cpp
   [=[by[d] = force_[row];]=]
   [=[]=])
-mutant("Newton's operator in a part of the box" statics/box_prover.cpp
-  [=[reach[i] = 1.1 * half + 1e-12;]=]
-  [=[reach[i] = 0.1 * half + 1e-12;]=])
-mutant("Newton's operator with the error of the middle only" statics/box_prover.cpp
-  [=[= row[j].magnitude();]=]
-  [=[= std::abs(row[j].middle());]=])
-mutant("Newton's operator without the symmetric stiffness" statics/box_prover.cpp
+mutant("Newton's operator in a part of the box" statics/newton_operator.cpp
+  [=[reach_[i] = 1.1 * half + 1e-12;]=]
+  [=[reach_[i] = 0.1 * half + 1e-12;]=])
+mutant("Newton's operator with the error of the middle only" statics/newton_operator.cpp
+  [=[= row_[j].magnitude();]=]
+  [=[= std::abs(row_[j].middle());]=])
+mutant("Newton's operator without the symmetric stiffness" statics/newton_operator.cpp
   [=[if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];]=]
   [=[]=])
-mutant("Newton's operator need not be a contraction" statics/box_prover.cpp
+mutant("Newton's operator need not be a contraction" statics/newton_operator.cpp
   [=[if (!(ratio < 1)) return false;]=]
   [=[]=])
-mutant("what leaves the box exists" statics/box_prover.cpp
-  [=[within = within && u[i] < reach[i];]=]
+mutant("what leaves the box exists" statics/newton_operator.cpp
+  [=[within = within && u_[i] < reach_[i];]=]
   [=[within = true;]=])
 mutant("stops are passed at the upper limit" statics/box_prover.cpp
-  [=[      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return Finding::empty;]=]
-  [=[      if (measure > Interval(plain_.lower()[s])) return Finding::empty;]=])
+  [=[      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return false;]=]
+  [=[      if (measure > Interval(plain_.lower()[s])) return false;]=])
 mutant("rows that others imply need not close" statics/box_prover.cpp
-  [=[if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return Finding::empty;]=]
+  [=[if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return false;]=]
   [=[]=])
 mutant("stops press outwards" statics/box_prover.cpp
   [=[StopState::at_upper ? push < Interval(0) : push > Interval(0)]=]

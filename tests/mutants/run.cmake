@@ -33,7 +33,7 @@ function(test_program program)
 endfunction()
 
 function(program_of file result)
-  if(file MATCHES "interval")
+  if(file MATCHES "^solvers/interval")
     set(${result} interval_mutant PARENT_SCOPE)
   else()
     set(${result} prover_mutant PARENT_SCOPE)
@@ -84,7 +84,8 @@ if(check_only)
 endif()
 
 foreach(file solvers/interval.hpp solvers/interval.cpp statics/assembly_modes.cpp
-    statics/box_prover.cpp statics/crossing_branches.cpp statics/enclosed_set.cpp statics/loop_turns.cpp)
+    statics/box_prover.cpp statics/crossing_branches.cpp statics/enclosed_set.cpp statics/interval_matrix.hpp
+    statics/loop_turns.cpp statics/newton_operator.cpp)
   restore("${file}")
 endforeach()
 run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${work}/prefix")
