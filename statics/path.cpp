@@ -75,7 +75,7 @@ void certify_point(const VariedScene& varied, const PathOptions& options, PathPo
 class PathFinder {
  public:
   PathFinder(const VariedScene& varied, const PathOptions& options, Path& out)
-      : varied_(varied), options_(options), out_(out), tracer_(varied, options, out) {}
+      : varied_(varied), options_(options), out_(out), pieces_(varied), tracer_(varied, options, pieces_, out) {}
 
   void run() {
     const std::optional<PathSpot> start = find_start();
@@ -113,10 +113,10 @@ class PathFinder {
     const auto is_before = [&](double& value) -> std::optional<bool> {
       std::vector<double> x = before.x;
       for (std::size_t i = 0; i < x.size(); ++i) x[i] = 0.5 * (x[i] + after.x[i]);
-      const auto spot = tracer_.spot(x, varied_.part_at(value), before.active_stops, 1.0);
+      const auto spot = pieces_.spot(x, varied_.part_at(value), before.active_stops, 1.0);
       is_lost = !spot;
       if (is_lost) return std::nullopt;
-      PathPoint middle = tracer_.report(*spot);
+      PathPoint middle = pieces_.report(*spot);
       certify_point(varied_, options_, middle);
       if (middle.proof != PointProof::proved) return std::nullopt;
       value = middle.parameter;
@@ -169,11 +169,11 @@ class PathFinder {
     const Certificate certificate = certify(*model, x, options_.certificate);
     if (!certificate.confirmed()) return fail(certificate.statement);
     if (certificate.outcome == Outcome::neutral) return fail(certificate.statement + "; begin at another value");
-    auto spot = tracer_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
+    auto spot = pieces_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
     if (!spot) return fail("the equilibrium is singular there; begin at another value");
     if (jumps() && spot->negative > 0)
       return fail("it is unstable, and a mechanism that is loaded does not rest there");
-    if (!tracer_.depends(*spot)) {
+    if (!pieces_.depends(*spot)) {
       throw InputError(
           fmt::format("{}: equilibrium does not depend on it here; expected another number", varied_.name()));
     }
@@ -234,7 +234,7 @@ class PathFinder {
     for (const PathTracer::Loss& loss : losses) {
       if (tracer_.interrupted()) return;
       Landing landed = note_loss(loss, branch_of(loss));
-      if (landed.kind != Landing::Kind::jump || is_known(tracer_.report(*landed.spot))) continue;
+      if (landed.kind != Landing::Kind::jump || is_known(pieces_.report(*landed.spot))) continue;
       const int snap = static_cast<int>(out_.events.size()) - 1;
       follow(*landed.spot, snap);
       landed.spot->reverse();
@@ -249,7 +249,7 @@ class PathFinder {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     for (int v = 0; v < values && options_.search > 0; ++v) {
       const double p = static_cast<double>(v) / (values - 1);
-      const auto model = varied_.model_at(tracer_.value_at(p));
+      const auto model = varied_.model_at(pieces_.value_at(p));
       for (int k = 0; k < options_.search && !tracer_.interrupted(); ++k) {
         const std::vector<PathSpot> known = spots_at(p);
         std::vector<double> x = model->start();
@@ -263,12 +263,12 @@ class PathFinder {
         solvers::Newton closing(model->problem());
         const solvers::NewtonResult& closed = closing.close(x);
         if (closed.outcome != solvers::Outcome::converged) continue;
-        const auto place = tracer_.deflated(closed.x, p, known, steps);
+        const auto place = pieces_.deflated(closed.x, p, known, steps);
         if (!place) continue;
         const Certificate certificate = certify(*model, *place, options_.certificate);
         if (certificate.outcome != Outcome::proved) continue;
-        auto found = tracer_.spot(certificate.x, p, certificate.active_stops, 1.0);
-        if (!found || is_known(tracer_.report(*found))) continue;
+        auto found = pieces_.spot(certificate.x, p, certificate.active_stops, 1.0);
+        if (!found || is_known(pieces_.report(*found))) continue;
         // Both ways, but not out of the range.
         if (p < 1.0) follow(*found, -1);
         found->reverse();
@@ -281,7 +281,7 @@ class PathFinder {
   // Where the branches pass a value of the parameter.
   std::vector<PathSpot> spots_at(double p) {
     std::vector<PathSpot> out;
-    const double value = tracer_.value_at(p);
+    const double value = pieces_.value_at(p);
     for (const PathBranch& branch : out_.branches) {
       for (std::size_t k = 1; k < branch.points.size(); ++k) {
         const PathPoint &a = branch.points[k - 1], &b = branch.points[k];
@@ -289,7 +289,7 @@ class PathFinder {
         const double share = (value - a.parameter) / (b.parameter - a.parameter);
         std::vector<double> x = a.x;
         for (std::size_t i = 0; i < x.size(); ++i) x[i] += share * (b.x[i] - a.x[i]);
-        if (const auto spot = tracer_.spot(x, p, share < 0.5 ? a.active_stops : b.active_stops, 1.0)) {
+        if (const auto spot = pieces_.spot(x, p, share < 0.5 ? a.active_stops : b.active_stops, 1.0)) {
           out.push_back(*spot);
         }
       }
@@ -314,7 +314,7 @@ class PathFinder {
           a.parameter == b.parameter ? 0.0 : (point.parameter - a.parameter) / (b.parameter - a.parameter);
       std::vector<double> between = a.x;
       for (std::size_t i = 0; i < between.size(); ++i) between[i] += share * (b.x[i] - a.x[i]);
-      const std::vector<double> x = tracer_.unwound(point.x, between, PathTracer::Turns::forces_and_stops);
+      const std::vector<double> x = pieces_.unwound(point.x, between, PathPieces::Turns::forces_and_stops);
       return solvers::largest_difference(x, between) < 0.5 * options_.spacing;
     };
     return std::any_of(out_.branches.begin(), out_.branches.end(), [&](const PathBranch& branch) {
@@ -333,11 +333,11 @@ class PathFinder {
     std::string why{};                          // of `nowhere`
   };
   Landing land(const PathTracer::Loss& loss) {
-    const PathPoint from = tracer_.report(loss.at);
+    const PathPoint from = pieces_.report(loss.at);
     Landing out;
     const auto part = [&](double little) { return loss.at.p() + loss.direction * little; };
     const auto released = [&](double little) {
-      Settling rest = settle(*varied_.model_at(tracer_.value_at(part(little))), from.x,
+      Settling rest = settle(*varied_.model_at(pieces_.value_at(part(little))), from.x,
                              {.course = options_.courses, .interrupt = options_.interrupt});
       // On a curve that goes on without a jump the start is an equilibrium that the mechanism leaves to either side.
       if (rest.end == Settling::End::start_unstable && !rest.sides.empty()) {
@@ -356,8 +356,8 @@ class PathFinder {
     // Where the distance is small and shrinks with the load the mechanism moves on without a jump.
     const double reach = distance(far.x);
     const bool goes_on = reach < same_fold || (reach < small_distance && distance(near.x) < 0.5 * reach);
-    out.spot = goes_on ? tracer_.spot(far.x, part(beyond_loss), far.active_stops, loss.direction)
-                       : tracer_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
+    out.spot = goes_on ? pieces_.spot(far.x, part(beyond_loss), far.active_stops, loss.direction)
+                       : pieces_.spot(near.x, loss.at.p(), near.active_stops, loss.direction);
     if (out.spot) {
       out.kind = goes_on ? Landing::Kind::goes_on : Landing::Kind::jump;
       if (!goes_on) out.course = std::move(near.course);
@@ -375,7 +375,7 @@ class PathFinder {
     snap.kind = PathEvent::Kind::snap;
     snap.why = out.why;
     snap.course = out.course;
-    if (out.spot) snap.landing = tracer_.report(*out.spot);
+    if (out.spot) snap.landing = pieces_.report(*out.spot);
     const PathEvent& lost = out_.events[loss.event];
     snap.at = lost.at;
     snap.error = lost.error;
@@ -419,14 +419,14 @@ class PathFinder {
       const PathBranch& last = out_.branches.back();
       if (last.end != PathBranch::End::range) return;
       const auto spot =
-          tracer_.spot(last.points.back().x, direction > 0.0 ? 1.0 : 0.0, last.points.back().active_stops, -direction);
+          pieces_.spot(last.points.back().x, direction > 0.0 ? 1.0 : 0.0, last.points.back().active_stops, -direction);
       if (!spot) return;
       here = *spot;
     }
   }
 
   void conclude() {
-    out_.evaluations = tracer_.evaluations();
+    out_.evaluations = pieces_.evaluations();
     out_.status = Path::Status::traced;
     if (const double times = varied_.excess(); times > widest_range) {
       out_.status = Path::Status::incomplete;
@@ -451,6 +451,7 @@ class PathFinder {
   const VariedScene& varied_;
   const PathOptions& options_;
   Path& out_;
+  PathPieces pieces_;
   PathTracer tracer_;
 };
 

@@ -13,5 +13,7 @@ inline constexpr double usual_turn = 0.1;
 inline constexpr double largest_deviation = 0.05;  ///< of points within a step from the interpolated ones, in steps
 inline constexpr double overrun = 1e-12;           ///< of a stop or a free length, that is no event yet
 inline constexpr double same_point = 1e-6;
+inline constexpr double same_pose = 1e-9;   ///< of forces and measures after whole turns
+inline constexpr double standstill = 1e-9;  ///< rate of the parameter below which it does not vary
 
 }  // namespace poise::tracing
