@@ -4,15 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
-#include <variant>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "solvers/parallel.hpp"
@@ -22,6 +21,7 @@
 #include "statics/held_rows.hpp"
 #include "statics/interval_mechanism.hpp"
 #include "statics/mobility.hpp"
+#include "statics/open_angles.hpp"
 #include "statics/turns.hpp"
 
 namespace poise {
@@ -251,36 +251,6 @@ std::vector<std::vector<StopState>> cases_of(const Mechanism<double>& mechanism,
   return cases;
 }
 
-// The stiffness of linear springs on angles, K x + K_0 their forces; empty if there are others on angles.
-struct AngleSprings {
-  std::vector<Interval> at_zero;
-  std::vector<int> row, column;  // lower triangle
-  std::vector<Interval> stiffness;
-};
-
-std::optional<AngleSprings> angle_springs(const StaticModel& model) {
-  Scene springs = model.scaled_scene();
-  std::erase_if(springs.elements, [](const Element& e) { return !is_sum_of_angles(e.on); });
-  for (const Element& e : springs.elements) {
-    const auto* spring = std::get_if<LinearSpring>(&e.law);
-    if (stores_energy(e.law) && (spring == nullptr || spring->acts != LinearSpring::Acts::both)) return std::nullopt;
-  }
-  springs.gravity = {};
-  springs.forces.clear();
-  springs.torques.clear();
-  const solvers::RoundingUp up;
-  const Mechanism<Interval> mechanism(springs, model.layout(), Purpose::statics);
-  const CoordinateBox zero(static_cast<std::size_t>(mechanism.coordinates()));
-  std::vector<Planar<Interval>> pose(static_cast<std::size_t>(mechanism.pose_size()));
-  const std::vector<Interval> none(static_cast<std::size_t>(mechanism.constraints()));
-  AngleSprings out{std::vector<Interval>(zero.size()), mechanism.tangent_row(), mechanism.tangent_column(),
-                   std::vector<Interval>(mechanism.tangent_row().size())};
-  mechanism.place(zero.data(), pose.data());
-  mechanism.negative_force(zero.data(), pose.data(), out.at_zero.data());
-  mechanism.tangent(pose.data(), none.data(), out.stiffness.data());
-  return out;
-}
-
 // What one round of a loop changes in the forces: K times its turns.
 Winding winding_of(const AngleSprings& springs, const std::vector<int>& turns) {
   Winding out{turns, std::vector<Interval>(turns.size(), Interval(0))};
@@ -294,183 +264,6 @@ Winding winding_of(const AngleSprings& springs, const std::vector<int>& turns) {
   }
   return out;
 }
-
-// Encloses z with A z = b for all A, b of the intervals: with R near A^-1 and E = R A - I, |z - R b| <= |E| / (1 - |E|)
-// |R b| in the maximum norm. False if that says nothing. A is row by row.
-bool solve_linear(const std::vector<Interval>& a, const std::vector<Interval>& b, std::vector<Interval>& z) {
-  const auto size = static_cast<Eigen::Index>(b.size());
-  Eigen::MatrixXd middle(size, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    for (Eigen::Index j = 0; j < size; ++j) middle(i, j) = a[static_cast<std::size_t>(i * size + j)].middle();
-  }
-  const Eigen::MatrixXd inverse = middle.fullPivLu().inverse();
-  if (!inverse.allFinite()) return false;
-  double norm = 0.0;
-  double most = 0.0;
-  z.clear();
-  for (Eigen::Index i = 0; i < size; ++i) {
-    double sum = 0.0;
-    Interval right(0);
-    for (Eigen::Index j = 0; j < size; ++j) {
-      Interval error(i == j ? -1 : 0);
-      for (Eigen::Index l = 0; l < size; ++l)
-        error += Interval(inverse(i, l)) * a[static_cast<std::size_t>(l * size + j)];
-      sum += error.magnitude();
-      right += Interval(inverse(i, j)) * b[static_cast<std::size_t>(j)];
-    }
-    if (!(sum < 1) || !right.bounded()) return false;
-    norm = std::max(norm, sum);
-    most = std::max(most, right.magnitude());
-    z.push_back(right);
-  }
-  const double slack = (Interval(most) * Interval(norm) / (Interval(1) - Interval(norm))).upper();
-  for (Interval& value : z) value += Interval(-slack, slack);
-  return true;
-}
-
-// Bounds of the angles whose turns count, where no loop closes. One that a stop on nothing else limits on both sides is
-// between its limits. Of the others, x, and the forces y of active stops on angles
-//
-//   K x + A^T y = -(forces of everything else) - (those of springs on angles at zero),   A x = limits of these stops
-//
-// with K the stiffness of linear springs on angles; the forces of everything else are bounded whatever the angles.
-class OpenAngles {
- public:
-  OpenAngles(const StaticModel& model, const Turns& turns)
-      : model_(model),
-        mechanism_(model.scaled_scene(), model.layout(), Purpose::statics),
-        springs_(angle_springs(model)) {
-    for (int i = 0; i < model.layout().angles; ++i) {
-      if (turns.count(i)) told_.push_back(i);
-    }
-    const solvers::RoundingUp up;
-    const CoordinateBox zero(static_cast<std::size_t>(mechanism_.coordinates()));
-    std::vector<Planar<Interval>> pose(static_cast<std::size_t>(mechanism_.pose_size()));
-    at_zero_.resize(static_cast<std::size_t>(mechanism_.constraints()));
-    jacobian_.resize(mechanism_.jacobian_row().size());
-    mechanism_.place(zero.data(), pose.data());
-    mechanism_.constraint(zero.data(), pose.data(), at_zero_.data());
-    mechanism_.jacobian(pose.data(), jacobian_.data());
-  }
-
-  // Narrows the box to what these equations leave for any of the cases. False if an angle has no bounds in one.
-  bool bound(const std::vector<std::vector<StopState>>& cases, CoordinateBox& box) const {
-    const solvers::RoundingUp up;
-    CoordinateBox limited = box;
-    const std::vector<int> unknown = limit_by_stops(limited);
-    if (unknown.empty()) {
-      box = std::move(limited);
-      return true;
-    }
-    if (!springs_) return false;
-    const std::vector<Interval> force = forces(limited);
-    std::optional<CoordinateBox> all;
-    for (const std::vector<StopState>& stops : cases) {
-      CoordinateBox one = limited;
-      if (!solve(stops, unknown, force, one)) return false;
-      for (std::size_t i = 0; all && i < one.size(); ++i) one[i] = hull(one[i], (*all)[i]);
-      all = std::move(one);
-    }
-    box = std::move(*all);
-    return true;
-  }
-
- private:
-  // Row s of the stops: its entries as (coordinate, value).
-  std::vector<std::pair<int, Interval>> row_of(int stop) const {
-    std::vector<std::pair<int, Interval>> out;
-    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
-      if (mechanism_.jacobian_row()[e] == mechanism_.stop_row(stop))
-        out.emplace_back(mechanism_.jacobian_column()[e], jacobian_[e]);
-    }
-    return out;
-  }
-  bool is_on_angle(int stop) const { return is_sum_of_angles(model_.scene().stops[static_cast<std::size_t>(stop)].on); }
-
-  // The angles that remain without bounds.
-  std::vector<int> limit_by_stops(CoordinateBox& box) const {
-    std::vector<int> unknown = told_;
-    for (int s = 0; s < mechanism_.stops(); ++s) {
-      const std::vector<std::pair<int, Interval>> row = row_of(s);
-      const Interval limits(mechanism_.lower()[s].lower(), mechanism_.upper()[s].upper());
-      if (!is_on_angle(s) || row.size() != 1 || !limits.bounded()) continue;
-      const auto [i, slope] = row.front();
-      box[static_cast<std::size_t>(i)].meet((limits - at_zero_[static_cast<std::size_t>(mechanism_.stop_row(s))]) /
-                                            slope);
-      std::erase(unknown, i);
-    }
-    return unknown;
-  }
-
-  // Of everything but springs and stops on angles.
-  std::vector<Interval> forces(const CoordinateBox& box) const {
-    Scene others = model_.scaled_scene();
-    std::erase_if(others.elements, [](const Element& e) { return is_sum_of_angles(e.on); });
-    const Mechanism<Interval> load(others, model_.layout(), Purpose::statics);
-    std::vector<Planar<Interval>> pose(static_cast<std::size_t>(load.pose_size()));
-    std::vector<Interval> out(box.size());
-    load.place(box.data(), pose.data());
-    load.negative_force(box.data(), pose.data(), out.data());
-    return out;
-  }
-
-  bool solve(const std::vector<StopState>& stops, const std::vector<int>& unknown, const std::vector<Interval>& force,
-             CoordinateBox& box) const {
-    std::vector<int> active;
-    for (int s = 0; s < mechanism_.stops(); ++s) {
-      const std::vector<std::pair<int, Interval>> row = row_of(s);
-      const bool acts = std::any_of(row.begin(), row.end(), [&](const auto& entry) {
-        return std::find(unknown.begin(), unknown.end(), entry.first) != unknown.end();
-      });
-      if (stops[static_cast<std::size_t>(s)] == StopState::inactive || !acts) continue;
-      if (!is_on_angle(s)) return false;
-      active.push_back(s);
-    }
-    const std::size_t angles = unknown.size();
-    const std::size_t size = angles + active.size();
-    std::vector<Interval> a(size * size, Interval(0));
-    std::vector<Interval> b(size, Interval(0));
-    const auto place = [&](int i) {
-      return static_cast<std::size_t>(std::find(unknown.begin(), unknown.end(), i) - unknown.begin());
-    };
-    const auto add = [&](std::size_t row, int column, const Interval& value) {
-      const std::size_t to = place(column);
-      if (to < angles)
-        a[row * size + to] += value;
-      else
-        b[row] -= value * box[static_cast<std::size_t>(column)];
-    };
-    for (std::size_t i = 0; i < angles; ++i) {
-      const auto coordinate = static_cast<std::size_t>(unknown[i]);
-      b[i] -= force[coordinate] + springs_->at_zero[coordinate];
-    }
-    for (std::size_t e = 0; e < springs_->stiffness.size(); ++e) {
-      const int i = springs_->row[e];
-      const int j = springs_->column[e];
-      if (place(i) < angles) add(place(i), j, springs_->stiffness[e]);
-      if (i != j && place(j) < angles) add(place(j), i, springs_->stiffness[e]);
-    }
-    for (std::size_t k = 0; k < active.size(); ++k) {
-      const auto stop = static_cast<std::size_t>(active[k]);
-      const auto& limit = stops[stop] == StopState::at_lower ? mechanism_.lower() : mechanism_.upper();
-      b[angles + k] += limit[stop] - at_zero_[static_cast<std::size_t>(mechanism_.stop_row(active[k]))];
-      for (const auto& [column, value] : row_of(active[k])) {
-        add(angles + k, column, value);
-        if (place(column) < angles) a[place(column) * size + angles + k] += value;
-      }
-    }
-    std::vector<Interval> z;
-    if (!solve_linear(a, b, z)) return false;
-    for (std::size_t i = 0; i < angles; ++i) box[static_cast<std::size_t>(unknown[i])] = z[i];
-    return true;
-  }
-
-  const StaticModel& model_;
-  Mechanism<Interval> mechanism_;
-  std::optional<AngleSprings> springs_;
-  std::vector<int> told_;
-  std::vector<Interval> at_zero_, jacobian_;
-};
 
 UndecidedBox undecided(const CoordinateBox& box) { return {lower_corner(box), upper_corner(box), false, "", 0.0}; }
 
@@ -573,161 +366,232 @@ bool is_between_stops(const Mechanism<double>& mechanism, const std::vector<doub
   return true;
 }
 
-}  // namespace
-
-EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options,
-                               const EnclosedPart& part_of_all) {
-  Allowance allowance(model, options);
-  const Mechanism<double>& mechanism = model.mechanism();
-  EnclosedSet out;
-  const int n = mechanism.coordinates();
-  const std::vector<double> start = model.start();
-  const Mobility mobility = analyse_mobility(model);
-  const int repeated = repeated_rows(model, mobility.x);
-  // Not fewer than the coordinates that no held row touches: rows may repeat others in ways that are not counted.
+// How many freedoms the held rows leave: not fewer than the coordinates that no held row touches, since rows may repeat
+// others in ways that are not counted.
+int freedoms_left(const Mechanism<double>& mechanism, int repeated) {
   const std::vector<int> held = held_rows(mechanism);
   std::set<int> touched;
   for (std::size_t entry = 0; entry < mechanism.jacobian_row().size(); ++entry) {
     if (std::find(held.begin(), held.end(), mechanism.jacobian_row()[entry]) != held.end())
       touched.insert(mechanism.jacobian_column()[entry]);
   }
-  const int freedoms = n - std::min(static_cast<int>(held.size()) - repeated, static_cast<int>(touched.size()));
-  for (int s = 0; s < mechanism.stops(); ++s) {
-    const Stop& stop = model.scene().stops[s];
-    if (stop.on.kind == Measure::Kind::distance && stop.max <= 0.0) {
-      out.why_not = fmt::format("stop '{}' is a distance that is held at zero", stop.name);
-      return out;
+  return mechanism.coordinates() - std::min(static_cast<int>(held.size()) - repeated, static_cast<int>(touched.size()));
+}
+
+// The steps of enclose_equilibria(): what the boxes must cover, what the proof says nothing of, and the search.
+class Enclosure {
+ public:
+  Enclosure(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options,
+            const EnclosedPart& part_of_all)
+      : allowance_(model, options),
+        model_(model),
+        mechanism_(model.mechanism()),
+        loops_(loops),
+        options_(options),
+        part_of_all_(part_of_all),
+        turns_(model),
+        start_(model.start()),
+        mobility_(analyse_mobility(model)),
+        repeated_(repeated_rows(model, mobility_.x)),
+        freedoms_(freedoms_left(mechanism_, repeated_)),
+        whole_(static_cast<std::size_t>(mechanism_.coordinates())) {}
+
+  EnclosedSet run() {
+    if (!choose_cases()) return std::move(out_);
+    if (loops_.known()) find_assembly_modes(model_, repeated_, loops_, stopped_);
+    if (repeated_ > 0 && !examine_repeating_joints()) return std::move(out_);
+    limit_angles();
+    limit_travels();
+    describe_limits();
+    divide();
+    search();
+    return std::move(out_);
+  }
+
+ private:
+  bool refuse(std::string why) {
+    out_.why_not = std::move(why);
+    return false;
+  }
+
+  bool is_open() const { return mechanism_.closures() == 0; }
+  int angles() const { return model_.layout().angles; }
+  std::string repeating() const { return fmt::format("{}", fmt::join(mobility_.redundant, ", ")); }
+
+  // Finds the combinations of active stops. False where the proof does not treat them.
+  bool choose_cases() {
+    for (int s = 0; s < mechanism_.stops(); ++s) {
+      const Stop& stop = model_.scene().stops[s];
+      if (stop.on.kind == Measure::Kind::distance && stop.max <= 0.0) {
+        return refuse(fmt::format("stop '{}' is a distance that is held at zero", stop.name));
+      }
     }
+    cases_ = cases_of(mechanism_, freedoms_);
+    return cases_.empty() ? refuse("its stops can be active in too many combinations") : true;
   }
-  const std::vector<std::vector<StopState>> cases = cases_of(mechanism, freedoms);
-  if (cases.empty()) {
-    out.why_not = "its stops can be active in too many combinations";
-    return out;
-  }
-  const Turns turns(model);
-  CoordinateBox whole(n);
-  const int angles = model.layout().angles;
-  const bool is_open = mechanism.closures() == 0;
-  // Asked before every box, and so counts them.
-  const auto stopped = [&] {
-    allowance.use(1);
-    return allowance.over();
-  };
-  if (loops.known()) find_assembly_modes(model, repeated, loops, stopped);
-  const std::string repeating = fmt::format("{}", fmt::join(mobility.redundant, ", "));
-  bool is_checked = false;
-  if (repeated > 0) {
+
+  // Finds the poses in which joints that repeat others at the start hold the mechanism, of which the search knows
+  // nothing. False where it cannot be told that these are all.
+  bool examine_repeating_joints() {
     RigidPoses rigid;
-    if (freedoms == 1) rigid = find_rigid_poses(model, repeated, loops, stopped);
+    if (freedoms_ == 1) rigid = find_rigid_poses(model_, repeated_, loops_, stopped_);
     for (const std::vector<double>& pose : rigid.poses) {
-      if (loops.known()) loops.add(pose);
+      if (loops_.known()) loops_.add(pose);
     }
-    is_checked = rigid.are_all && (rigid.poses.empty() || !turns.count() || loops.known());
-    if (!is_checked && (!rigid.poses.empty() || has_stiffer_poses(model, mobility.x, freedoms, stopped))) {
-      out.why_not =
-          fmt::format("the joints that repeat others at the start ({}) do not repeat them in all poses", repeating);
-      return out;
+    is_checked_ = rigid.are_all && (rigid.poses.empty() || !turns_.count() || loops_.known());
+    if (!is_checked_ && (!rigid.poses.empty() || has_stiffer_poses(model_, mobility_.x, freedoms_, stopped_))) {
+      return refuse(
+          fmt::format("the joints that repeat others at the start ({}) do not repeat them in all poses", repeating()));
     }
     for (const std::vector<double>& pose : rigid.poses) {
-      std::vector<double> turned = loops.at_known_turn(pose);
-      if (is_between_stops(mechanism, turned)) out.found.push_back(std::move(turned));
+      std::vector<double> turned = loops_.at_known_turn(pose);
+      if (is_between_stops(mechanism_, turned)) out_.found.push_back(std::move(turned));
+    }
+    return true;
+  }
+
+  // Sets the angles of the whole box: one turn, and where turns count as far as springs, stops and loops let them go,
+  // or as far as nothing is known.
+  void limit_angles() {
+    for (int i = 0; i < mechanism_.coordinates(); ++i) {
+      whole_[i] = i >= angles() ? Interval::entire() : Interval(start_[i] - half_turn, start_[i] + half_turn);
+      if (turns_.count(i) && is_open()) whole_[i] = Interval::entire();
+    }
+    const bool are_known =
+        !turns_.count() || (is_open() ? OpenAngles(model_, turns_).bound(cases_, whole_) : loops_.known());
+    if (are_known) return;
+    out_.reach = 2.0 * half_turn;
+    for (int i = 0; i < angles(); ++i) {
+      if (turns_.count(i)) whole_[i] = Interval(start_[i] - *out_.reach, start_[i] + *out_.reach);
     }
   }
-  for (int i = 0; i < n; ++i) {
-    whole[i] = i >= angles ? Interval::entire() : Interval(start[i] - half_turn, start[i] + half_turn);
-    if (turns.count(i) && is_open) whole[i] = Interval::entire();
-  }
-  const bool are_known = !turns.count() || (is_open ? OpenAngles(model, turns).bound(cases, whole) : loops.known());
-  if (!are_known) {
-    out.reach = 2.0 * half_turn;
-    for (int i = 0; i < angles; ++i) {
-      if (turns.count(i)) whole[i] = Interval(start[i] - *out.reach, start[i] + *out.reach);
-    }
-  }
-  {
-    BoxProver prover(model, cases.front(), repeated);
+
+  // Sets its travels, by closures alone, which hold whichever stops are active.
+  void limit_travels() {
+    BoxProver prover(model_, cases_.front(), repeated_);
     const solvers::RoundingUp up;
-    CoordinateBox first = whole;
-    // By closures alone, which hold whichever stops are active.
-    if (!prover.contract(first, false)) first = whole;
-    for (int i = angles; i < n; ++i) {
+    CoordinateBox first = whole_;
+    if (!prover.contract(first, false)) first = whole_;
+    for (int i = angles(); i < mechanism_.coordinates(); ++i) {
       if (!first[i].bounded()) {
-        if (out.within.empty()) out.within = fmt::format("with travels of up to {:g} times its size", longest_travel);
+        if (out_.within.empty()) {
+          out_.within = fmt::format("with travels of up to {:g} times its size", longest_travel);
+        }
         first[i].meet(Interval(-longest_travel, longest_travel));
       }
-      whole[i] = first[i];
+      whole_[i] = first[i];
     }
   }
-  const auto limit = [&](const std::string& to) { out.within += (out.within.empty() ? "" : ", ") + to; };
-  if (turns.count() && !is_open && !out.reach && loops.winds()) {
-    limit(fmt::format("with up to {} rounds of its loops each way", LoopTurns::most_rounds));
-  }
-  if (out.reach) limit("with angles of bodies on springs, stops or couplings within a full turn of the start");
-  if (is_checked) {
-    limit(fmt::format("if the joints that repeat others ({}), checked every {:g} rad, do so between", repeating,
-                      RigidPoses::apart));
-  } else if (repeated > 0) {
-    limit(fmt::format("if the joints that repeat others at the start ({}) do so in all poses", repeating));
-  }
-  // Within a turn of the start all assembly modes are met, and at other turns those that motion leads to. Rounds that
-  // wind linear springs up are taken together, others one by one.
-  std::vector<Task> parts{{whole}};
-  const std::vector<LoopTurns::Range> ranges =
-      turns.count() && !is_open && !out.reach ? loops.ranges() : std::vector<LoopTurns::Range>();
-  const std::optional<AngleSprings> springs = mechanism.stops() == 0 ? angle_springs(model) : std::nullopt;
-  std::vector<Winding> windings;
-  for (const LoopTurns::Range& range : ranges) {
-    if (springs) windings.push_back(winding_of(*springs, range.turns));
-  }
-  for (std::size_t r = 0; r < ranges.size(); ++r) {
-    const LoopTurns::Range& range = ranges[r];
-    CoordinateBox part = whole;
-    for (int i = 0; i < angles; ++i) {
-      if (turns.count(i)) part[i] = Interval(range.lower[i] - LoopTurns::step, range.upper[i] + LoopTurns::step);
+
+  void describe_limits() {
+    const auto limit = [&](const std::string& to) { out_.within += (out_.within.empty() ? "" : ", ") + to; };
+    if (turns_.count() && !is_open() && !out_.reach && loops_.winds()) {
+      limit(fmt::format("with up to {} rounds of its loops each way", LoopTurns::most_rounds));
     }
-    if (springs && range.rounds > 0) {
-      parts.push_back({part, 0.0, &windings[r], Interval(-range.rounds, range.rounds)});
-      continue;
-    }
-    for (int round = -range.rounds; round <= range.rounds; ++round) parts.push_back({wound(part, range.turns, round)});
-  }
-  for (Task& part : parts) {
-    part.share = 1.0 / static_cast<double>(parts.size());
-    for (std::size_t i = 0; i < part_of_all.within.size(); ++i) {
-      if (part_of_all.within[i].bounded()) part.box[i] = part_of_all.within[i];
+    if (out_.reach) limit("with angles of bodies on springs, stops or couplings within a full turn of the start");
+    if (is_checked_) {
+      limit(fmt::format("if the joints that repeat others ({}), checked every {:g} rad, do so between", repeating(),
+                        RigidPoses::apart));
+    } else if (repeated_ > 0) {
+      limit(fmt::format("if the joints that repeat others at the start ({}) do so in all poses", repeating()));
     }
   }
-  out.applies = true;
-  const double share = 1.0 / static_cast<double>(cases.size());
-  bool finished = true;
-  for (std::size_t c = 0; c < cases.size(); ++c) {
-    Search search(model, cases[c], repeated, part_of_all, options, allowance, share * static_cast<double>(c), share);
-    search.run(parts);
-    out.found.insert(out.found.end(), search.found.begin(), search.found.end());
-    out.boxes += search.boxes;
-    out.peaks.add(search.peaks);
-    out.decided += share * search.decided();
-    out.interrupted = out.interrupted || (search.stopped() && allowance.interrupted());
-    for (UndecidedBox& box : search.stopped() ? around(search.left()) : joined(model, turns, search.left())) {
-      out.undecided.push_back(std::move(box));
-      describe(model, search.stopped(), options, out.undecided.back());
+
+  // Divides the whole into parts. Within a turn of the start all assembly modes are met, and at other turns those that
+  // motion leads to. Rounds that wind linear springs up are taken together, others one by one.
+  void divide() {
+    parts_.push_back({whole_});
+    const std::vector<LoopTurns::Range> ranges =
+        turns_.count() && !is_open() && !out_.reach ? loops_.ranges() : std::vector<LoopTurns::Range>();
+    const std::optional<AngleSprings> springs = mechanism_.stops() == 0 ? angle_springs(model_) : std::nullopt;
+    for (const LoopTurns::Range& range : ranges) {
+      if (springs) windings_.push_back(winding_of(*springs, range.turns));
     }
-    for (UndecidedBox& box : joined(model, turns, search.locked())) {
+    for (std::size_t r = 0; r < ranges.size(); ++r) {
+      const LoopTurns::Range& range = ranges[r];
+      CoordinateBox part = whole_;
+      for (int i = 0; i < angles(); ++i) {
+        if (turns_.count(i)) part[i] = Interval(range.lower[i] - LoopTurns::step, range.upper[i] + LoopTurns::step);
+      }
+      if (springs && range.rounds > 0) {
+        parts_.push_back({part, 0.0, &windings_[r], Interval(-range.rounds, range.rounds)});
+        continue;
+      }
+      for (int round = -range.rounds; round <= range.rounds; ++round) {
+        parts_.push_back({wound(part, range.turns, round)});
+      }
+    }
+    for (Task& part : parts_) {
+      part.share = 1.0 / static_cast<double>(parts_.size());
+      for (std::size_t i = 0; i < part_of_all_.within.size(); ++i) {
+        if (part_of_all_.within[i].bounded()) part.box[i] = part_of_all_.within[i];
+      }
+    }
+  }
+
+  // Searches the parts in each case of stops.
+  void search() {
+    out_.applies = true;
+    const double share = 1.0 / static_cast<double>(cases_.size());
+    for (std::size_t c = 0; c < cases_.size() && out_.applies; ++c) {
+      Search search(model_, cases_[c], repeated_, part_of_all_, options_, allowance_, share * static_cast<double>(c),
+                    share);
+      search.run(parts_);
+      out_.decided += share * search.decided();
+      take(search);
+    }
+    if (out_.applies) return;
+    out_.why_not = fmt::format("the proof was not finished {}after {} boxes, with {:.2g} % of the volume decided",
+                               options_.seconds ? fmt::format("in {:g} s, ", *options_.seconds) : "", out_.boxes,
+                               100 * out_.decided);
+  }
+
+  // Takes over what a search found and left; the proof does not apply where it was stopped.
+  void take(const Search& search) {
+    out_.found.insert(out_.found.end(), search.found.begin(), search.found.end());
+    out_.boxes += search.boxes;
+    out_.peaks.add(search.peaks);
+    out_.interrupted = out_.interrupted || (search.stopped() && allowance_.interrupted());
+    for (UndecidedBox& box : search.stopped() ? around(search.left()) : joined(model_, turns_, search.left())) {
+      out_.undecided.push_back(std::move(box));
+      describe(model_, search.stopped(), options_, out_.undecided.back());
+    }
+    for (UndecidedBox& box : joined(model_, turns_, search.locked())) {
       box.why = "the closures lose rank in it";
-      out.singular.push_back(std::move(box));
+      out_.singular.push_back(std::move(box));
     }
-    if (search.stopped()) {
-      finished = false;
-      break;
-    }
+    if (search.stopped()) out_.applies = false;
   }
-  if (!finished) {
-    out.applies = false;
-    out.why_not =
-        fmt::format("the proof was not finished {}after {} boxes, with {:.2g} % of the volume decided",
-                    options.seconds ? fmt::format("in {:g} s, ", *options.seconds) : "", out.boxes, 100 * out.decided);
-  }
-  return out;
+
+  Allowance allowance_;
+  const StaticModel& model_;
+  const Mechanism<double>& mechanism_;
+  LoopTurns& loops_;
+  const AllEquilibriaOptions& options_;
+  const EnclosedPart& part_of_all_;
+  const Turns turns_;
+  const std::vector<double> start_;
+  const Mobility mobility_;
+  const int repeated_;
+  const int freedoms_;
+  // It is asked before every box, and so counts them.
+  const std::function<bool()> stopped_ = [this] {
+    allowance_.use(1);
+    return allowance_.over();
+  };
+  std::vector<std::vector<StopState>> cases_;
+  CoordinateBox whole_;
+  bool is_checked_ = false;  // joints that repeat others do so wherever they were looked at
+  std::vector<Winding> windings_;
+  std::vector<Task> parts_;
+  EnclosedSet out_;
+};
+
+}  // namespace
+
+EnclosedSet enclose_equilibria(const StaticModel& model, LoopTurns& loops, const AllEquilibriaOptions& options,
+                               const EnclosedPart& part_of_all) {
+  return Enclosure(model, loops, options, part_of_all).run();
 }
 
 }  // namespace poise

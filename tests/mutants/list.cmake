@@ -376,25 +376,25 @@ mutant("one stop too few at a time" statics/enclosed_set.cpp
 mutant("springs wind up less on the other side" statics/enclosed_set.cpp
   [=[if (i != j) out.change[j] += springs.stiffness[e] * by[i];]=]
   [=[]=])
-mutant("angles bounded though a stop on something else presses" statics/enclosed_set.cpp
+mutant("angles bounded though a stop on something else presses" statics/open_angles.cpp
   [=[if (!is_on_angle(s)) return false;]=]
   [=[if (!is_on_angle(s)) continue;]=])
-mutant("angles bounded without the springs' own force" statics/enclosed_set.cpp
+mutant("angles bounded without the springs' own force" statics/open_angles.cpp
   [=[b[i] -= force[coordinate] + springs_->at_zero[coordinate];]=]
   [=[b[i] -= force[coordinate];]=])
-mutant("angles bounded without other forces" statics/enclosed_set.cpp
+mutant("angles bounded without other forces" statics/open_angles.cpp
   [=[b[i] -= force[coordinate] + springs_->at_zero[coordinate];]=]
   [=[b[i] -= springs_->at_zero[coordinate];]=])
-mutant("angles bounded without half of the stiffness" statics/enclosed_set.cpp
+mutant("angles bounded without half of the stiffness" statics/open_angles.cpp
   [=[if (i != j && place(j) < angles) add(place(j), i, springs_->stiffness[e]);]=]
   [=[]=])
-mutant("angles bounded without the force of a stop" statics/enclosed_set.cpp
+mutant("angles bounded without the force of a stop" statics/open_angles.cpp
   [=[if (place(column) < angles) a[place(column) * size + angles + k] += value;]=]
   [=[]=])
-mutant("bounds of angles of the last case of stops" statics/enclosed_set.cpp
+mutant("bounds of angles of the last case of stops" statics/open_angles.cpp
   [=[one[i] = hull(one[i], (*all)[i]);]=]
   [=[]=])
-mutant("limits of stops taken from the zero of another pose" statics/enclosed_set.cpp
+mutant("limits of stops taken from the zero of another pose" statics/open_angles.cpp
   [=[(limits - at_zero_[static_cast<std::size_t>(mechanism_.stop_row(s))])]=]
   [=[limits]=])
 mutant("one round too few" statics/enclosed_set.cpp

@@ -85,7 +85,7 @@ endif()
 
 foreach(file solvers/interval.hpp solvers/interval.cpp statics/assembly_modes.cpp
     statics/box_prover.cpp statics/crossing_branches.cpp statics/enclosed_set.cpp statics/interval_matrix.hpp
-    statics/loop_turns.cpp statics/newton_operator.cpp)
+    statics/loop_turns.cpp statics/newton_operator.cpp statics/open_angles.cpp)
   restore("${file}")
 endforeach()
 run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${work}/prefix")
