@@ -216,147 +216,203 @@ bool CrossingBranches::choose_parts(const std::vector<double>& at) {
   return !lost_.empty() && across_.size() > lost_.size() && across_.size() <= most_open;
 }
 
-bool CrossingBranches::expand(const std::vector<double>& at, double width, Expansion& out) {
-  const auto n = static_cast<std::size_t>(plain_.coordinates());
-  const std::size_t m = regular_.size();
-  const std::size_t d = across_.size();
-  const auto all = static_cast<std::size_t>(plain_.constraints());
-  std::vector<Planar<Interval>> pose(
-      static_cast<std::size_t>(std::max(mechanism_.pose_size(), positions_.pose_size())));
-  std::vector<Interval> jacobian(plain_.jacobian_row().size());
-  std::vector<Interval> constraint(all);
-  std::vector<Interval> force(n);
-  std::vector<Interval> thin;
-  out.around.clear();
-  for (const double x : at) {
-    thin.emplace_back(x);
-    out.around.push_back(Interval(x) + Interval(-width, width));
+// The steps of the expansion in a box of some width around x*.
+class CrossingBranches::Expander {
+ public:
+  Expander(CrossingBranches& of, const std::vector<double>& at, double width, Expansion& out)
+      : plain_(of.plain_),
+        mechanism_(of.mechanism_),
+        positions_(of.positions_),
+        regular_(of.regular_),
+        lost_(of.lost_),
+        dependent_(of.dependent_),
+        across_(of.across_),
+        out_(out),
+        n_(static_cast<std::size_t>(plain_.coordinates())),
+        rows_(static_cast<std::size_t>(plain_.constraints())),
+        pose_(static_cast<std::size_t>(std::max(mechanism_.pose_size(), positions_.pose_size()))),
+        jacobian_(plain_.jacobian_row().size()),
+        constraint_(rows_),
+        force_(n_) {
+    out_ = {};
+    for (const double x : at) {
+      thin_.emplace_back(x);
+      out_.around.push_back(Interval(x) + Interval(-width, width));
+    }
   }
-  const auto dense = [&](const std::vector<Interval>& box) {
-    IntervalMatrix full(all, n);
-    mechanism_.place(box.data(), pose.data());
-    mechanism_.jacobian(pose.data(), jacobian.data());
-    for (std::size_t e = 0; e < jacobian.size(); ++e) {
-      full(static_cast<std::size_t>(plain_.jacobian_row()[e]), static_cast<std::size_t>(plain_.jacobian_column()[e])) +=
-          jacobian[e];
+
+  // False where nothing is known in the box.
+  bool run() {
+    evaluate_at_point();
+    if (!find_followers()) return false;
+    factor_regular();
+    positions_.place(out_.around.data(), pose_.data());
+    for (const int row : lost_) expand_row(static_cast<std::size_t>(row));
+    expand_force();
+    return std::all_of(out_.stiffness.entries.begin(), out_.stiffness.entries.end(),
+                       [](const Interval& entry) { return entry.bounded(); });
+  }
+
+ private:
+  // The Jacobian of all rows over a box.
+  IntervalMatrix dense_jacobian(const std::vector<Interval>& box) {
+    IntervalMatrix out(rows_, n_);
+    mechanism_.place(box.data(), pose_.data());
+    mechanism_.jacobian(pose_.data(), jacobian_.data());
+    for (std::size_t e = 0; e < jacobian_.size(); ++e) {
+      const auto row = static_cast<std::size_t>(plain_.jacobian_row()[e]);
+      out(row, static_cast<std::size_t>(plain_.jacobian_column()[e])) += jacobian_[e];
     }
-    return full;
-  };
-  const auto part = [](const IntervalMatrix& full, const std::vector<int>& rows, const std::vector<int>& columns) {
-    IntervalMatrix some(rows.size(), columns.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        some(k, i) = full(static_cast<std::size_t>(rows[k]), static_cast<std::size_t>(columns[i]));
-      }
-    }
-    return some;
-  };
-  const auto symmetric = [&](const std::vector<int>& row, const std::vector<int>& column,
-                             const std::vector<Interval>& values, bool is_full) {
-    IntervalMatrix full(n, n);
+    return out;
+  }
+
+  // A matrix of second derivatives from its entries, of which the lower triangle may be left out.
+  IntervalMatrix dense_tangent(const std::vector<int>& row, const std::vector<int>& column,
+                               const std::vector<Interval>& values, bool is_full) const {
+    IntervalMatrix out(n_, n_);
     for (std::size_t e = 0; e < values.size(); ++e) {
       const auto i = static_cast<std::size_t>(row[e]);
       const auto j = static_cast<std::size_t>(column[e]);
-      full(i, j) += values[e];
-      if (i != j && !is_full) full(j, i) += values[e];
+      out(i, j) += values[e];
+      if (i != j && !is_full) out(j, i) += values[e];
     }
-    return full;
-  };
-  // Z, r.
-  const IntervalMatrix wide = dense(out.around);
-  mechanism_.place(thin.data(), pose.data());
-  mechanism_.constraint(thin.data(), pose.data(), constraint.data());
-  mechanism_.negative_force(thin.data(), pose.data(), force.data());
-  IntervalMatrix right(m, d + 1);
-  for (std::size_t k = 0; k < m; ++k) {
-    const auto row = static_cast<std::size_t>(regular_[k]);
-    for (std::size_t p = 0; p < d; ++p) right(k, p) = -wide(row, static_cast<std::size_t>(across_[p]));
-    right(k, d) = -constraint[row];
+    return out;
   }
-  IntervalMatrix found(m, d + 1);
-  if (!solve_enclosed(part(wide, regular_, dependent_), right, found)) return false;
-  IntervalMatrix z(n, d);
-  IntervalMatrix r(n, 1);
-  for (std::size_t k = 0; k < m; ++k) {
-    const auto i = static_cast<std::size_t>(dependent_[k]);
-    for (std::size_t p = 0; p < d; ++p) z(i, p) = found(k, p);
-    r(i, 0) = found(k, d);
+
+  void evaluate_at_point() {
+    here_ = dense_jacobian(thin_);
+    mechanism_.place(thin_.data(), pose_.data());
+    mechanism_.constraint(thin_.data(), pose_.data(), constraint_.data());
+    mechanism_.negative_force(thin_.data(), pose_.data(), force_.data());
   }
-  for (std::size_t p = 0; p < d; ++p) z(static_cast<std::size_t>(across_[p]), p) = Interval(1);
-  out.follows = IntervalMatrix(n, d + 1);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t p = 0; p < d; ++p) out.follows(i, p) = z(i, p);
-    out.follows(i, d) = r(i, 0);
-  }
-  const IntervalMatrix zt = transposed(z);
-  // Multipliers of x*, which cancel what lost rows and the force have by dependent coordinates.
-  const IntervalMatrix here = dense(thin);
-  Eigen::MatrixXd regular(m, m);
-  for (std::size_t k = 0; k < m; ++k) {
-    for (std::size_t i = 0; i < m; ++i) {
-      regular(k, i) = here(static_cast<std::size_t>(regular_[k]), static_cast<std::size_t>(dependent_[i])).middle();
-    }
-  }
-  const Eigen::PartialPivLU<Eigen::MatrixXd> solver(regular.transpose());
-  const auto multipliers_against = [&](const auto& of) {
-    std::vector<Interval> out_of(all, Interval(0));
-    if (m == 0) return out_of;
-    Eigen::VectorXd to(m);
-    for (std::size_t i = 0; i < m; ++i) to[static_cast<Eigen::Index>(i)] = -of(static_cast<std::size_t>(dependent_[i]));
-    const Eigen::VectorXd y = solver.solve(to);
+
+  // Finds Z and r, by which the dependent coordinates follow. False if they may not.
+  bool find_followers() {
+    const std::size_t m = regular_.size();
+    const std::size_t d = across_.size();
+    const IntervalMatrix wide = dense_jacobian(out_.around);
+    IntervalMatrix left(m, m);
+    IntervalMatrix right(m, d + 1);
     for (std::size_t k = 0; k < m; ++k) {
-      out_of[static_cast<std::size_t>(regular_[k])] = Interval(y[static_cast<Eigen::Index>(k)]);
+      const auto row = static_cast<std::size_t>(regular_[k]);
+      for (std::size_t i = 0; i < m; ++i) left(k, i) = wide(row, static_cast<std::size_t>(dependent_[i]));
+      for (std::size_t p = 0; p < d; ++p) right(k, p) = -wide(row, static_cast<std::size_t>(across_[p]));
+      right(k, d) = -constraint_[row];
     }
-    return out_of;
-  };
-  // The derivatives of sum y c at x*, with what is given.
-  const auto derivative = [&](const std::vector<Interval>& y, const std::vector<Interval>& with) {
-    IntervalMatrix sum(n, 1);
-    for (std::size_t i = 0; i < n; ++i) {
-      sum(i, 0) = with[i];
-      for (std::size_t k = 0; k < all; ++k) sum(i, 0) += y[k] * here(k, i);
+    IntervalMatrix found(m, d + 1);
+    if (!solve_enclosed(left, right, found)) return false;
+    z_ = IntervalMatrix(n_, d);
+    r_ = IntervalMatrix(n_, 1);
+    for (std::size_t k = 0; k < m; ++k) {
+      const auto i = static_cast<std::size_t>(dependent_[k]);
+      for (std::size_t p = 0; p < d; ++p) z_(i, p) = found(k, p);
+      r_(i, 0) = found(k, d);
+    }
+    for (std::size_t p = 0; p < d; ++p) z_(static_cast<std::size_t>(across_[p]), p) = Interval(1);
+    zt_ = transposed(z_);
+    out_.follows = IntervalMatrix(n_, d + 1);
+    for (std::size_t i = 0; i < n_; ++i) {
+      for (std::size_t p = 0; p < d; ++p) out_.follows(i, p) = z_(i, p);
+      out_.follows(i, d) = r_(i, 0);
+    }
+    return true;
+  }
+
+  // Factors what regular rows have by dependent coordinates at x*.
+  void factor_regular() {
+    const std::size_t m = regular_.size();
+    Eigen::MatrixXd regular(m, m);
+    for (std::size_t k = 0; k < m; ++k) {
+      for (std::size_t i = 0; i < m; ++i) {
+        regular(k, i) = here_(static_cast<std::size_t>(regular_[k]), static_cast<std::size_t>(dependent_[i])).middle();
+      }
+    }
+    solver_.compute(regular.transpose());
+  }
+
+  // Multipliers of the regular rows that cancel at x* what a gradient has by dependent coordinates.
+  std::vector<Interval> multipliers_against(const std::vector<Interval>& gradient) const {
+    const std::size_t m = regular_.size();
+    std::vector<Interval> out(rows_, Interval(0));
+    if (m == 0) return out;
+    Eigen::VectorXd to(m);
+    for (std::size_t i = 0; i < m; ++i) {
+      to[static_cast<Eigen::Index>(i)] = -gradient[static_cast<std::size_t>(dependent_[i])].middle();
+    }
+    const Eigen::VectorXd y = solver_.solve(to);
+    for (std::size_t k = 0; k < m; ++k) {
+      out[static_cast<std::size_t>(regular_[k])] = Interval(y[static_cast<Eigen::Index>(k)]);
+    }
+    return out;
+  }
+
+  // The derivatives of sum y c at x*, added to a gradient.
+  IntervalMatrix gradient_with(const std::vector<Interval>& y, const std::vector<Interval>& gradient) const {
+    IntervalMatrix sum(n_, 1);
+    for (std::size_t i = 0; i < n_; ++i) {
+      sum(i, 0) = gradient[i];
+      for (std::size_t k = 0; k < rows_; ++k) sum(i, 0) += y[k] * here_(k, i);
     }
     return sum;
-  };
-  const std::vector<Interval> none(n, Interval(0));
-  positions_.place(out.around.data(), pose.data());
-  std::vector<Interval> curved(positions_.tangent_row().size());
-  out.bend.clear();
-  out.slope.clear();
-  out.open.clear();
-  for (const int lost : lost_) {
-    const auto row = static_cast<std::size_t>(lost);
-    std::vector<Interval> y = multipliers_against([&](std::size_t i) { return here(row, i).middle(); });
+  }
+
+  // Finds K, g and 2 l of a lost row, with positions placed in the box.
+  void expand_row(std::size_t row) {
+    std::vector<Interval> own(n_);
+    for (std::size_t i = 0; i < n_; ++i) own[i] = here_(row, i);
+    std::vector<Interval> y = multipliers_against(own);
     y[row] = Interval(1);
-    positions_.tangent(pose.data(), y.data(), curved.data());
+    std::vector<Interval> curved(positions_.tangent_row().size());
+    positions_.tangent(pose_.data(), y.data(), curved.data());
     const IntervalMatrix second =
-        symmetric(positions_.tangent_row(), positions_.tangent_column(), curved, positions_.has_follower_loads());
-    const IntervalMatrix first = derivative(y, none);
-    IntervalMatrix turned = product(second, r);
+        dense_tangent(positions_.tangent_row(), positions_.tangent_column(), curved, positions_.has_follower_loads());
+    const IntervalMatrix first = gradient_with(y, std::vector<Interval>(n_, Interval(0)));
+    IntervalMatrix turned = product(second, r_);
     Interval open(0);
-    for (std::size_t k = 0; k < all; ++k) open += Interval(2) * y[k] * constraint[k];
-    for (std::size_t i = 0; i < n; ++i) {
-      open += Interval(2) * first(i, 0) * r(i, 0) + r(i, 0) * turned(i, 0);
+    for (std::size_t k = 0; k < rows_; ++k) open += Interval(2) * y[k] * constraint_[k];
+    for (std::size_t i = 0; i < n_; ++i) {
+      open += Interval(2) * first(i, 0) * r_(i, 0) + r_(i, 0) * turned(i, 0);
       turned(i, 0) += first(i, 0);
     }
-    out.bend.push_back(product(zt, product(second, z)));
-    out.slope.push_back(product(zt, turned).entries);
-    out.open.push_back(open);
+    out_.bend.push_back(product(zt_, product(second, z_)));
+    out_.slope.push_back(product(zt_, turned).entries);
+    out_.open.push_back(open);
   }
-  // The force.
-  const std::vector<Interval> mu = multipliers_against([&](std::size_t i) { return force[i].middle(); });
-  const IntervalMatrix total = derivative(mu, force);
-  mechanism_.place(out.around.data(), pose.data());
-  std::vector<Interval> tangent(plain_.tangent_row().size());
-  mechanism_.tangent(pose.data(), mu.data(), tangent.data());
-  const IntervalMatrix second =
-      symmetric(plain_.tangent_row(), plain_.tangent_column(), tangent, plain_.has_follower_loads());
-  out.stiffness = product(zt, product(second, z));
-  IntervalMatrix turned = product(second, r);
-  for (std::size_t i = 0; i < n; ++i) turned(i, 0) += total(i, 0);
-  out.force = product(zt, turned).entries;
-  return std::all_of(out.stiffness.entries.begin(), out.stiffness.entries.end(),
-                     [](const Interval& entry) { return entry.bounded(); });
+
+  // Finds E and e_0.
+  void expand_force() {
+    const std::vector<Interval> mu = multipliers_against(force_);
+    const IntervalMatrix total = gradient_with(mu, force_);
+    std::vector<Interval> tangent(plain_.tangent_row().size());
+    mechanism_.place(out_.around.data(), pose_.data());
+    mechanism_.tangent(pose_.data(), mu.data(), tangent.data());
+    const IntervalMatrix second =
+        dense_tangent(plain_.tangent_row(), plain_.tangent_column(), tangent, plain_.has_follower_loads());
+    out_.stiffness = product(zt_, product(second, z_));
+    IntervalMatrix turned = product(second, r_);
+    for (std::size_t i = 0; i < n_; ++i) turned(i, 0) += total(i, 0);
+    out_.force = product(zt_, turned).entries;
+  }
+
+  const Mechanism<double>& plain_;
+  MergedMechanism& mechanism_;
+  const Mechanism<Interval>& positions_;
+  const std::vector<int>& regular_;
+  const std::vector<int>& lost_;
+  const std::vector<int>& dependent_;
+  const std::vector<int>& across_;
+  Expansion& out_;
+  std::size_t n_, rows_;
+  std::vector<Planar<Interval>> pose_;
+  std::vector<Interval> jacobian_, constraint_, force_;  // the latter two at x*
+  std::vector<Interval> thin_;                           // x*
+  IntervalMatrix here_{0, 0};                            // Jacobian at x*
+  IntervalMatrix z_{0, 0}, zt_{0, 0}, r_{0, 0};
+  Eigen::PartialPivLU<Eigen::MatrixXd> solver_;
+};
+
+bool CrossingBranches::expand(const std::vector<double>& at, double width, Expansion& out) {
+  return Expander(*this, at, width, out).run();
 }
 
 // The distance up to which there are no equilibria from `least` on.

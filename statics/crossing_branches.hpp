@@ -42,6 +42,7 @@ class CrossingBranches {
 
  private:
   struct Expansion;
+  class Expander;
   bool choose_parts(const std::vector<double>& at);
   bool expand(const std::vector<double>& at, double width, Expansion& out);
   double clear_from(const Expansion& of, double least, double most) const;
