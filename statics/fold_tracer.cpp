@@ -27,7 +27,6 @@ constexpr double run_away = 100.0;          // of a coordinate
 constexpr double known_distance = 1e-3;     // the fold that path() met is met again nearer than this
 constexpr double in_balance_within = 1e-8;  // residuals of a pose that is an equilibrium
 
-// SI; exactly the ends at 0 and 1.
 }  // namespace
 
 // --- pieces ---------------------------------------------------------------------------------------------------------
@@ -183,128 +182,179 @@ bool FoldTracer::is_known(Piece& piece, const VectorXd& z) {
   return false;
 }
 
-FoldTracer::Trace FoldTracer::follow(Piece& piece, const FoldPlace& start, std::size_t most) {
-  using End = FoldBranch::End;
-  solvers::FoldSystem& system = piece.system;
-  Trace out;
-  out.places.push_back(start);
-  FoldPlace here = start;
-  const double longest_step = options_.spacing;
-  double h = std::min(first_fold_step, longest_step);
-  VectorXd bend;
-  std::vector<double> values, next_values;
-  watch(piece, here.z, values);
-  const auto end = [&](End how, std::string why = {}) {
-    out.end = how;
-    out.why = std::move(why);
-  };
-  while (true) {
-    if (interrupted()) {
-      end(End::interrupted, "interrupted");
-      return out;
-    }
-    if (out.places.size() >= most) {
-      end(End::limit, fmt::format("{} points were not enough", options_.most_points));
-      return out;
-    }
-    double badness = 1.0;
-    std::optional<FoldPlace> next = step(piece, here, h, bend.size() > 0 ? &bend : nullptr, badness);
-    ++out_.steps;
-    if (!next) {
-      h *= 0.5;
-      if (h > tracing::shortest_step) continue;
-      end(End::stuck, "no step along the curve succeeds " + place_text(here.z));
-      return out;
-    }
-    const Segment segment{here, std::move(*next), h};
-    if (segment.b.z.head(system.variables()).cwiseAbs().maxCoeff() > run_away) {
-      end(End::stuck, "the mechanism runs away " + place_text(here.z));
-      return out;
-    }
-    // The first of all ends within the step.
-    double until = segment.h;
-    FoldPlace last = segment.b;
-    std::optional<End> how;
-    std::string why;
-    const auto cut = [&](const std::function<double(const FoldPlace&)>& f, End kind, const std::string& said) {
-      const double fa = f(segment.a), fb = f(segment.b);
-      if (!(fb < 0.0)) return;
-      std::optional<FoldPlace> place = here;
-      const auto s = fa <= 0.0 ? std::optional(0.0)
-                               : solvers::root_by_secants(
-                                     [&](double at_s) -> std::optional<double> {
-                                       place = at(piece, segment, at_s);
-                                       if (!place) return std::nullopt;
-                                       return f(*place);
-                                     },
-                                     {0.0, segment.h}, fa, fb, 1e-15);
-      if (!s || *s > until) return;
-      until = *s;
-      last = *place;
-      how = kind;
-      why = said;
-    };
-    const Index count = segment.b.z.size();
-    watch(piece, segment.b.z, next_values);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (std::isinf(values[k]) || next_values[k] >= -tracing::overrun) continue;
-      std::vector<double> watched;
-      cut(
-          [&](const FoldPlace& place) {
-            watch(piece, place.z, watched);
-            return watched[k];
-          },
-          End::piece, said_of(piece, k));
-    }
-    for (const Index i : {count - 2, count - 1}) {
-      cut([i](const FoldPlace& place) { return place.z[i]; }, End::range, {});
-      cut([i](const FoldPlace& place) { return 1.0 - place.z[i]; }, End::range, {});
-    }
-    if (how == End::range) {
-      // Exactly at the end.
-      for (const Index i : {count - 2, count - 1}) {
-        if (std::abs(last.z[i] - std::round(last.z[i])) < 1e-12) last.z[i] = std::round(last.z[i]);
-      }
-    } else if (how == End::piece) {
-      why += " " + place_text(last.z);
-    }
-    // Back at the start, perhaps after whole turns.
-    if (out.places.size() > 3) {
-      if (crossing_of(piece, segment, turned_towards(piece, start.z, segment.b.z)) &&
-          std::abs(system.dot(segment.a.tangent, start.tangent)) > 0.9) {
-        how = End::closed;
-        why.clear();
-        last = start;
-        last.z = turned_towards(piece, start.z, segment.b.z);
-      }
-    }
-    if (segment.a.coefficient * last.coefficient < 0.0) {
-      std::optional<FoldPlace> place;
-      const auto s = solvers::root_by_secants(
-          [&](double at_s) -> std::optional<double> {
-            place = at(piece, segment, at_s);
-            if (!place) return std::nullopt;
-            return place->coefficient;
-          },
-          {0.0, segment.h}, segment.a.coefficient, segment.b.coefficient, 1e-12);
-      const double usual = std::abs(segment.a.coefficient) + std::abs(segment.b.coefficient);
-      const bool is_zero = s && std::abs(place->coefficient) < zero_coefficient * usual;
-      if (is_zero && *s <= until) out.cusps.push_back({*place, out.places.size() - 1});
-    }
-    out.places.push_back(last);
-    if (options_.progress && out.places.size() % 16 == 0) {
-      options_.progress(first_value(last.z), second_value(last.z), points_ + static_cast<int>(out.places.size()));
-    }
-    if (how) {
-      end(*how, why);
-      return out;
-    }
-    bend = (segment.b.tangent - segment.a.tangent) / segment.h;
-    here = segment.b;
-    h = std::min(longest_step, h * std::clamp(1.0 / badness, 0.5, 2.0));
-    std::swap(values, next_values);
+// The way along one curve, from its start to what ends it.
+class FoldTracer::Walk {
+ public:
+  Walk(FoldTracer& of, Piece& piece, const FoldPlace& start, std::size_t most)
+      : tracer_(of),
+        piece_(piece),
+        start_(start),
+        most_(most),
+        here_(start),
+        h_(std::min(first_fold_step, of.options_.spacing)) {
+    out_.places.push_back(start);
+    tracer_.watch(piece_, here_.z, values_);
   }
-}
+
+  Trace run() {
+    while (may_go_on() && make_step()) {
+      find_ends();
+      if (out_.places.size() > 3) find_start();
+      find_cusp();
+      out_.places.push_back(last_);
+      show_progress();
+      if (how_) {
+        end(*how_, why_);
+        break;
+      }
+      advance();
+    }
+    return std::move(out_);
+  }
+
+ private:
+  using Function = std::function<double(const FoldPlace&)>;
+
+  bool end(FoldBranch::End how, std::string why) {
+    out_.end = how;
+    out_.why = std::move(why);
+    return false;
+  }
+
+  bool may_go_on() {
+    if (tracer_.interrupted()) return end(FoldBranch::End::interrupted, "interrupted");
+    if (out_.places.size() < most_) return true;
+    return end(FoldBranch::End::limit, fmt::format("{} points were not enough", tracer_.options_.most_points));
+  }
+
+  // Makes a step that keeps to the curve. False if there is none, or it leads away.
+  bool make_step() {
+    std::optional<FoldPlace> next;
+    while (!next) {
+      next = tracer_.step(piece_, here_, h_, bend_.size() > 0 ? &bend_ : nullptr, badness_);
+      ++tracer_.out_.steps;
+      if (next) break;
+      h_ *= 0.5;
+      if (!(h_ > tracing::shortest_step)) {
+        return end(FoldBranch::End::stuck, "no step along the curve succeeds " + tracer_.place_text(here_.z));
+      }
+      if (!may_go_on()) return false;
+    }
+    segment_ = {here_, std::move(*next), h_};
+    if (segment_.b.z.head(piece_.system.variables()).cwiseAbs().maxCoeff() > run_away) {
+      return end(FoldBranch::End::stuck, "the mechanism runs away " + tracer_.place_text(here_.z));
+    }
+    return true;
+  }
+
+  // Finds the first of all ends of the piece and of the ranges within the step.
+  void find_ends() {
+    until_ = segment_.h;
+    last_ = segment_.b;
+    how_.reset();
+    why_.clear();
+    tracer_.watch(piece_, segment_.b.z, next_values_);
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+      if (std::isinf(values_[k]) || next_values_[k] >= -tracing::overrun) continue;
+      std::vector<double> watched;
+      const auto value = [&](const FoldPlace& place) {
+        tracer_.watch(piece_, place.z, watched);
+        return watched[k];
+      };
+      cut(value, FoldBranch::End::piece, tracer_.said_of(piece_, k));
+    }
+    const Index count = segment_.b.z.size();
+    for (const Index i : {count - 2, count - 1}) {
+      cut([i](const FoldPlace& place) { return place.z[i]; }, FoldBranch::End::range, {});
+      cut([i](const FoldPlace& place) { return 1.0 - place.z[i]; }, FoldBranch::End::range, {});
+    }
+    if (how_ == FoldBranch::End::range) {
+      // Numbers are exactly those of the end.
+      for (const Index i : {count - 2, count - 1}) {
+        if (std::abs(last_.z[i] - std::round(last_.z[i])) < 1e-12) last_.z[i] = std::round(last_.z[i]);
+      }
+    } else if (how_ == FoldBranch::End::piece) {
+      why_ += " " + tracer_.place_text(last_.z);
+    }
+  }
+
+  // Ends the step where a function falls below zero, if it does so before what was found yet.
+  void cut(const Function& f, FoldBranch::End kind, const std::string& said) {
+    const double fa = f(segment_.a), fb = f(segment_.b);
+    if (!(fb < 0.0)) return;
+    FoldPlace place = here_;
+    const std::optional<double> s = fa <= 0.0 ? std::optional(0.0) : root_of(f, fa, fb, 1e-15, place);
+    if (!s || *s > until_) return;
+    until_ = *s;
+    last_ = std::move(place);
+    how_ = kind;
+    why_ = said;
+  }
+
+  // The root of a function on the step, with its place.
+  std::optional<double> root_of(const Function& f, double fa, double fb, double width, FoldPlace& place) {
+    const auto value_at = [&](double s) -> std::optional<double> {
+      std::optional<FoldPlace> found = tracer_.at(piece_, segment_, s);
+      if (!found) return std::nullopt;
+      place = std::move(*found);
+      return f(place);
+    };
+    return solvers::root_by_secants(value_at, {0.0, segment_.h}, fa, fb, width);
+  }
+
+  // Finds whether the curve is back at the start, perhaps after whole turns.
+  void find_start() {
+    const VectorXd start = tracer_.turned_towards(piece_, start_.z, segment_.b.z);
+    if (!tracer_.crossing_of(piece_, segment_, start)) return;
+    if (!(std::abs(piece_.system.dot(segment_.a.tangent, start_.tangent)) > 0.9)) return;
+    how_ = FoldBranch::End::closed;
+    why_.clear();
+    last_ = start_;
+    last_.z = start;
+  }
+
+  void find_cusp() {
+    const FoldPlace &a = segment_.a, &b = segment_.b;
+    if (!(a.coefficient * last_.coefficient < 0.0)) return;
+    FoldPlace place = here_;
+    const auto s =
+        root_of([](const FoldPlace& at) { return at.coefficient; }, a.coefficient, b.coefficient, 1e-12, place);
+    const double usual = std::abs(a.coefficient) + std::abs(b.coefficient);
+    const bool is_zero = s && std::abs(place.coefficient) < zero_coefficient * usual;
+    if (is_zero && *s <= until_) out_.cusps.push_back({std::move(place), out_.places.size() - 1});
+  }
+
+  void show_progress() const {
+    const std::size_t done = out_.places.size();
+    if (!tracer_.options_.progress || done % 16 != 0) return;
+    tracer_.options_.progress(tracer_.first_value(last_.z), tracer_.second_value(last_.z),
+                              tracer_.points_ + static_cast<int>(done));
+  }
+
+  void advance() {
+    bend_ = (segment_.b.tangent - segment_.a.tangent) / segment_.h;
+    here_ = segment_.b;
+    h_ = std::min(tracer_.options_.spacing, h_ * std::clamp(1.0 / badness_, 0.5, 2.0));
+    std::swap(values_, next_values_);
+  }
+
+  FoldTracer& tracer_;
+  Piece& piece_;
+  const FoldPlace& start_;
+  std::size_t most_;
+  Trace out_;
+  FoldPlace here_;
+  double h_;       // length of the next step
+  VectorXd bend_;  // at `here_`; empty at the start
+  std::vector<double> values_, next_values_;
+  // The step in hand.
+  Segment segment_{};
+  double badness_ = 1.0;  // by which it is too long
+  double until_ = 0.0;    // where it ends
+  FoldPlace last_;        // there
+  std::optional<FoldBranch::End> how_;
+  std::string why_;
+};
 
 FoldTracer::Start FoldTracer::trace_through(const PathPiece& state, const std::vector<int>& equalities,
                                             const std::vector<double>& x, const VectorXd& y, double p, double q) {
@@ -329,10 +379,10 @@ FoldTracer::Start FoldTracer::trace_through(const PathPiece& state, const std::v
   FoldPlace other_way = start;
   other_way.tangent = -other_way.tangent;
   const auto left = [&] { return static_cast<std::size_t>(std::max(0, options_.most_points - points_)); };
-  Trace forward = follow(piece, start, left());
+  Trace forward = Walk(*this, piece, start, left()).run();
   points_ += static_cast<int>(forward.places.size());
   Trace backward;
-  if (forward.end != FoldBranch::End::closed) backward = follow(piece, other_way, left());
+  if (forward.end != FoldBranch::End::closed) backward = Walk(*this, piece, other_way, left()).run();
   points_ += static_cast<int>(backward.places.size());
 
   std::vector<FoldPlace> places;

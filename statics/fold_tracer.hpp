@@ -86,7 +86,8 @@ class FoldTracer {
     double h;
   };
 
-  Trace follow(Piece& piece, const solvers::FoldPlace& start, std::size_t most);
+  class Walk;
+
   std::optional<solvers::FoldPlace> step(Piece& piece, const solvers::FoldPlace& here, double h,
                                          const Eigen::VectorXd* bend, double& badness);
   std::optional<solvers::FoldPlace> at(Piece& piece, const Segment& segment, double s);
