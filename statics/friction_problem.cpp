@@ -131,111 +131,156 @@ bool is_idle(const Scene& scene, const Rubbing& one) {
 
 }  // namespace
 
-FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<double>& x)
-    : model_(model), x_(x), bodies_(placed(model, x)) {
-  const Scene& scene = model.scene();
-  const double size = model.scales().length;
-  BallEquations equations(scene, bodies_, size);
-  equations.add_joints();
-  std::vector<int> first_of_joint(scene.joints.size(), -1);
-  for (std::size_t u = 0; u < equations.unknowns().size(); ++u) {
-    int& first = first_of_joint[static_cast<std::size_t>(equations.unknowns()[u].item)];
-    if (first < 0) first = static_cast<int>(u);
-  }
-  const CheckTolerances tolerances;
-  const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
-  std::vector<std::vector<int>> tension(scene.stops.size());  // columns of ropes that are taut
-  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
-    const Stop& stop = scene.stops[s];
-    const double near = tolerances.stop * (stop.on.is_angle() ? 1.0 : size);
-    const double g = value_of(scene, stop.on, poses);
-    const bool at_max = g >= stop.max - near, at_min = g <= stop.min + near;
-    if (!at_max && !at_min) continue;
-    const int before = static_cast<int>(equations.unknowns().size());
-    equations.add_stop(static_cast<int>(s), at_max && at_min ? 2 : at_max ? 1 : -1);
-    const int side = equations.items().back().side;
-    if (static_cast<int>(equations.unknowns().size()) == before) continue;
-    if (side != 2) pressures_.emplace_back(before, -side);
-    tension[s].push_back(before);
-    if (!separates(stop)) continue;
-    teeth_.push_back({before, static_cast<int>(equations.unknowns().size())});
-    equations.add_separation(static_cast<int>(s));
-  }
-  std::list<Drive> on_measures;  // the equations keep references to their names
-  const std::vector<Rubbing> all = rubbing(scene);
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    const Rubbing& one = all[r];
-    if (is_idle(scene, one)) continue;
-    if (one.rope >= 0) {
-      std::vector<int>& before = tension[static_cast<std::size_t>(one.rope)];
-      if (before.empty()) continue;  // it is slack
-      const Stop& rope = scene.stops[static_cast<std::size_t>(one.rope)];
-      Source source;
-      source.tension = before;
-      source.effort = static_cast<int>(equations.unknowns().size());
-      source.wrap = Ball(*rope.on.contacts[static_cast<std::size_t>(one.contact)].friction) *
-                    wrap_of(scene, rope.on, one.contact, bodies_);
-      equations.add_rope_behind(rope, one.contact);
-      before.push_back(source.effort);
-      sources_.push_back(std::move(source));
-      of_rubbing_.push_back(r);
-      continue;
+// The steps in which the equations are set up.
+class FrictionProblem::Assembly {
+ public:
+  explicit Assembly(FrictionProblem& of)
+      : to_(of),
+        scene_(of.model_.scene()),
+        size_(of.model_.scales().length),
+        equations_(scene_, of.bodies_, size_),
+        tension_(scene_.stops.size()) {}
+
+  void run() {
+    add_joints();
+    add_stops();
+    const std::vector<Rubbing> all = rubbing(scene_);
+    to_.rubbings_ = all.size();
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      if (is_idle(scene_, all[r])) continue;
+      if (all[r].rope >= 0 ? add_rope(all[r]) : add_rubbing(all[r])) to_.of_rubbing_.push_back(r);
     }
-    Drive& drive = on_measures.emplace_back();
+    fill();
+  }
+
+ private:
+  int columns() const { return static_cast<int>(equations_.unknowns().size()); }
+
+  void add_joints() {
+    equations_.add_joints();
+    first_of_joint_.assign(scene_.joints.size(), -1);
+    for (std::size_t u = 0; u < equations_.unknowns().size(); ++u) {
+      int& first = first_of_joint_[static_cast<std::size_t>(equations_.unknowns()[u].item)];
+      if (first < 0) first = static_cast<int>(u);
+    }
+  }
+
+  // Adds the stops that are touched in the pose, with the teeth that push their wheels apart.
+  void add_stops() {
+    const CheckTolerances tolerances;
+    const std::vector<BodyPose<double>> poses = to_.model_.poses_from_anchor(to_.x_);
+    for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
+      const Stop& stop = scene_.stops[s];
+      const double near = tolerances.stop * (stop.on.is_angle() ? 1.0 : size_);
+      const double g = value_of(scene_, stop.on, poses);
+      const bool at_max = g >= stop.max - near, at_min = g <= stop.min + near;
+      if (!at_max && !at_min) continue;
+      const int before = columns();
+      equations_.add_stop(static_cast<int>(s), at_max && at_min ? 2 : at_max ? 1 : -1);
+      const int side = equations_.items().back().side;
+      if (columns() == before) continue;
+      if (side != 2) to_.pressures_.emplace_back(before, -side);
+      tension_[s].push_back(before);
+      if (!separates(stop)) continue;
+      to_.teeth_.push_back({before, columns()});
+      equations_.add_separation(static_cast<int>(s));
+    }
+  }
+
+  // Adds the friction of a rope on a pulley. False where the rope is slack.
+  bool add_rope(const Rubbing& one) {
+    std::vector<int>& before = tension_[static_cast<std::size_t>(one.rope)];
+    if (before.empty()) return false;
+    const Stop& rope = scene_.stops[static_cast<std::size_t>(one.rope)];
+    Source source;
+    source.tension = before;
+    source.effort = columns();
+    source.wrap = Ball(*rope.on.contacts[static_cast<std::size_t>(one.contact)].friction) *
+                  wrap_of(scene_, rope.on, one.contact, to_.bodies_);
+    equations_.add_rope_behind(rope, one.contact);
+    before.push_back(source.effort);
+    to_.sources_.push_back(std::move(source));
+    return true;
+  }
+
+  // Adds the friction of an element or a joint. False where its measure has no direction in the pose.
+  bool add_rubbing(const Rubbing& one) {
+    Drive& drive = on_measures_.emplace_back();
     drive.name = one.name;
     drive.on = one.on;
     Source source;
-    source.effort = static_cast<int>(equations.unknowns().size());
-    equations.add_drive(drive);
-    if (static_cast<int>(equations.unknowns().size()) == source.effort) continue;  // it has no direction here
-    source.si = one.on.is_angle() ? size : 1.0;
-    const Ball over(source.si);
+    source.effort = columns();
+    equations_.add_drive(drive);
+    if (columns() == source.effort) return false;
+    source.si = one.on.is_angle() ? size_ : 1.0;
     if (one.joint < 0) {
-      source.constant =
-          Ball(std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).force) / over;
+      const Element& element = scene_.elements[static_cast<std::size_t>(one.element)];
+      source.constant = Ball(std::get<DryFriction>(element.law).force) / Ball(source.si);
     } else {
-      const Joint& joint = scene.joints[static_cast<std::size_t>(one.joint)];
-      const JointFriction& friction = *joint.friction;
-      const int first = first_of_joint[static_cast<std::size_t>(one.joint)];
-      const Ball mu(friction.coefficient);
-      if (!joint.has_travel()) {
-        source.constant = Ball(friction.torque) / over;
-        source.circle = Ball(friction.radius) * mu / sqrt(Ball(1) + mu * mu) / over;
-        if (friction.circle() > 0.0) source.pin = first;
-      } else {
-        source.constant = Ball(friction.force);
-        if (friction.coefficient > 0.0) source.pieces.emplace_back(first, mu);
-        // The moment is measured over the size.
-        if (joint.keeps_angle() && friction.coefficient > 0.0 && friction.length > 0.0) {
-          source.pieces.emplace_back(first + 1, mu * Ball(2) * Ball(size) / Ball(friction.length));
-        }
-      }
+      set_bound(source, one.joint);
     }
-    sources_.push_back(std::move(source));
-    of_rubbing_.push_back(r);
+    to_.sources_.push_back(std::move(source));
+    return true;
   }
-  rubbings_ = all.size();
-  columns_ = static_cast<int>(equations.unknowns().size());
-  a_.assign(static_cast<std::size_t>(equations.rows()), std::vector<Ball>(static_cast<std::size_t>(columns_)));
-  for (int u = 0; u < columns_; ++u) {
-    const BallEquations::Unknown& unknown = equations.unknowns()[static_cast<std::size_t>(u)];
-    equations.for_each_entry(unknown, [&](int row, const Ball& value) {
-      a_[static_cast<std::size_t>(row)][static_cast<std::size_t>(u)] += value;
-    });
-    const BallEquations::Item& item = equations.items()[static_cast<std::size_t>(unknown.item)];
-    const std::string kind(item.kind == "drive" ? "friction" : item.kind);
-    std::vector<SourcedForce>& actions = actions_.emplace_back();
-    equations.for_each_action(unknown,
-                              [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
-                                actions.push_back({kind,
-                                                   *item.name,
-                                                   {.body = body,
-                                                    .at = {at.x.middle(), at.y.middle()},
-                                                    .force = {force.x.middle(), force.y.middle()},
-                                                    .moment = moment.middle()}});
-                              });
+
+  // Sets what the bound of a joint's friction depends on.
+  void set_bound(Source& source, int of_joint) const {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(of_joint)];
+    const JointFriction& friction = *joint.friction;
+    const int first = first_of_joint_[static_cast<std::size_t>(of_joint)];
+    const Ball mu(friction.coefficient);
+    if (!joint.has_travel()) {
+      const Ball over(source.si);
+      source.constant = Ball(friction.torque) / over;
+      source.circle = Ball(friction.radius) * mu / sqrt(Ball(1) + mu * mu) / over;
+      if (friction.circle() > 0.0) source.pin = first;
+      return;
+    }
+    source.constant = Ball(friction.force);
+    if (friction.coefficient > 0.0) source.pieces.emplace_back(first, mu);
+    // The moment is measured over the size.
+    if (joint.keeps_angle() && friction.coefficient > 0.0 && friction.length > 0.0) {
+      source.pieces.emplace_back(first + 1, mu * Ball(2) * Ball(size_) / Ball(friction.length));
+    }
   }
-  set_load(load_of(scene));
+
+  // Fills the matrix and the forces of a unit of each column.
+  void fill() {
+    const auto count = static_cast<std::size_t>(columns());
+    to_.columns_ = columns();
+    to_.a_.assign(static_cast<std::size_t>(equations_.rows()), std::vector<Ball>(count));
+    for (std::size_t u = 0; u < count; ++u) {
+      const BallEquations::Unknown& unknown = equations_.unknowns()[u];
+      equations_.for_each_entry(unknown,
+                                [&](int row, const Ball& value) { to_.a_[static_cast<std::size_t>(row)][u] += value; });
+      const BallEquations::Item& item = equations_.items()[static_cast<std::size_t>(unknown.item)];
+      const std::string kind(item.kind == "drive" ? "friction" : item.kind);
+      std::vector<SourcedForce>& actions = to_.actions_.emplace_back();
+      equations_.for_each_action(unknown,
+                                 [&](int body, const Planar<Ball>& at, const Planar<Ball>& force, const Ball& moment) {
+                                   actions.push_back({kind,
+                                                      *item.name,
+                                                      {.body = body,
+                                                       .at = {at.x.middle(), at.y.middle()},
+                                                       .force = {force.x.middle(), force.y.middle()},
+                                                       .moment = moment.middle()}});
+                                 });
+    }
+  }
+
+  FrictionProblem& to_;
+  const Scene& scene_;
+  const double size_;
+  BallEquations equations_;
+  std::vector<int> first_of_joint_;        // column, or -1
+  std::vector<std::vector<int>> tension_;  // columns of ropes that are taut
+  std::list<Drive> on_measures_;           // the equations keep references to their names
+};
+
+FrictionProblem::FrictionProblem(const StaticModel& model, const std::vector<double>& x)
+    : model_(model), x_(x), bodies_(placed(model, x)) {
+  Assembly(*this).run();
+  set_load(load_of(model.scene()));
 }
 
 std::vector<Ball> FrictionProblem::load_of(const Scene& scene) const {

@@ -121,6 +121,7 @@ class FrictionProblem {
   Eigen::VectorXd load_over_unit() const;
 
  private:
+  class Assembly;
   void refresh();
   void add_rope_rows(std::size_t source, const Ball& factor, std::vector<Row>& out) const;
   static void add_teeth_rows(const Teeth& teeth, int sign, std::vector<Row>& out);
