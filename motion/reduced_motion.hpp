@@ -319,6 +319,16 @@ class ReducedMotion {
   void add_accelerations(const T* alpha);
   bool leaves_open();
   Status add_gripping_friction(const std::vector<double>* sizes);
+  void set_grip_directions();
+  void find_grip_responses();
+  void state_grip_forces();
+  T acting(std::size_t grip) const { return directions_[grip] * grips_[grip].factor; }  // S c
+  void take_sizes();
+  T missing_effort() const;
+  T largest_effort() const;
+  bool factor_grips();
+  bool solve_grips(const std::vector<double>* sizes);
+  void add_grip_efforts();
   std::size_t stop_row(int contact) const;
   T effort_in(int contact) const;
   Hold multipliers_of(const Grip& grip) const;

@@ -202,11 +202,27 @@ bool ReducedMotion<T>::leaves_open() {
 // Adds the friction that grows with forces to the motion without it.
 template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const std::vector<double>* sizes) {
-  using std::abs;
-  const std::size_t k = grips_.size();
-  const std::size_t f = independent_.size();
+  set_grip_directions();
+  if (!open_known_) open_ = leaves_open();
+  open_known_ = true;
+  if (open_) return Status::undetermined;
+  if (load_bearings()) {
+    find_grip_responses();
+    state_grip_forces();
+    if ((sizes != nullptr || grip_forces_.is_unique()) && solve_grips(sizes)) {
+      add_grip_efforts();
+      return Status::ok;
+    }
+  }
+  std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
+  return Status::locked;
+}
+
+// Sets the direction s in which each slides, its slopes and the normal of its line; no efforts yet.
+template <class T>
+void ReducedMotion<T>::set_grip_directions() {
   const std::size_t n = static_cast<std::size_t>(n_);
-  for (std::size_t i = first_teeth_; i < k; ++i) {
+  for (std::size_t i = first_teeth_; i < grips_.size(); ++i) {
     efforts_[i] = T(0);
     directions_[i] = T(1);
     normals_[i] = {T(1), T(0)};
@@ -225,15 +241,14 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
     }
     normals_[i] = one.travel >= 0 ? normal_of(one) : Planar<T>{};
   }
-  if (!open_known_) open_ = leaves_open();
-  open_known_ = true;
-  if (open_) return Status::undetermined;
-  const auto give_up = [&] {
-    std::fill(a_.begin(), a_.end(), std::numeric_limits<T>::quiet_NaN());
-    return Status::locked;
-  };
-  if (!load_bearings()) return give_up();
+}
 
+// Finds the forces in joints without the efforts, and what a unit of each effort changes in them and in alpha.
+template <class T>
+void ReducedMotion<T>::find_grip_responses() {
+  const std::size_t k = grips_.size();
+  const std::size_t f = independent_.size();
+  const std::size_t n = static_cast<std::size_t>(n_);
   for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
   lu_.solve_transposed(small_rows_.data());
   for (std::size_t i = 0; i < k; ++i) holds_without_[i] = hold_of(i);
@@ -254,7 +269,12 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
     lu_.solve_transposed(small_rows_.data());
     for (std::size_t i = 0; i < k; ++i) responses_[i * k + j] = hold_of(i);
   }
-  const auto acting = [&](std::size_t i) { return directions_[i] * grips_[i].factor; };
+}
+
+// States the equations of the sizes for FrictionForces, which tells how many solutions they have.
+template <class T>
+void ReducedMotion<T>::state_grip_forces() {
+  const std::size_t k = grips_.size();
   // Of a carriage |R| is the greater of the whole normal force and that of its end.
   const auto components = [&](std::size_t i, const Hold& hold) {
     if (grips_[i].is_pin()) return planar_cast<double>(hold.at);
@@ -267,86 +287,114 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::add_gripping_friction(const 
       grip_forces_.response(i, j) = static_cast<double>(acting(j)) * components(i, responses_[i * k + j]);
     }
   }
-  if (sizes == nullptr && !grip_forces_.is_unique()) return give_up();
-  // T = S c |R(T)| by Newton's method, from the efforts under the forces without them or those given; steps that do not
-  // come nearer are halved, and where that does not help T <- S c |R(T)|, which may contract.
-  const auto take = [&] {
-    for (std::size_t i = 0; i < k; ++i) {
-      Hold hold = holds_without_[i];
-      for (std::size_t j = 0; j < k; ++j) {
-        hold.at += efforts_[j] * responses_[i * k + j].at;
-        hold.end += efforts_[j] * responses_[i * k + j].end;
-      }
-      take_size(i, hold);
+}
+
+// Takes the sizes of the forces in joints at the efforts.
+template <class T>
+void ReducedMotion<T>::take_sizes() {
+  const std::size_t k = grips_.size();
+  for (std::size_t i = 0; i < k; ++i) {
+    Hold hold = holds_without_[i];
+    for (std::size_t j = 0; j < k; ++j) {
+      hold.at += efforts_[j] * responses_[i * k + j].at;
+      hold.end += efforts_[j] * responses_[i * k + j].end;
     }
-  };
-  const auto miss = [&] {
-    T sum(0);
-    for (std::size_t i = 0; i < k; ++i) sum += abs(acting(i) * sizes_[i] - efforts_[i]);
-    return sum;
-  };
-  const auto factor = [&] {
-    T* entries = grip_lu_.matrix();
-    for (std::size_t i = 0; i < k; ++i) {
-      for (std::size_t j = 0; j < k; ++j) {
-        entries[i * k + j] =
-            T(i == j ? 1 : 0) - (acting(j) != 0 ? T(acting(i) * size_along(i, responses_[i * k + j], {})) : T(0));
-      }
+    take_size(i, hold);
+  }
+}
+
+// The sum of |S c |R| - T|.
+template <class T>
+T ReducedMotion<T>::missing_effort() const {
+  using std::abs;
+  T sum(0);
+  for (std::size_t i = 0; i < grips_.size(); ++i) sum += abs(acting(i) * sizes_[i] - efforts_[i]);
+  return sum;
+}
+
+// The largest of |S c |R||.
+template <class T>
+T ReducedMotion<T>::largest_effort() const {
+  using std::abs;
+  T largest(0);
+  for (std::size_t i = 0; i < grips_.size(); ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
+  return largest;
+}
+
+// Factors I - S c |R|' dR/dT. False where it is singular.
+template <class T>
+bool ReducedMotion<T>::factor_grips() {
+  const std::size_t k = grips_.size();
+  T* entries = grip_lu_.matrix();
+  for (std::size_t i = 0; i < k; ++i) {
+    for (std::size_t j = 0; j < k; ++j) {
+      entries[i * k + j] =
+          T(i == j ? 1 : 0) - (acting(j) != 0 ? T(acting(i) * size_along(i, responses_[i * k + j], {})) : T(0));
     }
-    return grip_lu_.factor() > 0;
-  };
+  }
+  return grip_lu_.factor() > 0;
+}
+
+// Solves T = S c |R(T)| by Newton's method, from the efforts under the forces without them or those given; steps that
+// do not come nearer are halved, and where that does not help T <- S c |R(T)|, which may contract. Leaves the matrix
+// factored; false where no solution is found.
+template <class T>
+bool ReducedMotion<T>::solve_grips(const std::vector<double>* sizes) {
+  const std::size_t k = grips_.size();
   if (sizes != nullptr) {
     for (std::size_t i = 0; i < k; ++i) efforts_[i] = acting(i) * static_cast<T>((*sizes)[i]);
   }
-  take();
-  T last = miss();
-  T largest(0);
+  take_sizes();
+  T last = missing_effort();
   const auto is_within = [&](double roundings) {
-    largest = T(0);
-    for (std::size_t i = 0; i < k; ++i) largest = std::max<T>(largest, abs(acting(i) * sizes_[i]));
-    return last <= roundings * std::numeric_limits<T>::epsilon() * largest;
+    return last <= roundings * std::numeric_limits<T>::epsilon() * largest_effort();
   };
   for (int iteration = 0; iteration < 2000 && !is_within(4); ++iteration) {
     grip_work_ = efforts_;
     for (std::size_t i = 0; i < k; ++i) grip_step_[i] = acting(i) * sizes_[i] - efforts_[i];
     grip_fixed_ = grip_step_;
     const T before = last;
-    if (factor()) {
+    if (factor_grips()) {
       grip_lu_.solve(grip_step_.data());
       for (T share(1); share > static_cast<T>(0.01) && !(last < before); share /= 2) {
         for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + share * grip_step_[i];
-        take();
-        last = miss();
+        take_sizes();
+        last = missing_effort();
       }
       if (last < before) continue;
       last = before;
       if (is_within(1000)) {  // as near as rounding lets it come
         efforts_ = grip_work_;
-        take();
+        take_sizes();
         break;
       }
     }
     for (std::size_t i = 0; i < k; ++i) efforts_[i] = grip_work_[i] + grip_fixed_[i];
-    take();
-    last = miss();
+    take_sizes();
+    last = missing_effort();
   }
-  if (!(is_within(1e5) || largest == 0) || !factor()) return give_up();
+  return (is_within(1e5) || largest_effort() == 0) && factor_grips();
+}
 
+// Adds what the efforts make of alpha, accelerations and forces, and the efforts of contacts.
+template <class T>
+void ReducedMotion<T>::add_grip_efforts() {
+  const std::size_t f = independent_.size();
+  const std::size_t n = static_cast<std::size_t>(n_);
   std::fill(small_.begin(), small_.end(), T(0));
-  for (std::size_t j = 0; j < k; ++j) {
+  for (std::size_t j = 0; j < grips_.size(); ++j) {
     for (std::size_t l = 0; l < f; ++l) small_[l] += efforts_[j] * grip_alpha_[j * f + l];
     for (std::size_t i = 0; i < n; ++i) full_force_[i] += efforts_[j] * grip_slopes_[j * n + i];
   }
   for (std::size_t l = 0; l < f; ++l) alpha_[l] += small_[l];
   add_accelerations(small_.data());
-  if (contact_efforts_.empty()) return Status::ok;
+  if (contact_efforts_.empty()) return;
   for (std::size_t i = 0; i < dependent_.size(); ++i) small_rows_[i] = -full_force_[dependent_[i]];
   lu_.solve_transposed(small_rows_.data());
   for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
     contact_efforts_[c] = effort_in(static_cast<int>(c));
     for (std::size_t i = 0; i < n; ++i) full_force_[i] += contact_efforts_[c] * contact_slopes_[c * n + i];
   }
-  return Status::ok;
 }
 
 template <class T>
