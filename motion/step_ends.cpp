@@ -1,0 +1,128 @@
+#include "motion/step_ends.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace poise {
+namespace {
+
+using stepping::past;
+
+/// Within a step a margin is looked at more closely where it comes so near to zero.
+constexpr double close_to_event = 0.05;
+/// More than that many events of friction in one step are looked for among those that are left after the first.
+constexpr int most_events_of_step = 8;
+/// A border of a profile is reached at this distance of the argument.
+constexpr double just_before = 1e-13;
+
+}  // namespace
+
+void StepEnds::watch() {
+  // At the start nothing is known of what is at rest, which has no friction there; the same node is added again with
+  // it.
+  if (reduced_.slides() != nullptr) margin_ = friction_.watch(reduced_);
+  if (!borders_.act()) return;
+  borders_.watch(reduced_);
+  border_margin_ = borders_.margin(reduced_);
+}
+
+bool StepEnds::meets_event(double t) {
+  const auto margin = [this] { return friction_.margin(reduced_); };
+  bool met = false;
+  // Before an event there may be another one.
+  for (int k = 0; k < most_events_of_step; ++k) {
+    const double margin_at_end = margin();
+    double after = StickSlip::holds(reduced_) ? first_passing(t, margin_at_end) : 0.0;
+    if (after == 0.0 && margin_at_end < -past) {
+      step_.shorten_to_zero(t, margin_, step_.length, margin_at_end, margin);
+      met = true;
+      continue;
+    }
+    if (after == 0.0) after = friction_.dip(reduced_, step_.length);
+    if (after == 0.0) break;
+    const double whole = step_.length;
+    const double margin_after = step_.repeat(t, after, margin);
+    if (!(margin_after < -past)) {
+      step_.repeat(t, whole, margin);
+      break;
+    }
+    step_.shorten_to_zero(t, margin_, after, margin_after, margin);
+    met = true;
+  }
+  if (met) margin();
+  return met;
+}
+
+// Computes the margin of friction a part x of the way through the step just made, at the state of the quintic through places, rates
+// and accelerations at both ends; NaN where that fails.
+double StepEnds::margin_within(double t, double x) {
+  const auto f = static_cast<std::size_t>(reduced_.freedoms());
+  const double h = step_.length;
+  const std::vector<double>&y = step_.y, &y_new = step_.y_new, &dydt = step_.dydt, &dydt_new = step_.dydt_new;
+  within_.resize(2 * f);
+  for (std::size_t k = 0; k < f; ++k) {
+    const double v0 = h * y[f + k], v1 = h * y_new[f + k];
+    const double a0 = h * h * dydt[f + k] / 2, a1 = h * h * dydt_new[f + k] / 2;
+    const double far = y_new[k] - y[k] - v0 - a0, fast = v1 - v0 - 2 * a0, bends = a1 - a0;
+    const double c3 = 10 * far - 4 * fast + bends, c4 = -15 * far + 7 * fast - 2 * bends;
+    const double c5 = 6 * far - 3 * fast + bends;
+    within_[k] = y[k] + x * (v0 + x * (a0 + x * (c3 + x * (c4 + x * c5))));
+    within_[f + k] = (v0 + x * (2 * a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
+  }
+  if (reduced_.place(t + x * h, within_.data()) != ReducedMotion<double>::Status::ok) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  reduced_.move(within_.data() + f);
+  if (reduced_.accelerate() != ReducedMotion<double>::Status::ok) return std::numeric_limits<double>::quiet_NaN();
+  return friction_.margin(reduced_);
+}
+
+// Finds the time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does not.
+// Between the places looked at margins are parabolas, of which the lowest point is looked at.
+double StepEnds::first_passing(double t, double margin_at_end) {
+  constexpr int places = 5;
+  double margins[places + 1] = {margin_};
+  double passed = 0.0;
+  end_.assign(reduced_.q(), reduced_.q() + n_);
+  // The way begins at the node, whose rates these are already; those at the end are needed on it.
+  reduced_.expect(step_.node.data());
+  step_.evaluate(t);
+  for (int k = 1; k <= places && passed == 0.0; ++k) {
+    margins[k] = k == places ? margin_at_end : margin_within(t, static_cast<double>(k) / places);
+    if (margins[k] < -past && k < places) passed = static_cast<double>(k) / places;
+    if (k < 2 || passed > 0.0) continue;
+    const double before = margins[k - 2], low = margins[k - 1], after = margins[k];
+    const double bend = before - 2 * low + after;
+    if (!(low <= before && low <= after && bend > 0)) continue;
+    const double x = (k - 1 + (before - after) / (2 * bend)) / places;
+    const double least = low - (before - after) * (before - after) / (8 * bend);
+    if (least < close_to_event && margin_within(t, x) < -past) passed = x;
+  }
+  reduced_.expect(end_.data());
+  step_.evaluate_end(t);
+  return passed * step_.length;
+}
+
+StepEnds::Border StepEnds::meets_border(double t) {
+  // The step ends just before it, where the formulas of this piece hold.
+  const auto margin = [this] { return borders_.margin(reduced_) - just_before; };
+  const double margin_after = margin();
+  if (!(margin_after < -past)) return {};
+  step_.shorten_to_zero(t, border_margin_, step_.length, margin_after, margin);
+  if (step_.has_poor_coordinates()) {
+    // A profile may begin to dwell there, where its own measure is no coordinate any more: others are chosen on the
+    // way.
+    step_.repeat(t, step_.length / 2, margin);
+    return {};
+  }
+  if (approaches_ == stepping::steps_at_border) {
+    approaches_ = 0;
+    return {.is_reached = true};
+  }
+  ++approaches_;
+  const double rest = stepping::shorter_at_border * step_.length;
+  step_.repeat(t, step_.length - rest, margin);
+  return {.rest = rest};
+}
+
+}  // namespace poise

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "motion/motion_step.hpp"
+#include "motion/profile_borders.hpp"
+#include "motion/stick_slip.hpp"
+
+namespace poise {
+
+/// Finds where a step that was made passes an event of friction or a border of a profile, and repeats it up to there.
+/// Private to simulate().
+class StepEnds {
+ public:
+  /// All must outlive this.
+  StepEnds(ReducedMotion<double>& reduced, MotionStep& step, StickSlip& friction, ProfileBorders& borders)
+      : reduced_(reduced),
+        step_(step),
+        friction_(friction),
+        borders_(borders),
+        n_(static_cast<std::size_t>(reduced.coordinates())) {}
+
+  /// Notes the margins at a node.
+  void watch();
+
+  /// Shortens the step just made from t to the first event of friction in it. False if there is none.
+  bool meets_event(double t);
+
+  struct Border {
+    bool is_reached = false;
+    double rest = 0.0;  ///< of the way to it, s, where the step ends short of it
+  };
+  /// Shortens the step just made from t to where it passes a border of a profile, or to short of it.
+  Border meets_border(double t);
+  /// The steps towards a border ahead begin anew.
+  void forget_approach() { approaches_ = 0; }
+
+ private:
+  double margin_within(double t, double x);
+  double first_passing(double t, double margin_at_end);
+
+  ReducedMotion<double>& reduced_;
+  MotionStep& step_;
+  StickSlip& friction_;
+  ProfileBorders& borders_;
+  std::size_t n_;
+  double margin_ = 0.0;         // of friction at the last node
+  double border_margin_ = 0.0;  // of the borders of profiles, there
+  int approaches_ = 0;          // steps that ended short of the border ahead
+  std::vector<double> end_;     // coordinates at the end of the step just made
+  std::vector<double> within_;  // z and w within it
+};
+
+}  // namespace poise
