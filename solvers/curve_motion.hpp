@@ -26,12 +26,12 @@ class CurveMotion {
   CurveMotion(const CurveMotion&) = delete;
   CurveMotion& operator=(const CurveMotion&) = delete;
 
-  /// From a point with c(x) = 0. Arrival::rest at once where r vanishes to within rounding.
+  /// Moves from a point with c(x) = 0. Arrival::rest at once where r vanishes to within rounding.
   const DampedResult& run(std::span<const double> x);
 
  private:
-  class Method;
-  std::unique_ptr<Method> method_;
+  class Tracer;
+  std::unique_ptr<Tracer> tracer_;
 };
 
 }  // namespace poise::solvers

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
-#include "solvers/cubic.hpp"
 #include "solvers/kkt.hpp"
+#include "solvers/passed_distances.hpp"
+#include "solvers/pressing_bounds.hpp"
 #include "solvers/vectors.hpp"
 
 namespace poise::solvers {
@@ -18,20 +20,15 @@ constexpr int closings = 10;              // Newton steps onto the constraints
 constexpr double finish_within = 0.2;     // first Newton step of the finish, rad or mechanism sizes
 constexpr double contraction = 0.25;      // of the second
 constexpr int finish_steps = 12;
-constexpr double separation = 0.1;             // distance at which motions count as having parted
-constexpr int event_steps = 60;                // to locate an event
-constexpr double least_velocity_cosine = 0.8;  // between velocities
-constexpr int deepest = 40;                    // halvings of a step's way
-constexpr double least_step = 1e-14;           // of time, relative to the first one
-constexpr double tried_within = 1e-9;          // way back from which the same bounds are not tried again
-constexpr std::size_t most_touched = 8;        // bounds of which all sets are tried
-constexpr double goes_into = 1e-9;             // rate, relative to the velocity, that is rounding
+constexpr double separation = 0.1;    // distance at which motions count as having parted
+constexpr int event_steps = 60;       // to locate an event
+constexpr double least_step = 1e-14;  // of time, relative to the first one
 
 }  // namespace
 
-class DampedMotion::Method {
+class DampedMotion::Integrator {
  public:
-  Method(const DampedProblem& problem, const DampedOptions& given)
+  Integrator(const DampedProblem& problem, const DampedOptions& given)
       : problem_(problem),
         options_(given),
         n_(problem.variables()),
@@ -42,24 +39,12 @@ class DampedMotion::Method {
         now_(problem.make_evaluation()),
         next_(problem.make_evaluation()),
         trial_(problem.make_evaluation()),
-        active_(rows_, 0),
-        upper_(rows_, 0),
-        idle_(rows_, 0),
+        bounds_(problem, given.touching, *kkt_),
+        distances_(problem, given.touching, bounds_),
         switch_now_(problem.switches().size()),
-        switch_next_(problem.switches().size()),
-        measures_(problem.switches().size()) {
-    for (const Limit& limit : problem.limits()) {
-      if (limit.threshold.of_distance)
-        distances_.push_back({equalities_ + limit.inequality, -1, limit.threshold, limit.sign});
-    }
-    for (std::size_t k = 0; k < problem.switches().size(); ++k) {
-      const Threshold& threshold = problem.switches()[k];
-      if (threshold.of_distance) distances_.push_back({-1, static_cast<int>(k), threshold, 1.0});
-    }
-    for (auto* v :
-         {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_column_, &way_, &way_now_, &way_next_})
-      v->resize(n_);
-    for (auto* v : {&y_, &y_next_, &y_trial_, &gap_}) v->resize(rows_);
+        switch_next_(problem.switches().size()) {
+    for (auto* v : {&velocity_, &velocity_next_, &step_, &field_, &delta_, &delta_column_}) v->resize(n_);
+    for (auto* v : {&y_, &y_next_, &y_trial_}) v->resize(rows_);
     for (auto* v : {&tangent_, &resistance_, &values_, &first_tangent_, &first_resistance_}) {
       v->resize(problem.tangent_pattern().size());
     }
@@ -74,7 +59,8 @@ class DampedMotion::Method {
     begin(x);
     result.arrival = follow();
     result.x = now_.x;
-    result.active = active_;
+    result.active = bounds_.active;
+    result.evaluations += distances_.evaluations;
     result.error = worst_error_;
     result.margin = separation / growth_most_;
   }
@@ -94,13 +80,10 @@ class DampedMotion::Method {
     std::copy(x.begin(), x.end(), now_.x.begin());
     result.steps = result.evaluations = 0;
     result.rounding_decides = false;
-    std::fill(active_.begin(), active_.end(), 0);
-    std::fill(active_.begin(), active_.begin() + equalities_, 1);
-    std::fill(idle_.begin(), idle_.end(), 0);
-    tried_.clear();
+    bounds_.begin();
+    distances_.evaluations = 0;
     growth_ = growth_most_ = 1.0;
     error_ = worst_error_ = 0.0;
-    scale_ = 0.0;
     finish_below_ = finish_within;
     for (int i = 0; i < n_; ++i) delta_[i] = 1.0 + 0.5 * std::sin(1.0 + 2.0 * i);
     const double length = std::sqrt(dot(delta_, delta_));
@@ -108,148 +91,10 @@ class DampedMotion::Method {
     evaluate(now_);
   }
 
-  // --- velocity and bounds ------------------------------------------------------------------------------------------
-
-  double bound(int row) const {
-    return upper_[row] != 0 ? problem_.upper()[row - equalities_] : problem_.lower()[row - equalities_];
-  }
-
-  double gap_of(const Evaluation& at, int row) const {
-    return row < equalities_ ? at.constraint[row] : at.constraint[row] - bound(row);
-  }
-
-  // Of the active rows.
-  void find_gap(const Evaluation& at) {
-    for (int r = 0; r < rows_; ++r) gap_[r] = active_[r] != 0 ? gap_of(at, r) : 0.0;
-  }
-
-  // v and the multipliers y with  D v + F + J^T y = 0,  J v = 0.
-  bool set_velocity(Evaluation& at, std::span<double> v, std::span<double> y) {
-    problem_.resistance(at, values_);
-    if (!kkt_->set_jacobian(at, active_) || kkt_->factor_tangent(values_) == Kkt::Factors::singular) return false;
-    kkt_->solve(at.gradient, {}, v);
-    kkt_->solved_multipliers(at.gradient, y);
-    scale_ = std::max({scale_, largest(at.gradient), largest(y)});
-    return std::isfinite(largest(v));
-  }
-
-  double noise() const { return 16 * eps * scale_; }
-  // How much a bound pulls that should press.
-  double pull(int row, std::span<const double> y) const {
-    const int k = row - equalities_;
-    if (problem_.lower()[k] == problem_.upper()[k]) return 0.0;
-    return upper_[row] != 0 ? -y[row] : y[row];
-  }
-
-  // Distance of an inactive inequality from its nearer bound; which one it is, if `upper` is given.
-  double distance(const Evaluation& at, int row, char* upper = nullptr) const {
-    const int k = row - equalities_;
-    const double below = problem_.upper()[k] - at.constraint[row];
-    const double above = at.constraint[row] - problem_.lower()[k];
-    if (upper != nullptr) *upper = below < above ? 1 : 0;
-    return std::min(below, above);
-  }
-
-  double rate(const Evaluation& at, int row, std::span<const double> v) const {
-    const Pattern& pattern = problem_.jacobian_pattern();
-    double sum = 0.0;
-    for (int e = 0; e < pattern.size(); ++e) {
-      if (pattern.row[e] == row) sum += at.jacobian[e] * v[pattern.column[e]];
-    }
-    return sum;
-  }
-
-  // The bounds at `now` that press, with the velocity that they allow: first all that are touched, then those are left
-  // out that pull, one by one, and those are taken in again into which the motion would go.
-  bool choose_bounds() {
-    for (int r = equalities_; r < rows_; ++r) {
-      if (active_[r] == 0 && idle_[r] == 0 && distance(now_, r, &upper_[r]) <= options_.touching) active_[r] = 1;
-    }
-    for (int k = 0; k < 4 * rows_ + 4; ++k) {
-      if (!set_velocity(now_, velocity_, y_)) return false;
-      int worst = -1;
-      double most = noise();
-      for (int r = equalities_; r < rows_; ++r) {
-        if (active_[r] == 0 || pull(r, y_) <= most) continue;
-        worst = r;
-        most = pull(r, y_);
-      }
-      if (worst >= 0) {
-        active_[worst] = 0;
-        continue;
-      }
-      for (int r = equalities_; r < rows_ && worst < 0; ++r) {
-        char upper = 0;
-        if (active_[r] != 0 || distance(now_, r, &upper) > options_.touching) continue;
-        const double into = rate(now_, r, velocity_) * (upper != 0 ? 1.0 : -1.0);
-        if (into <= 1e-12 * (1.0 + largest(velocity_))) continue;
-        worst = r;
-        upper_[r] = upper;
-      }
-      if (worst < 0) return true;
-      active_[worst] = 1;
-      idle_[worst] = 0;
-    }
-    return true;
-  }
-
-  // Bounds that repeat others at `now` and press on nothing: they may part from these on the way, so that all together
-  // would hold what only touches them. False where there are none.
-  bool release_idle() {
-    if (!set_velocity(now_, velocity_, y_) || !kkt_->redundant()) return false;
-    bool any = false;
-    for (int r = equalities_; r < rows_; ++r) {
-      if (active_[r] == 0 || y_[r] != 0.0 || problem_.lower()[r - equalities_] == problem_.upper()[r - equalities_]) {
-        continue;
-      }
-      active_[r] = 0;
-      idle_[r] = 1;
-      any = true;
-    }
-    return any && choose_bounds();
-  }
-
-  // Bounds that repeat each other at `now` part on the way, so that the choice by first derivatives may be one that
-  // leads nowhere: another set of those that are touched, in which all press and none is gone into. False where each
-  // such set was tried here.
-  bool choose_otherwise() {
-    double moved = 0.0;
-    for (int i = 0; i < n_ && !tried_.empty(); ++i) moved = std::max(moved, std::abs(now_.x[i] - tried_at_[i]));
-    if (moved > tried_within) tried_.clear();
-    tried_at_ = now_.x;
-    std::vector<int> touched;
-    for (int r = equalities_; r < rows_; ++r) {
-      const int k = r - equalities_;
-      if (problem_.lower()[k] == problem_.upper()[k]) continue;
-      if (active_[r] != 0 || distance(now_, r, &upper_[r]) <= options_.touching) touched.push_back(r);
-    }
-    if (touched.size() > most_touched) return false;
-    const std::vector<char> active = active_, idle = idle_;
-    for (unsigned set = 1U << touched.size(); set-- > 0;) {
-      for (std::size_t k = 0; k < touched.size(); ++k) {
-        active_[touched[k]] = (set >> k & 1U) != 0 ? 1 : 0;
-        idle_[touched[k]] = 1 - active_[touched[k]];
-      }
-      if (std::find(tried_.begin(), tried_.end(), active_) != tried_.end()) continue;
-      tried_.push_back(active_);
-      if (!set_velocity(now_, velocity_, y_) || kkt_->redundant()) continue;
-      const bool holds = std::all_of(touched.begin(), touched.end(), [&](int r) {
-        return active_[r] != 0
-                   ? pull(r, y_) <= noise()
-                   : rate(now_, r, velocity_) * (upper_[r] != 0 ? 1.0 : -1.0) <= goes_into * (1.0 + largest(velocity_));
-      });
-      if (holds) return true;
-    }
-    active_ = active;
-    idle_ = idle;
-    return false;
-  }
-
-  // --- the motion
-  // -----------------------------------------------------------------------------------------------------
+  // --- the motion -------------------------------------------------------------------------------------------------
 
   Arrival follow() {
-    if (!choose_bounds()) return Arrival::singular;
+    if (!bounds_.choose(now_, velocity_, y_)) return Arrival::singular;
     double h = 0.0, first = 0.0;
     for (;; ++result.steps) {
       if (interrupted()) return Arrival::interrupted;
@@ -265,14 +110,15 @@ class DampedMotion::Method {
       }
       if (!step(h) || h < least_step * first) {
         if (interrupted()) return Arrival::interrupted;
-        if (!release_idle() && !choose_otherwise()) return Arrival::singular;
+        if (!bounds_.release_idle(now_, velocity_, y_) && !bounds_.choose_otherwise(now_, velocity_, y_))
+          return Arrival::singular;
         h = 0.0;
         continue;
       }
       double far = 0.0;
       for (int i = 0; i < n_; ++i) far = std::max(far, std::abs(now_.x[i] - start_[i]));
       if (far > options_.run_away) return Arrival::runs_away;
-      if (creeps_ && choose_otherwise()) {
+      if (creeps_ && bounds_.choose_otherwise(now_, velocity_, y_)) {
         h = 0.0;
       } else if (creeps_) {
         return set_tangent(now_, y_) ? judge_rest() : Arrival::singular;
@@ -291,14 +137,14 @@ class DampedMotion::Method {
   // The force left over is rounding.
   bool is_at_rest() {
     multiply(first_resistance_, velocity_, field_);
-    return largest(field_) <= 4 * eps * (scale_ + stiffest_ * std::max(1.0, largest(now_.x)));
+    return largest(field_) <= 4 * eps * (bounds_.scale() + stiffest_ * std::max(1.0, largest(now_.x)));
   }
 
   // A bound that was met last is met within a tolerance. Where it leaves nothing that could move, no step closes the
   // rest.
   void close_at_rest() {
-    find_gap(now_);
-    if (largest(gap_) <= 4 * eps) return;
+    bounds_.find_gap(now_);
+    if (largest(bounds_.gap) <= 4 * eps) return;
     std::fill(step_.begin(), step_.end(), 0.0);
     if (try_to_finish(std::numeric_limits<double>::infinity())) set_tangent(now_, y_);
   }
@@ -316,17 +162,17 @@ class DampedMotion::Method {
 
   Arrival judge_rest() {
     if (!symmetric_) return Arrival::rest;
-    kkt_->set_jacobian(now_, active_);
+    kkt_->set_jacobian(now_, bounds_.active);
     // Curvature that is rounding counts as none.
     values_ = first_tangent_;
-    const double shift = 1e-12 * std::max(stiffest_, scale_);
+    const double shift = 1e-12 * std::max(stiffest_, bounds_.scale());
     for (int i = 0; i < n_; ++i) values_[i] += shift;
     return kkt_->factor_tangent(values_) == Kkt::Factors::positive ? Arrival::rest : Arrival::unstable;
   }
 
   // Newton's method to the equilibrium near `now`, where it cannot lead elsewhere. Leaves `now` unchanged if it fails.
   bool finish() {
-    kkt_->set_jacobian(now_, active_);
+    kkt_->set_jacobian(now_, bounds_.active);
     const Kkt::Factors factors = kkt_->factor_tangent(first_tangent_);
     if (symmetric_ ? factors != Kkt::Factors::positive : factors == Kkt::Factors::singular) return false;
     kkt_->solve(now_.gradient, {}, step_);
@@ -339,7 +185,7 @@ class DampedMotion::Method {
   }
 
   bool try_to_finish(double first) {
-    if (may_pass_distances(first_norm(step_))) return false;
+    if (distances_.may_be_passed(now_, step_)) return false;
     set_switches(now_, switch_now_);
     y_trial_ = y_;
     trial_.x = now_.x;
@@ -347,15 +193,15 @@ class DampedMotion::Method {
     for (int k = 0; k < finish_steps; ++k) {
       for (int i = 0; i < n_; ++i) trial_.x[i] += step_[i];
       evaluate(trial_);
-      kkt_->set_jacobian(trial_, active_);
+      kkt_->set_jacobian(trial_, bounds_.active);
       kkt_->multipliers(trial_.gradient, y_trial_);
       problem_.tangent(trial_, y_trial_, values_);
-      kkt_->set_jacobian(trial_, active_);
+      kkt_->set_jacobian(trial_, bounds_.active);
       const Kkt::Factors factors = kkt_->factor_tangent(values_);
       if (symmetric_ ? factors != Kkt::Factors::positive : factors == Kkt::Factors::singular) return false;
-      find_gap(trial_);
+      bounds_.find_gap(trial_);
       kkt_->unbalanced(trial_.gradient, y_trial_, field_);
-      kkt_->solve(field_, gap_, step_);
+      kkt_->solve(field_, bounds_.gap, step_);
       const double length = largest(step_);
       if (!std::isfinite(length)) return false;
       if (length <= 4 * eps || (length <= 1e-9 && length > contraction * last)) break;
@@ -373,7 +219,8 @@ class DampedMotion::Method {
   // The same bounds press, no other is violated, and every switch is on its side.
   bool stays_within_bounds(Evaluation& at) {
     for (int r = equalities_; r < rows_; ++r) {
-      if (active_[r] != 0 ? pull(r, y_trial_) > noise() : distance(at, r) < -1e-12) return false;
+      if (bounds_.active[r] != 0 ? bounds_.pull(r, y_trial_) > bounds_.noise() : bounds_.distance(at, r) < -1e-12)
+        return false;
     }
     set_switches(at, switch_next_);
     for (std::size_t k = 0; k < switch_now_.size(); ++k) {
@@ -403,7 +250,7 @@ class DampedMotion::Method {
       }
       accept();
       if (met_event_) {
-        if (!choose_bounds()) return false;
+        if (!bounds_.choose(now_, velocity_, y_)) return false;
         finish_below_ = finish_within;
       }
       h = met_event_ ? 0.5 * h : std::min(proposal, too_long < 1e300 ? std::max(h, too_long) : proposal);
@@ -482,7 +329,7 @@ class DampedMotion::Method {
     next_.x = table_[j];
     evaluate(next_);
     if (!close(next_)) return false;
-    return set_velocity(next_, velocity_next_, y_next_);
+    return bounds_.set_velocity(next_, velocity_next_, y_next_);
   }
 
   // j linearly implicit Euler steps of length h / j, each of which also closes the gaps that the last has left; ends in
@@ -501,11 +348,11 @@ class DampedMotion::Method {
       const std::vector<double>& stiffness = k == 0 ? first_tangent_ : tangent_;
       const std::vector<double>& damping = k == 0 ? first_resistance_ : resistance_;
       for (std::size_t e = 0; e < values_.size(); ++e) values_[e] = stiffness[e] + inverse * damping[e];
-      if (!kkt_->set_jacobian(at, active_)) return false;
+      if (!kkt_->set_jacobian(at, bounds_.active)) return false;
       const Kkt::Factors factors = kkt_->factor_tangent(values_);
       if (symmetric_ ? factors != Kkt::Factors::positive : factors == Kkt::Factors::singular) return false;
-      find_gap(at);
-      kkt_->solve(at.gradient, gap_, step_);
+      bounds_.find_gap(at);
+      kkt_->solve(at.gradient, bounds_.gap, step_);
       kkt_->solved_multipliers(at.gradient, y_trial_);
       if (!(largest(step_) <= 4.0 * options_.longest_step)) return false;
       multiply(damping, delta_column_, field_);
@@ -520,13 +367,14 @@ class DampedMotion::Method {
   bool close(Evaluation& at) {
     double last = std::numeric_limits<double>::infinity();
     for (int k = 0; k < closings; ++k) {
-      find_gap(at);
-      const double left = largest(gap_);
+      bounds_.find_gap(at);
+      const double left = largest(bounds_.gap);
       if (left <= 4 * eps || (k > 0 && left > 0.25 * last && left <= 1e-12)) return true;
       if (!(left < last)) return false;
       last = left;
-      if (!kkt_->set_jacobian(at, active_) || kkt_->factor_tangent(values_) == Kkt::Factors::singular) return false;
-      kkt_->solve({}, gap_, step_);
+      if (!kkt_->set_jacobian(at, bounds_.active) || kkt_->factor_tangent(values_) == Kkt::Factors::singular)
+        return false;
+      kkt_->solve({}, bounds_.gap, step_);
       if (!(largest(step_) <= 2.0 * options_.longest_step)) return false;
       for (int i = 0; i < n_; ++i) at.x[i] += step_[i];
       evaluate(at);
@@ -550,12 +398,12 @@ class DampedMotion::Method {
       part = std::min(part, std::clamp(share, 1e-3, 0.98));
     };
     for (int r = equalities_; r < rows_; ++r) {
-      if (active_[r] != 0) {
-        const double slack = 1e-9 * (scale_ + 1e-300);
-        const double before = -pull(r, y_), after = -pull(r, y_next_);
-        if (after < -noise()) consider(std::max(before, 0.0), after, std::max(slack, noise()));
+      if (bounds_.active[r] != 0) {
+        const double slack = 1e-9 * (bounds_.scale() + 1e-300);
+        const double before = -bounds_.pull(r, y_), after = -bounds_.pull(r, y_next_);
+        if (after < -bounds_.noise()) consider(std::max(before, 0.0), after, std::max(slack, bounds_.noise()));
       } else {
-        consider(distance(now_, r), distance(next_, r), options_.touching);
+        consider(bounds_.distance(now_, r), bounds_.distance(next_, r), options_.touching);
       }
     }
     set_switches(next_, switch_next_);
@@ -565,136 +413,12 @@ class DampedMotion::Method {
       if (before <= 1e-10) continue;  // just passed
       consider(before, after, 1e-10);
     }
-    return std::min(part, until_passing());
+    return std::min(part, distances_.until_passing({now_, velocity_}, {next_, velocity_next_}));
   }
 
   void set_switches(Evaluation& at, std::vector<double>& values) {
     problem_.switch_measures(at, values);
     for (std::size_t k = 0; k < values.size(); ++k) values[k] = problem_.switches()[k].past(values[k]);
-  }
-
-  // --- distances ----------------------------------------------------------------------------------------------------
-  //
-  // Between the ends of a step a distance may dip below a threshold and rise again, however narrowly. This is looked
-  // for on a curve between the ends: the Hermite cubic with the directions of the velocities, whatever their sizes,
-  // which differ widely where fast motions die away.
-
-  // A limit (row) or switch that concerns a distance.
-  struct Watched {
-    int row, which;
-    Threshold threshold;
-    double sign;  // of a limit
-  };
-  struct Sample {
-    double tau, value, slope;
-  };
-
-  double measure(Evaluation& at, const Watched& w) {
-    if (w.row >= 0) return at.constraint[w.row];
-    problem_.switch_measures(at, measures_);
-    return measures_[w.which];
-  }
-
-  double slope_along(Evaluation& at, const Watched& w, std::span<const double> direction) {
-    if (w.row >= 0) return rate(at, w.row, direction);
-    problem_.switch_gradient(at, w.which, field_);
-    return dot(field_, direction);
-  }
-
-  Sample sample(Evaluation& at, const Watched& w, double tau, std::span<const double> direction) {
-    const double g = measure(at, w);
-    return {tau, w.threshold.past(g), w.threshold.slope(g) * slope_along(at, w, direction)};
-  }
-
-  // On the curve; trial_ becomes its pose.
-  Sample sample(const Watched& w, double side, double tau) {
-    for (int i = 0; i < n_; ++i) {
-      const Cubic x(now_.x[i], way_now_[i], next_.x[i], way_next_[i], 1.0);
-      trial_.x[i] = x.at(tau);
-      way_[i] = x.slope(tau);
-    }
-    evaluate(trial_);
-    const Sample found = sample(trial_, w, tau, way_);
-    return {tau, side * found.value, side * found.slope};
-  }
-
-  // Whether some distance comes so near a threshold that a motion of this length might pass it. No coordinate moves a
-  // point by much more than itself, and back again by twice that.
-  bool may_pass(const Watched& w, double length, Evaluation& end) {
-    if (w.row >= 0 && active_[w.row] != 0) return false;
-    return std::abs(measure(now_, w) - w.threshold.at) + std::abs(measure(end, w) - w.threshold.at) <= 2.0 * length;
-  }
-  bool may_pass_distances(double length) {
-    return std::any_of(distances_.begin(), distances_.end(),
-                       [&](const Watched& w) { return may_pass(w, length, now_); });
-  }
-
-  static double first_norm(std::span<const double> v) {
-    double sum = 0.0;
-    for (const double value : v) sum += std::abs(value);
-    return sum;
-  }
-
-  // A velocity's direction as the slope of a curve of that length; of no velocity, that of the chord.
-  void set_way(std::span<const double> velocity, double length, std::span<double> way) {
-    const double speed = std::sqrt(dot(velocity, velocity));
-    for (int i = 0; i < n_; ++i) {
-      way[i] = speed > 0.0 ? length / speed * velocity[i] : next_.x[i] - now_.x[i];
-    }
-  }
-
-  // The share of the step after which the first watched distance has passed its threshold; 1 if none does.
-  double until_passing() {
-    if (distances_.empty()) return 1.0;
-    for (int i = 0; i < n_; ++i) way_[i] = next_.x[i] - now_.x[i];
-    const double length = std::sqrt(dot(way_, way_)), sum = first_norm(way_);
-    double first = 1.0;
-    bool has_way = false;
-    for (const Watched& w : distances_) {
-      if (sum <= 1e-8 || !may_pass(w, sum, next_)) continue;
-      if (!has_way) {
-        has_way = true;
-        set_way(velocity_, length, way_now_);
-        set_way(velocity_next_, length, way_next_);
-        // The curve tells nothing of a way that turns far.
-        if (sum > 1e-3 && dot(way_now_, way_next_) < least_velocity_cosine * length * length) return 0.5;
-      }
-      Sample a = sample(now_, w, 0.0, way_now_), b = sample(next_, w, 1.0, way_next_);
-      const bool starts_there = std::abs(a.value) <= 1e-10;
-      const double side = w.row >= 0 ? w.sign : std::copysign(1.0, starts_there ? a.slope : a.value);
-      for (Sample* s : {&a, &b}) {
-        s->value *= side;
-        s->slope *= side;
-      }
-      // Where it begins at the threshold, until_event() does not see it pass.
-      if (starts_there && b.value < -options_.touching) return 0.5;
-      first = std::min(first, first_passing(w, side, a, b, deepest));
-    }
-    if (first == 1.0) return 1.0;
-    // The share of the way as a share of time, by the speeds at both ends.
-    const double speed = largest(velocity_), speed_next = largest(velocity_next_);
-    const double begins = 2.0 * speed / (speed + speed_next);
-    const double share = 2.0 * first / (begins + std::sqrt(begins * begins + 4.0 * (1.0 - begins) * first));
-    return std::clamp(share, 1e-3, 0.98);
-  }
-
-  // Where between a and b on the curve a distance is known to be past its threshold; 1 if it does not pass.
-  double first_passing(const Watched& w, double side, const Sample& a, const Sample& b, int depth) {
-    const double h = b.tau - a.tau;
-    const Cubic whole(a.value, a.slope, b.value, b.slope, h);
-    const Sample mid = sample(w, side, 0.5 * (a.tau + b.tau));
-    if (mid.value < -options_.touching) return mid.tau;
-    // Each half has 1/16 of the error in the middle.
-    const double error =
-        0.25 * std::max(std::abs(whole.at(0.5) - mid.value), 0.1 * std::abs(whole.slope(0.5) - h * mid.slope));
-    double first = 1.0;
-    for (const auto& [from, to] : {std::pair(a, mid), std::pair(mid, b)}) {
-      const double least = Cubic(from.value, from.slope, to.value, to.slope, 0.5 * h).least();
-      if (least >= error - options_.touching || depth == 0) continue;
-      first = std::min(first, first_passing(w, side, from, to, depth - 1));
-      if (first < 1.0) break;
-    }
-    return first;
   }
 
   const DampedProblem& problem_;
@@ -703,18 +427,14 @@ class DampedMotion::Method {
   bool symmetric_;
   std::unique_ptr<Kkt> kkt_;
   Evaluation now_, next_, trial_;
-  std::vector<char> active_, upper_;
-  std::vector<std::vector<char>> tried_;  // active rows of choose_otherwise(), at
-  std::vector<double> tried_at_;
-  std::vector<char> idle_;  // bounds that are touched and left out, because others of the same direction hold
+  PressingBounds bounds_;
+  PassedDistances distances_;
   std::vector<double> start_, velocity_, velocity_next_, step_, field_, delta_, delta_column_;
-  std::vector<double> y_, y_next_, y_trial_, gap_;
+  std::vector<double> y_, y_next_, y_trial_;
   std::vector<double> tangent_, resistance_, values_, first_tangent_, first_resistance_;
-  std::vector<double> switch_now_, switch_next_, measures_, previous_, scratch_;
-  std::vector<Watched> distances_;
-  std::vector<double> way_, way_now_, way_next_;
+  std::vector<double> switch_now_, switch_next_, previous_, scratch_;
   std::vector<double> table_[most_columns + 1];
-  double tolerance_ = 0.0, scale_ = 0.0, stiffest_ = 0.0;
+  double tolerance_ = 0.0, stiffest_ = 0.0;
   double growth_ = 1.0, growth_most_ = 1.0, error_ = 0.0, worst_error_ = 0.0, error_of_step_ = 0.0, moved_ = 0.0;
   double finish_below_ = finish_within;
   int columns_ = 3;  // of the extrapolation that steps aim at
@@ -722,12 +442,12 @@ class DampedMotion::Method {
 };
 
 DampedMotion::DampedMotion(const DampedProblem& problem, const DampedOptions& options)
-    : method_(std::make_unique<Method>(problem, options)) {}
+    : integrator_(std::make_unique<Integrator>(problem, options)) {}
 DampedMotion::~DampedMotion() = default;
 
 const DampedResult& DampedMotion::run(std::span<const double> x, double tolerance) {
-  method_->run(x, tolerance);
-  return method_->result;
+  integrator_->run(x, tolerance);
+  return integrator_->result;
 }
 
 }  // namespace poise::solvers

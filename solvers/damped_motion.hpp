@@ -29,12 +29,12 @@ class DampedMotion {
   DampedMotion(const DampedMotion&) = delete;
   DampedMotion& operator=(const DampedMotion&) = delete;
 
-  /// From a point with c(x) = 0, with another tolerance where `tolerance` is positive.
+  /// Moves from a point with c(x) = 0, with another tolerance where `tolerance` is positive.
   const DampedResult& run(std::span<const double> x, double tolerance = 0.0);
 
  private:
-  class Method;
-  std::unique_ptr<Method> method_;
+  class Integrator;
+  std::unique_ptr<Integrator> integrator_;
 };
 
 }  // namespace poise::solvers

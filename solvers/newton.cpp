@@ -34,9 +34,9 @@ std::string describe(Outcome outcome) {
   return "unknown";
 }
 
-class Newton::Method {
+class Newton::Solver {
  public:
-  Method(const Problem& problem, const NewtonOptions& given)
+  Solver(const Problem& problem, const NewtonOptions& given)
       : options(given),
         at_(problem, options, result),
         closing_(at_),
@@ -120,17 +120,17 @@ class Newton::Method {
 };
 
 Newton::Newton(const Problem& problem, const NewtonOptions& options)
-    : method_(std::make_unique<Method>(problem, options)) {}
+    : solver_(std::make_unique<Solver>(problem, options)) {}
 Newton::~Newton() = default;
 
 const NewtonResult& Newton::solve(std::span<const double> x) {
-  method_->solve(x);
-  return method_->result;
+  solver_->solve(x);
+  return solver_->result;
 }
 
 const NewtonResult& Newton::close(std::span<const double> x) {
-  method_->close(x);
-  return method_->result;
+  solver_->close(x);
+  return solver_->result;
 }
 
 }  // namespace poise::solvers

@@ -137,8 +137,8 @@ class Newton {
   const NewtonResult& close(std::span<const double> x);
 
  private:
-  class Method;
-  std::unique_ptr<Method> method_;
+  class Solver;
+  std::unique_ptr<Solver> solver_;
 };
 
 }  // namespace poise::solvers
