@@ -13,18 +13,18 @@
 
 #include <fmt/format.h>
 
-#include "model/quantity.hpp"
 #include "solvers/newton.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/enclosed_set.hpp"
 #include "statics/held_rows.hpp"
-#include "statics/index_sum.hpp"
 #include "statics/loop_turns.hpp"
 #include "statics/mobility.hpp"
 #include "statics/neutral_motions.hpp"
+#include "statics/set_words.hpp"
 #include "statics/settle.hpp"
+#include "statics/start_sampler.hpp"
 #include "statics/turns.hpp"
 
 namespace poise {
@@ -40,80 +40,6 @@ constexpr int assembly_searches = 24;              // for curves of poses, where
 constexpr double same_energy = 1e-9;               // of the mechanism's energy: neutral equilibria of one curve
 
 using Clock = std::chrono::steady_clock;
-
-std::string number_of(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-// Random starts: the n-th is the same whatever others there are.
-class StartSampler {
- public:
-  StartSampler(const StaticModel& model, const Turns& turns, const LoopTurns& loops,
-               const AllEquilibriaOptions& options)
-      : model_(model), turns_(turns), loops_(loops), options_(options), start_(model.start()) {}
-
-  // Where the search from a start ended; empty where it found nothing.
-  std::vector<double> run(std::size_t start) const {
-    solvers::RandomStream random(options_.seed, 0, start);
-    const bool on_curve = loops_.known() && start % 2 == 0;
-    // Some minima are hard to meet by Newton's method alone.
-    return from(on_curve ? loops_.pose(random) : likely(start, random), start % 16 >= 12);
-  }
-
-  // The same from a pose, which need not be closed.
-  std::vector<double> from(const std::vector<double>& pose, bool descends) const {
-    solvers::NewtonOptions settings;
-    const bool has_energy = !options_.assemblies && !model_.mechanism().has_follower_loads();
-    settings.goal = descends && has_energy ? solvers::Goal::minimum : solvers::Goal::stationary;
-    settings.safeguards.restarts = settings.safeguards.load_stepping = false;
-    settings.interrupt = options_.interrupt;
-    solvers::Newton newton(model_.problem(), settings);
-    const solvers::NewtonResult& closed = newton.close(pose);
-    if (closed.outcome != solvers::Outcome::converged) return {};
-    if (options_.assemblies) return closed.x;
-    const std::vector<double> x = closed.x;
-    const solvers::NewtonResult& found = newton.solve(x);
-    return found.outcome == solvers::Outcome::converged ? found.x : std::vector<double>();
-  }
-
- private:
-  // Where springs tell turns apart most poses are wound far beyond what loads can hold: the one of least energy of
-  // many, or one as it comes.
-  std::vector<double> likely(std::size_t start, solvers::RandomStream& random) const {
-    const bool winds = turns_.count() && !loops_.known() && start % 2 == 1;
-    const double reach = !winds ? M_PI : start % 4 == 1 ? 3.0 * M_PI : 6.0 * M_PI;
-    const int candidates = !winds ? 1 : start % 8 < 4 ? 1 : 24;
-    std::vector<double> out = place(reach, random);
-    for (int k = 1; k < candidates; ++k) {
-      std::vector<double> other = place(reach, random);
-      if (energy_at(model_, other).value_or(0.0) < energy_at(model_, out).value_or(0.0)) out = std::move(other);
-    }
-    return out;
-  }
-
-  // Travels within the mechanism's size of the start and of zero; angles all round, and where springs or stops tell
-  // turns apart within `reach` of the start and of zero.
-  std::vector<double> place(double reach, solvers::RandomStream& random) const {
-    std::vector<double> x = start_;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const auto coordinate = static_cast<int>(i);
-      const bool is_length = model_.layout().is_length(coordinate);
-      if (is_length || turns_.count(coordinate)) {
-        const double by = is_length ? model_.layout().size : reach;
-        x[i] = random.uniform(std::min(0.0, x[i]) - by, std::max(0.0, x[i]) + by);
-      } else {
-        x[i] += random.uniform(-M_PI, M_PI);
-      }
-    }
-    return x;
-  }
-
-  const StaticModel& model_;
-  const Turns& turns_;
-  const LoopTurns& loops_;
-  const AllEquilibriaOptions& options_;
-  std::vector<double> start_;
-};
 
 class Finder {
  public:
@@ -433,10 +359,6 @@ class Finder {
            apart <= same_energy * model_.scales().energy();
   }
 
-  static bool is_neutral(const Certificate& certificate) {
-    return certificate.outcome == Outcome::neutral || certificate.stability == Stability::neutral;
-  }
-
   // --- settling --------------------------------------------------------------------------------------------
 
   std::vector<Release> settle_all() {
@@ -548,179 +470,19 @@ class Finder {
   void conclude() {
     const bool is_proved = proof_.applies && !contradicted_;
     out_.claim = !is_proved ? Claim::sampled : out_.undecided.empty() ? Claim::complete : Claim::incomplete;
-    switch (out_.claim) {
-      case Claim::complete:
-        out_.statement = fmt::format("{}, complete, proved{}{}{}{}{}{}", what_is_found(), within(), change_points(),
-                                     close(), unreached(), turns(), neutral());
-        break;
-      case Claim::incomplete:
-        out_.statement = fmt::format("{}, complete but for {}, {:.3g} % of the volume{}{}{}{}{}{}{}", what_is_found(),
-                                     number_of(out_.undecided.size(), "undecided box", "undecided boxes"),
-                                     100.0 * std::max(0.0, 1.0 - out_.decided), within(), change_points(), close(),
-                                     missing(), unreached(), turns(), neutral());
-        break;
-      case Claim::sampled:
-        out_.statement =
-            fmt::format("{}{} found {}from {}{}, not proved to be all, because {}{}{}{}{}{}", on_the_branch(), number(),
-                        by_proof_ ? "by an unfinished proof and " : "",
-                        number_of(static_cast<std::size_t>(out_.starts), "start", "starts"), along_curves(),
-                        why_sampled(), met_once(), missing(), turns(), neutral(), unproved());
-    }
-  }
-
-  std::string along_curves() const {
-    if (out_.starts == 0 || !loops_->is_followed()) return "";
-    return " and along " + number_of(loops_->curves(), "curve of poses", "curves of poses");
-  }
-
-  std::string number() const {
-    return number_of(out_.equilibria.size(), options_.assemblies ? "assembly" : "equilibrium",
-                     options_.assemblies ? "assemblies" : "equilibria");
-  }
-
-  // With what is arbitrary: "balanced in every position".
-  std::string what_is_found() const {
-    if (out_.balanced.empty() || out_.equilibria.empty()) return number();
-    const auto balanced = static_cast<std::size_t>(
-        std::count_if(out_.equilibria.begin(), out_.equilibria.end(),
-                      [&](const Equilibrium& equilibrium) { return neutral_.contain(equilibrium.x); }));
-    const bool is_all = neutral_.lead_everywhere(static_cast<int>(start_.size()));
-    const std::string of = is_all ? "" : number_of(balanced, "equilibrium", "equilibria") + ", ";
-    if (!neutral_.branch) return of + where_balanced(is_all);
-    const std::size_t others = out_.equilibria.size() - balanced;
-    return fmt::format("{}{}; {} on other branches of its loops", of, where_balanced(false),
-                       others == 0 ? "none" : number_of(others, "equilibrium", "equilibria"));
-  }
-
-  // "balanced in every position of arm to rounding: torque at most ...".
-  std::string where_balanced(bool is_all) const {
-    std::vector<std::string> positions, efforts;
-    const Units& units = model_.scene().units;
-    const auto at_most = [&](const char* what, double bound, Quantity quantity) {
-      return fmt::format("{} at most {:.2g} {} in every position", what, rounded_up(in_unit(bound, quantity, units)),
-                         unit_name(quantity, units));
-    };
-    for (const EquilibriumSet::Balanced& balanced : out_.balanced) {
-      positions.push_back(fmt::format("{}", fmt::join(balanced.coordinates, " with ")));
-      if (balanced.exact) continue;
-      efforts.push_back(balanced.is_force ? at_most("force", balanced.effort, Quantity::force)
-                                          : at_most("torque", balanced.effort, Quantity::moment));
-    }
-    const EquilibriumSet::Balanced& first = out_.balanced.front();
-    if (first.gap > 0.0) efforts.push_back(at_most("loops open by", first.gap, Quantity::length));
-    const std::string how = efforts.empty() ? "with the numbers as they are written"
-                                            : fmt::format("to rounding: {}", fmt::join(efforts, ", "));
-    if (is_all) return "balanced in every position " + how;
-    const std::string meanwhile =
-        first.keeping.empty() ? ""
-                              : fmt::format(" while {} {}", fmt::join(first.keeping, ", "),
-                                            first.keeping.size() == 1 ? "keeps its angle" : "keep their angles");
-    return fmt::format("balanced in every position of {}{} {}", fmt::join(positions, ", "), meanwhile, how);
-  }
-
-  // With the two digits that are shown.
-  static double rounded_up(double x) {
-    if (!(x > 0.0)) return x;
-    const double place = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
-    return place * std::ceil(x / place * (1.0 + 1e-12));
-  }
-
-  // The power of ten that is not above x.
-  static double rounded_down(double x) { return std::pow(10.0, std::floor(std::log10(x))); }
-
-  std::string why_sampled() const {
-    if (contradicted_) return "one of them lies where a proof leaves none: an error of Poise, please report it";
-    return wants_proof() && !proof_.why_not.empty() ? proof_.why_not : "random starts can miss some";
-  }
-
-  std::string within() const {
-    std::string out = proof_.within.empty() ? "" : ", " + proof_.within;
-    if (!out_.singular.empty()) {
-      const auto least = std::min_element(out_.singular.begin(), out_.singular.end(),
-                                          [](const auto& a, const auto& b) { return a.joint_force < b.joint_force; });
-      out += fmt::format("; any in {} would need joint forces above {:g} times the loads, and are left out",
-                         number_of(out_.singular.size(), "singular pose", "singular poses"),
-                         rounded_down(least->joint_force));
-    }
-    const auto name_of = [&](int element) {
-      const Element& of = model_.scene().elements[static_cast<std::size_t>(element)];
-      return fmt::format("{} \"{}\"", of.family(), of.name);
-    };
-    for (const int element : proof_.peaks.exactly) {
-      out += fmt::format("; where {} has no length its force has no direction, and that is no equilibrium",
-                         name_of(element));
-    }
-    for (const int element : proof_.peaks.nearly) {
-      out += fmt::format(
-          "; where {} has no length the energy has a peak, and equilibria in which it is shorter than {:g} times the "
-          "mechanism's size are left out",
-          name_of(element), ElementPeaks::shortest);
-    }
-    return out;
-  }
-
-  // Where some may be too close to each other to be told apart.
-  std::string close() const {
-    return close_ == 0 ? "" : fmt::format("; of those nearer to each other than {:g} one is given", close_within_);
-  }
-
-  std::string change_points() const {
-    const auto all = std::count_if(out_.equilibria.begin(), out_.equilibria.end(), is_change_point);
-    if (all == 0) return "";
-    return fmt::format("; {} of the equilibria {} change point{}, where branches of motion cross", all,
-                       all == 1 ? "is a" : "are", all == 1 ? "" : "s");
-  }
-
-  std::string unreached() const {
-    if (!unreached_) return "";
-    return "; those with turns that no motion makes are left out (motion followed in double precision)";
-  }
-
-  std::string met_once() const {
-    if (out_.met_once == 0) return "";
-    return fmt::format("; {} met by one start only, and more starts may well find more",
-                       number_of(static_cast<std::size_t>(out_.met_once), "was", "were"));
-  }
-
-  // That the indices of those found do not add up to their known sum.
-  std::string missing() const {
-    const std::optional<long> expected = index_sum(model_);
-    long sum = 0;
-    for (const Equilibrium& equilibrium : out_.equilibria) {
-      if (equilibrium.certificate.outcome != Outcome::proved) return "";
-      sum += equilibrium.certificate.unstable_directions % 2 == 0 ? 1 : -1;
-    }
-    if (!expected || sum == *expected) return "";
-    return fmt::format(
-        "; at least one is missing: those with an even number of unstable directions less those with an "
-        "odd one are {}, and of all they are {}",
-        sum, *expected);
-  }
-
-  std::string turns() const {
-    return loops_->matter() && !loops_->known()
-               ? "; some may have turns of their loops to which no motion leads from the start"
-               : "";
-  }
-
-  // What is proved of the branch of the start, whatever else is found.
-  std::string on_the_branch() const {
-    const bool is_proved = neutral_.branch && !held_ && !contradicted_ && !out_.equilibria.empty();
-    return is_proved ? where_balanced(false) + "; " : "";
-  }
-
-  std::string neutral() const {
-    const bool any = std::any_of(out_.equilibria.begin(), out_.equilibria.end(), [&](const Equilibrium& equilibrium) {
-      return is_neutral(equilibrium.certificate) && !neutral_.contain(equilibrium.x);
-    });
-    return fmt::format("{}{}", neutral_.branch ? "; change points of the balanced branch are left out" : "",
-                       any ? "; of neutral ones with the same energy one is given" : "");
-  }
-
-  std::string unproved() const {
-    if (unproved_ == 0) return "";
-    return fmt::format("; {} ended where no equilibrium is proved",
-                       number_of(static_cast<std::size_t>(unproved_), "search", "searches"));
+    out_.statement = statement_of(out_, {.model = model_,
+                                         .options = options_,
+                                         .neutral = neutral_,
+                                         .proof = proof_,
+                                         .loops = *loops_,
+                                         .wants_proof = wants_proof(),
+                                         .holds_motions = held_.has_value(),
+                                         .contradicted = contradicted_,
+                                         .by_proof = by_proof_,
+                                         .unreached = unreached_,
+                                         .unproved = unproved_,
+                                         .close = close_,
+                                         .close_within = close_within_});
   }
 
   const StaticModel& model_;
