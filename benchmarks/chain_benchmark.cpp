@@ -63,7 +63,7 @@ void ladder(benchmark::State& state) {
   const std::vector<double> start = model.start();
   for (auto _ : state) benchmark::DoNotOptimize(newton.solve(start));
   const solvers::NewtonResult& result = newton.solve(start);
-  if (result.outcome != solvers::Outcome::converged) state.SkipWithError("did not converge");
+  if (result.end != solvers::NewtonEnd::converged) state.SkipWithError("did not converge");
   state.counters["iterations"] = result.iterations;
   state.SetComplexityN(state.range(0));
 }

@@ -120,7 +120,7 @@ class WarmNewton {
     int count = 0;
     for (std::size_t i = 1; i < points_.size(); ++i) {
       const solvers::NewtonResult& found = solvers_[i]->solve(points_[i - 1].x);
-      double apart = found.outcome == solvers::Outcome::converged ? 0.0 : INFINITY;
+      double apart = found.end == solvers::NewtonEnd::converged ? 0.0 : INFINITY;
       for (std::size_t k = 0; k < found.x.size(); ++k) apart = std::max(apart, std::abs(found.x[k] - points_[i].x[k]));
       if (!(apart <= elsewhere)) ++count;
     }

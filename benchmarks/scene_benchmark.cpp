@@ -89,7 +89,7 @@ void SceneBenchmark::add_our_own() {
   const auto by_newton = [this, newton](double, int times) -> std::optional<SolverAnswer> {
     const solvers::NewtonResult* found = nullptr;
     const double seconds = seconds_of([&] { found = &newton->solve(start_); }, times);
-    return SolverAnswer{seconds, found->evaluations, found->outcome == solvers::Outcome::converged, found->x};
+    return SolverAnswer{seconds, found->evaluations, found->end == solvers::NewtonEnd::converged, found->x};
   };
   const auto by_ipopt = [this](double accuracy, int times) -> std::optional<SolverAnswer> {
     solvers::SearchResult found;

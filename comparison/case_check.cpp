@@ -97,9 +97,9 @@ Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
   Verdict verdict;
   verdict.why = equilibrium.why;
   const bool said_to_lock =
-      hard_.expect == Expect::locked && (equilibrium.certificate.singular || equilibrium.met_singular);
+      hard_.answer == KnownAnswer::locked && (equilibrium.certificate.singular || equilibrium.met_singular);
   const bool denied = equilibrium.status == Status::not_confirmed;
-  if (said_to_lock || (hard_.expect == Expect::none && !denied)) {
+  if (said_to_lock || (hard_.answer == KnownAnswer::none && !denied)) {
     verdict.kind = Verdict::Kind::converged;
   } else if (denied) {
     verdict.kind = Verdict::Kind::denied_by_check;
@@ -109,14 +109,14 @@ Verdict CaseCheck::verdict_on(const Equilibrium& equilibrium) const {
 
 Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& equilibrium) const {
   Verdict verdict;
-  if (hard_.expect == Expect::locked) {
+  if (hard_.answer == KnownAnswer::locked) {
     // An equilibrium elsewhere is a correct result, but the case asks whether the singular configuration is reported.
     verdict = verdict_by_reference(equilibrium);
     if (verdict.kind == Verdict::Kind::converged && !equilibrium.met_singular) {
       verdict.kind = Verdict::Kind::failed;
       verdict.why = "an equilibrium elsewhere, without a report that the start is locked";
     }
-  } else if (hard_.expect != Expect::equilibrium) {
+  } else if (hard_.answer != KnownAnswer::equilibrium) {
     verdict.kind = Verdict::Kind::false_claim;
     verdict.why = fmt::format("confirmed as {}, but {}", to_string(equilibrium.certificate.stability), hard_.why);
   } else if (hard_.everywhere) {

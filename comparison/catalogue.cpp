@@ -69,7 +69,7 @@ class CasesReader {
     hard.source = required_text(table, "source");
     const std::optional<Scene> scene = read_its_scene(table, hard);
     hard.seek = read_choice(table, "seek", {"nearest", "stable"}) == 0 ? Seek::any : Seek::stable;
-    hard.expect = static_cast<Expect>(read_choice(table, "expect", {"equilibrium", "locked", "none"}));
+    hard.answer = static_cast<KnownAnswer>(read_choice(table, "expect", {"equilibrium", "locked", "none"}));
     if (table.has("why")) hard.why = required_text(table, "why");
     hard.starts = small_number(table, "starts", hard.starts);
     hard.reach = table.find_number("reach", 1.0, Range::not_negative).value_or(hard.reach);
@@ -153,7 +153,7 @@ class CasesReader {
   }
 
   static void expect_consistent(const TomlTable& table, const HardCase& hard) {
-    if (hard.expect != Expect::equilibrium) {
+    if (hard.answer != KnownAnswer::equilibrium) {
       for (const char* const key : {"equilibrium", "complete", "everywhere"}) {
         if (!table.has(key)) continue;
         table.place_of(key).fail("expected no such key in a case without equilibrium; remove it or the key expect");

@@ -19,8 +19,8 @@ struct KnownEquilibrium {
   Stability stability = Stability::unknown;
 };
 
-/// The expected kind of result of a case.
-enum class Expect {
+/// What the right answer to a case is.
+enum class KnownAnswer {
   equilibrium,  ///< it has at least one of the kind sought
   locked,       ///< at the start no finite joint forces balance the loads: to be reported
   none          ///< it has none, and none may be claimed
@@ -37,7 +37,7 @@ struct HardCase {
   int size = 0;                          ///< of the series
   std::vector<ParameterChange> changes;  ///< of the scene
   Seek seek = Seek::any;
-  Expect expect = Expect::equilibrium;
+  KnownAnswer answer = KnownAnswer::equilibrium;
   std::string why;           ///< if no equilibrium is expected: the reason to report
   int starts = 1000;         ///< number of seeded starts
   double reach = 3.2;        ///< rad, or sizes: range of each coordinate of the starts around the scene's own start

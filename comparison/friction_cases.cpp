@@ -36,9 +36,9 @@ FrictionCase read_case(const TomlTable& table, const fs::path& folder) {
   Scene scene = read_scene(file);
   out.changes = read_parameter_changes(table, scene);
   if (!has_friction(scene)) scene_name.place.fail("expected a scene with friction");
-  out.expect = choose(table.text("expect"), {"held", "slips"}) == 0 ? Holding::held : Holding::slips;
+  out.verdict = choose(table.text("expect"), {"held", "slips"}) == 0 ? Holding::held : Holding::slips;
   if (const auto number = table.find_text("without_end")) {
-    if (out.expect != Holding::held) number->place.fail("expected no range without end of a pose that slips");
+    if (out.verdict != Holding::held) number->place.fail("expected no range without end of a pose that slips");
     if (!find_parameter(scene, number->value)) number->place.fail("expected a number of the scene");
     out.without_end = number->value;
   }
@@ -75,7 +75,7 @@ FrictionResult run_friction_case(const FrictionCase& known) {
   out.known = known;
   if (known.without_end.empty()) {
     out.pose = held_pose(model, x);
-    out.agrees = out.pose.verdict == known.expect;
+    out.agrees = out.pose.verdict == known.verdict;
     out.proved = out.agrees && out.pose.proved;
   } else {
     const HeldRange range = held_range(model, x, known.without_end);

@@ -18,7 +18,7 @@ struct FrictionCase {
   std::string source;                    ///< of the closed form
   std::string scene;                     ///< file, resolved
   std::vector<ParameterChange> changes;  ///< of the scene
-  Holding expect = Holding::held;        ///< or slips
+  Holding verdict = Holding::held;       ///< or slips
   /// If not empty: a number of the scene that may grow without end, the pose being held.
   std::string without_end;
 };

@@ -16,7 +16,7 @@ std::vector<MethodSummary> summaries(const StressOutcome& outcome) {
       const Cell& cell = result.cells[k];
       s.false_claims += cell.false_claims;
       s.denied_by_check += cell.denied_by_check;
-      if (result.hard.expect != Expect::equilibrium) continue;
+      if (result.hard.answer != KnownAnswer::equilibrium) continue;
       ++s.applicable;
       if (solved(cell)) ++s.solved;
       if (cell.converged == 0) continue;
@@ -57,7 +57,7 @@ StressFailures failures_of(const StressOutcome& outcome) {
       out.false_claims += cell.false_claims;
       // Of safeguards only the first form has all of them.
       const bool must = cell.method == Method::virtual_work && (!outcome.safeguards || k == 0);
-      if (must && result.hard.expect == Expect::equilibrium && !solved(cell)) {
+      if (must && result.hard.answer == KnownAnswer::equilibrium && !solved(cell)) {
         out.unsolved.push_back(result.hard.name);
       }
     }

@@ -91,7 +91,7 @@ bool is_singular(const SplitClosure& closure, const VectorXd& x) {
     VectorXd beside = x;
     for (Eigen::Index i = 0; i < x.size(); ++i) beside[i] += 0.03 * std::sin(k + 2.0 * k * static_cast<double>(i));
     const solvers::NewtonResult& closed = newton.close({beside.data(), static_cast<std::size_t>(beside.size())});
-    if (closed.outcome != solvers::Outcome::converged) continue;
+    if (closed.end != solvers::NewtonEnd::converged) continue;
     if (rank_of(closure.jacobian(Eigen::Map<const VectorXd>(closed.x.data(), x.size()))) > rank) return true;
   }
   return false;

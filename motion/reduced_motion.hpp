@@ -132,9 +132,9 @@ class ReducedMotion {
   /// constructor, the direction 1 or -1 in which it slides, or 0 where it is held: its measure keeps the value that it
   /// has at q, by one more row after those of the drives. Without a call the signs of the rates are the directions.
   /// Call choose() thereafter.
-  void set_slides(const Scene& scene, std::vector<int> slides, const T* q);
+  void set_sliding(const Scene& scene, std::vector<int> sliding, const T* q);
   /// As set; null without.
-  const int* slides() const { return slides_.empty() ? nullptr : slides_.data(); }
+  const int* sliding() const { return sliding_.empty() ? nullptr : sliding_.data(); }
   /// Elements that are held, in the order of their rows.
   const std::vector<int>& held() const { return held_; }
   /// Force T of the law of the h-th of these; after accelerate().
@@ -372,7 +372,7 @@ class ReducedMotion {
   // State, and scratch that is mutable because it carries no meaning between calls.
   std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, inverse_diagonal_,
       multipliers_;
-  std::vector<int> slides_, held_;  // see set_slides()
+  std::vector<int> sliding_, held_;  // see set_sliding()
   std::vector<T> resistances_;      // at q, v
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;

@@ -66,7 +66,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector
   place_accelerations();
   inertia_.weigh(second_.data(), weight_.data());
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-  mechanism_.resist(pose_.data(), v_.data(), slides(), resistances_.data());
+  mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data());
   mechanism_.add_resistance(resistances_.data(), full_force_.data());
   for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_force_.data());
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
@@ -244,7 +244,7 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
   if (influence.body < 0) {
     T by = static_cast<T>(influence.by);
     for (const InputLoad<T>& load : input_loads_) by *= load.by(influence.force);
-    mechanism_.add_force_derivative(influence.force, by, pose_.data(), v_.data(), slides(), g);
+    mechanism_.add_force_derivative(influence.force, by, pose_.data(), v_.data(), sliding(), g);
     return;
   }
   inertia_.add_body(influence.body,
@@ -320,7 +320,7 @@ void ReducedMotion<T>::add_direct(Piece& piece) {
   };
   T* g = varied_force_.data();
   m.negative_force(q_.data(), pose, g);
-  m.resist(pose, v_.data(), slides(), varied_resistances_.data());
+  m.resist(pose, v_.data(), sliding(), varied_resistances_.data());
   m.add_resistance(varied_resistances_.data(), g);
   for (InputLoad<T>& load : piece.input_loads) {
     set_load(load);

@@ -233,8 +233,8 @@ void ReducedMotion<T>::set_grip_directions() {
     T* slopes = &grip_slopes_[i * n];
     std::fill(slopes, slopes + n, T(0));
     one.on.add_gradient(here(), T(1), slopes);
-    if (slides() != nullptr) {
-      directions_[i] = T(slides()[one.element]);
+    if (sliding() != nullptr) {
+      directions_[i] = T(sliding()[one.element]);
     } else {
       const T rate = one.on.along(here(), v_.data());
       directions_[i] = rate > 0 ? T(1) : rate < 0 ? T(-1) : T(0);

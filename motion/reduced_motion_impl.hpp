@@ -139,14 +139,14 @@ void ReducedMotion<T>::make_rows() {
 }
 
 template <class T>
-void ReducedMotion<T>::set_slides(const Scene& scene, std::vector<int> slides, const T* q) {
+void ReducedMotion<T>::set_sliding(const Scene& scene, std::vector<int> sliding, const T* q) {
   known_ = false;
   first_rank_ = -1;
-  slides_ = std::move(slides);
+  sliding_ = std::move(sliding);
   held_.clear();
   drives_.resize(prescribed_);
-  for (std::size_t e = 0; e < slides_.size(); ++e) {
-    if (slides_[e] != 0) continue;
+  for (std::size_t e = 0; e < sliding_.size(); ++e) {
+    if (sliding_[e] != 0) continue;
     held_.push_back(static_cast<int>(e));
     drives_.push_back({Drive{}, {scene, mechanism_.layout(), mechanism_.phasors(), scene.elements[e].on}, T(0)});
   }

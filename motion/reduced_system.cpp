@@ -27,9 +27,9 @@ class ReducedSystem::Fine {
         inertia_(scene, mechanism_),
         motion_(scene, mechanism_, inertia_) {
     motion_.set_inputs(scene, reduced.inputs());
-    if (reduced.slides() != nullptr) {
+    if (reduced.sliding() != nullptr) {
       const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());
-      motion_.set_slides(scene, {reduced.slides(), reduced.slides() + scene.elements.size()}, q.data());
+      motion_.set_sliding(scene, {reduced.sliding(), reduced.sliding() + scene.elements.size()}, q.data());
       motion_.set_branches(reduced.branches());
     }
     motion_.set_variations(variations);

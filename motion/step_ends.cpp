@@ -20,7 +20,7 @@ constexpr double just_before = 1e-13;
 void StepEnds::watch() {
   // At the start nothing is known of what is at rest, which has no friction there; the same node is added again with
   // it.
-  if (reduced_.slides() != nullptr) margin_ = friction_.watch(reduced_);
+  if (reduced_.sliding() != nullptr) margin_ = friction_.watch(reduced_);
   if (!borders_.act()) return;
   borders_.watch(reduced_);
   border_margin_ = borders_.margin(reduced_);
@@ -53,8 +53,8 @@ bool StepEnds::meets_event(double t) {
   return met;
 }
 
-// Computes the margin of friction a part x of the way through the step just made, at the state of the quintic through places, rates
-// and accelerations at both ends; NaN where that fails.
+// Computes the margin of friction a part x of the way through the step just made, at the state of the quintic through
+// places, rates and accelerations at both ends; NaN where that fails.
 double StepEnds::margin_within(double t, double x) {
   const auto f = static_cast<std::size_t>(reduced_.freedoms());
   const double h = step_.length;
@@ -77,8 +77,8 @@ double StepEnds::margin_within(double t, double x) {
   return friction_.margin(reduced_);
 }
 
-// Finds the time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does not.
-// Between the places looked at margins are parabolas, of which the lowest point is looked at.
+// Finds the time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does
+// not. Between the places looked at margins are parabolas, of which the lowest point is looked at.
 double StepEnds::first_passing(double t, double margin_at_end) {
   constexpr int places = 5;
   double margins[places + 1] = {margin_};

@@ -80,11 +80,11 @@ double StickSlip::acceleration(const Contact& contact, const Reduced& motion) {
 }
 
 std::vector<int> StickSlip::directions(const Reduced& motion) {
-  std::vector<int> slides(model_.scaled_scene().elements.size(), 1);
+  std::vector<int> sliding(model_.scaled_scene().elements.size(), 1);
   for (const Contact& contact : contacts_) {
-    slides[static_cast<std::size_t>(contact.element)] = rate(contact, motion) < 0 ? -1 : 1;
+    sliding[static_cast<std::size_t>(contact.element)] = rate(contact, motion) < 0 ? -1 : 1;
   }
-  return slides;
+  return sliding;
 }
 
 double StickSlip::watch(const Reduced& motion) {
@@ -102,7 +102,7 @@ double StickSlip::watch(const Reduced& motion) {
 
 double StickSlip::dip(const Reduced& motion, double h) {
   for (const Contact& contact : contacts_) {
-    const int s = motion.slides()[contact.element];
+    const int s = motion.sliding()[contact.element];
     if (s == 0 || contact.idle) continue;
     const double from = s * contact.rate, to = s * rate(contact, motion);
     const double falls = s * contact.acceleration * h, rises = s * acceleration(contact, motion) * h;
@@ -118,10 +118,10 @@ double StickSlip::dip(const Reduced& motion, double h) {
 }
 
 double StickSlip::margin_of(const Contact& contact, const Reduced& motion) {
-  const int slides = motion.slides()[contact.element];
-  if (slides != 0) {
+  const int sliding = motion.sliding()[contact.element];
+  if (sliding != 0) {
     const double now = rate(contact, motion);
-    return slides * now / (std::max(contact.speed, std::abs(now)) + tiny);
+    return sliding * now / (std::max(contact.speed, std::abs(now)) + tiny);
   }
   const auto h = std::find(motion.held().begin(), motion.held().end(), contact.element) - motion.held().begin();
   const double force = std::abs(motion.holding_force(static_cast<int>(h)));
@@ -151,7 +151,7 @@ double StickSlip::margin(const Reduced& motion) {
 }
 
 double StickSlip::turn_margin_of(const Branched& branched, const Reduced& motion) {
-  if (!branched.is_teeth && motion.slides()[branched.element] == 0) return std::numeric_limits<double>::infinity();
+  if (!branched.is_teeth && motion.sliding()[branched.element] == 0) return std::numeric_limits<double>::infinity();
   const double load = std::max(branched.load, std::abs(motion.load_bound(branched.element)));
   const double turn = motion.branch_margin(branched.element) / (load + tiny);
   // Without a force at the last node and here nothing turns.
@@ -166,7 +166,7 @@ void StickSlip::meet(const Reduced& motion) {
     return;
   }
   const Contact& contact = contacts_[met_];
-  by_force_ = motion.slides()[contact.element] == 0;
+  by_force_ = motion.sliding()[contact.element] == 0;
   if (by_force_) return;
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const Configuration<double> here = place(contact.on, motion.q());
@@ -192,8 +192,8 @@ double StickSlip::event_time_by(const double* dq, const double* dv, int variatio
 }
 
 Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
-                               const std::vector<int>& slides) const {
-  motion.set_slides(model_.scaled_scene(), slides, q.data());
+                               const std::vector<int>& sliding) const {
+  motion.set_sliding(model_.scaled_scene(), sliding, q.data());
   motion.free_branches();
   motion.choose(t, q.data(), false);
   motion.expect(q.data());
@@ -233,8 +233,8 @@ Reduced::Status StickSlip::advance(Reduced& motion, double t, double h) {
 /// The least margin of the contacts without rate a time h after the node: with the change of dg/dt over h times their
 /// largest acceleration, s times that, and of those held minus its size and the margin of their force. Negative
 /// infinity where what is held contradicts what is driven, NaN where the state cannot be had.
-double StickSlip::worst_after(Reduced& motion, const Node& node, const std::vector<int>& slides, double h) {
-  if (set(motion, node.t, node.q, node.v, slides) != Reduced::Status::ok) {
+double StickSlip::worst_after(Reduced& motion, const Node& node, const std::vector<int>& sliding, double h) {
+  if (set(motion, node.t, node.q, node.v, sliding) != Reduced::Status::ok) {
     return std::numeric_limits<double>::quiet_NaN();
   }
   const Reduced::Status status = advance(motion, node.t, h);
@@ -247,7 +247,7 @@ double StickSlip::worst_after(Reduced& motion, const Node& node, const std::vect
   double worst = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < node.still.size(); ++k) {
     const Contact& contact = contacts_[node.still[k]];
-    const int s = slides[static_cast<std::size_t>(contact.element)];
+    const int s = sliding[static_cast<std::size_t>(contact.element)];
     const double gained = gain(contact, motion, node, k) / (h * node.largest[k]);
     worst = std::min(worst, s == 0 ? std::min(margin_of(contact, motion), -std::abs(gained)) : s * gained);
   }
@@ -262,7 +262,7 @@ const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node,
     const Trial* least_wrong = trials.front();
     double least = -std::numeric_limits<double>::infinity();
     for (const Trial* trial : trials) {
-      const double worst = worst_after(motion, node, trial->slides, part * ahead);
+      const double worst = worst_after(motion, node, trial->sliding, part * ahead);
       if (!(worst < -unsure)) left.push_back(trial);
       if (!(worst > least)) continue;
       least = worst;
@@ -275,7 +275,7 @@ const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node,
   // What has just reached its bound slides on.
   for (const Trial* trial : trials) {
     const bool holds_on =
-        met_ != none && by_force_ && trial->slides[static_cast<std::size_t>(contacts_[met_].element)] == 0;
+        met_ != none && by_force_ && trial->sliding[static_cast<std::size_t>(contacts_[met_].element)] == 0;
     if (!holds_on) return trial;
   }
   return trials.front();
@@ -307,7 +307,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   Node node{t, {motion.q(), motion.q() + n}, {motion.v(), motion.v() + n}, {}, {}, {}};
   for (const double one : node.v) node.fastest = std::max(node.fastest, std::abs(one));
   const std::vector<int> before = motion.branches();
-  std::vector<int> slides = directions(motion);
+  std::vector<int> sliding = directions(motion);
   std::vector<std::size_t>& still = node.still;
   std::size_t choices = 1;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
@@ -329,17 +329,17 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
     std::size_t rest = choice;
     for (const std::size_t c : still) {
       constexpr int options[] = {0, 1, -1};
-      slides[static_cast<std::size_t>(contacts_[c].element)] = options[rest % 3];
+      sliding[static_cast<std::size_t>(contacts_[c].element)] = options[rest % 3];
       rest /= 3;
     }
-    const Reduced::Status status = set(motion, t, node.q, node.v, slides);
+    const Reduced::Status status = set(motion, t, node.q, node.v, sliding);
     const auto add_trial = [&](bool is_locked) {
-      Trial trial{slides, {}, {}, is_locked};
+      Trial trial{sliding, {}, {}, is_locked};
       for (std::size_t k = 0; k < still.size(); ++k) {
         const Contact& contact = contacts_[still[k]];
         trial.acceleration.push_back(acceleration(contact, motion));
         if (!is_locked) largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
-        const bool is_held = slides[static_cast<std::size_t>(contact.element)] == 0;
+        const bool is_held = sliding[static_cast<std::size_t>(contact.element)] == 0;
         trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
       }
       trials.push_back(std::move(trial));
@@ -358,7 +358,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   std::vector<const Trial*> agreeing;
   for (Trial& trial : trials) {
     for (std::size_t k = 0; k < still.size(); ++k) {
-      const int s = trial.slides[static_cast<std::size_t>(contacts_[still[k]].element)];
+      const int s = trial.sliding[static_cast<std::size_t>(contacts_[still[k]].element)];
       const double scale = trial.is_locked ? std::max(largest[k], std::abs(trial.acceleration[k])) : largest[k];
       // What repeats other rows here may not be held all the same.
       const double of_held = std::max(-trial.force[k], std::abs(trial.acceleration[k]) / scale);
@@ -383,15 +383,15 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   // Those whose rates stay zero are carried by what is held or driven.
   std::vector<char> rests(still.size(), 0);
   if (std::any_of(still.begin(), still.end(),
-                  [&](std::size_t c) { return best->slides[static_cast<std::size_t>(contacts_[c].element)] != 0; }) &&
-      !std::isnan(worst_after(motion, node, best->slides, ahead / 100))) {
+                  [&](std::size_t c) { return best->sliding[static_cast<std::size_t>(contacts_[c].element)] != 0; }) &&
+      !std::isnan(worst_after(motion, node, best->sliding, ahead / 100))) {
     for (std::size_t k = 0; k < still.size(); ++k) {
       const Contact& contact = contacts_[still[k]];
-      rests[k] = best->slides[static_cast<std::size_t>(contact.element)] != 0 && is_carried(contact, motion) &&
+      rests[k] = best->sliding[static_cast<std::size_t>(contact.element)] != 0 && is_carried(contact, motion) &&
                  std::abs(gain(contact, motion, node, k)) <= no_acceleration * ahead / 100 * largest[k];
     }
   }
-  if (set(motion, t, node.q, node.v, best->slides) != Reduced::Status::ok) return Choice::failed;
+  if (set(motion, t, node.q, node.v, best->sliding) != Reduced::Status::ok) return Choice::failed;
   for (std::size_t k = 0; k < still.size(); ++k) contacts_[still[k]].idle = rests[k] != 0;
   motion.follow_branches();
   // At the turn itself both branches agree but for rounding.

@@ -27,7 +27,7 @@ class StickSlip {
 
   /// Whether the scene has such friction.
   bool acts() const { return !contacts_.empty(); }
-  /// For ReducedMotion::set_slides(): by the rates of `motion`, forwards where there is none.
+  /// For ReducedMotion::set_sliding(): by the rates of `motion`, forwards where there is none.
   std::vector<int> directions(const ReducedMotion<double>& motion);
   /// Notes rates and accelerations at a node of the motion; the margin there.
   double watch(const ReducedMotion<double>& motion);
@@ -70,7 +70,7 @@ class StickSlip {
     std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
     double speed = 0.0;                                        // largest rate yet
     double rate = 0.0, acceleration = 0.0;                     // at the last node
-    bool idle = false;  // slides without rate: what is held or driven holds it, too
+    bool idle = false;  // it slides without rate: what is held or driven holds it, too
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
   struct Branched {
@@ -80,7 +80,7 @@ class StickSlip {
     double turn = 0.0;  // ReducedMotion::branch_margin() at the last node
   };
   struct Trial {
-    std::vector<int> slides;
+    std::vector<int> sliding;
     std::vector<double> acceleration, force;  // of those without rate
     bool is_locked = false;                   // forces may be others than these
     double violation = 0.0;
@@ -102,12 +102,12 @@ class StickSlip {
   /// By one step of Runge and Kutta's formula of order 4, as the motion is set.
   ReducedMotion<double>::Status advance(ReducedMotion<double>& motion, double t, double h);
   double gain(const Contact& contact, const ReducedMotion<double>& motion, const Node& node, std::size_t k);
-  double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& slides, double h);
+  double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& sliding, double h);
   const Trial* tell_apart(ReducedMotion<double>& motion, const Node& node, std::vector<const Trial*> trials,
                           double ahead);
   bool is_carried(const Contact& contact, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
-                                    const std::vector<double>& v, const std::vector<int>& slides) const;
+                                    const std::vector<double>& v, const std::vector<int>& sliding) const;
 
   const MotionModel& model_;
   const std::vector<Variation>& variations_;

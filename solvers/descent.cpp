@@ -21,36 +21,36 @@ constexpr int neighbours = 8;  // variables, at most, that are perturbed togethe
 
 Descent::Descent(NewtonSystem& system, LoopClosing& closing) : at_(system), closing_(closing) {}
 
-Outcome Descent::run() {
+NewtonEnd Descent::run() {
   shift_ = 0.0;
-  if (!closing_.run()) return at_.interrupted() ? Outcome::interrupted : Outcome::not_closed;
-  Outcome outcome = descend();
+  if (!closing_.run()) return at_.interrupted() ? NewtonEnd::interrupted : NewtonEnd::not_closed;
+  NewtonEnd end = descend();
   const int most = at_.options.safeguards.restarts ? at_.options.perturbations : 0;
-  for (int k = 0; k < most && (outcome == Outcome::stalled || outcome == Outcome::singular) && perturb(); ++k) {
-    at_.result.met_singular = at_.result.met_singular || outcome == Outcome::singular;
-    outcome = descend();
+  for (int k = 0; k < most && (end == NewtonEnd::stalled || end == NewtonEnd::singular) && perturb(); ++k) {
+    at_.result.met_singular = at_.result.met_singular || end == NewtonEnd::singular;
+    end = descend();
   }
-  return outcome;
+  return end;
 }
 
-Outcome Descent::run_from_closed() {
+NewtonEnd Descent::run_from_closed() {
   shift_ = 0.0;
   return descend();
 }
 
-Outcome Descent::descend() {
+NewtonEnd Descent::descend() {
   const NewtonOptions& options = at_.options;
   at_.forget_multipliers();
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < options.iterations; ++k) {
-    if (at_.interrupted()) return Outcome::interrupted;
-    if (!at_.linearize()) return Outcome::stalled;
+    if (at_.interrupted()) return NewtonEnd::interrupted;
+    if (!at_.linearize()) return NewtonEnd::stalled;
     const Kkt::Factors factors = at_.factor_tangent();
     ++at_.result.iterations;
     if (factors == Kkt::Factors::singular && at_.balanced()) {
       const ActiveSet::Release release = at_.release_wrong_sign(at_.y, 0.0);
       if (release == ActiveSet::Release::released) continue;
-      return release == ActiveSet::Release::none ? at_.arrive(false) : Outcome::stalled;
+      return release == ActiveSet::Release::none ? at_.arrive(false) : NewtonEnd::stalled;
     }
     const bool positive_definite = factors == Kkt::Factors::positive;
     const bool corrects = options.safeguards.inertia_correction;
@@ -58,7 +58,7 @@ Outcome Descent::descend() {
     at_.solve_for_step();
     at_.solve_for_multipliers();
     const double length = largest(at_.step);
-    if (!std::isfinite(length)) return Outcome::stalled;
+    if (!std::isfinite(length)) return NewtonEnd::stalled;
     const double gap = largest(at_.gap);
     if (gap > 1e-10 && gap > loose_gap * length) {
       // A step that mostly closes loops is no measure of descent: close them first.
@@ -67,25 +67,25 @@ Outcome Descent::descend() {
       if (closing_.pull_back(closed_within))
         std::swap(at_.now, at_.trial);
       else if (closing_.close() > options.active_set.touching)
-        return Outcome::stalled;
+        return NewtonEnd::stalled;
       continue;
     }
     const ActiveSet::Release release =
         at_.release_wrong_sign(at_.y_next, length <= near_rest ? 0.0 : 10.0 * largest(at_.residual));
     if (release == ActiveSet::Release::released) continue;
-    if (release == ActiveSet::Release::cycling && length <= near_rest) return Outcome::stalled;
+    if (release == ActiveSet::Release::cycling && length <= near_rest) return NewtonEnd::stalled;
     const bool rounded = at_.balanced() && length <= options.next_to_fold && length > 0.25 * last;
     last = length;
     if (positive_definite && (length <= options.step_tolerance || rounded)) return at_.arrive(true);
     const bool at_saddle = !positive_definite && corrects && length < 0.01;
     if (at_saddle && leave_saddle()) continue;
     if (!step(at_.bounded_part(length))) {
-      return positive_definite && at_.balanced() ? at_.arrive(false) : Outcome::stalled;
+      return positive_definite && at_.balanced() ? at_.arrive(false) : NewtonEnd::stalled;
     }
-    if (!std::isfinite(largest(at_.now->x))) return Outcome::stalled;
-    if (ran_away()) return Outcome::unbounded;
+    if (!std::isfinite(largest(at_.now->x))) return NewtonEnd::stalled;
+    if (ran_away()) return NewtonEnd::unbounded;
   }
-  return Outcome::iteration_limit;
+  return NewtonEnd::iteration_limit;
 }
 
 bool Descent::ran_away() const {

@@ -20,12 +20,12 @@ class Descent {
   Descent(NewtonSystem& system, LoopClosing& closing);
 
   /// Closes the constraints first; poses where J loses rank are perturbed.
-  Outcome run();
+  NewtonEnd run();
   /// Starts from a point where the constraints hold.
-  Outcome run_from_closed();
+  NewtonEnd run_from_closed();
 
  private:
-  Outcome descend();
+  NewtonEnd descend();
   void shift_until_positive_definite();
   bool leave_saddle();
   bool step(double alpha);

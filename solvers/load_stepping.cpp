@@ -17,10 +17,10 @@ void LoadStepping::run() {
     const double next = std::min(1.0, let_go + release);
     at_.held = 1.0 - next;
     at_.begin_at(reached_);
-    const Outcome outcome = at_.seeks_minimum() ? descent_.run_from_closed() : stationary_.run();
-    at_.note(outcome);
-    if (outcome == Outcome::interrupted || outcome == Outcome::unbounded) break;
-    if (outcome == Outcome::converged) {
+    const NewtonEnd end = at_.seeks_minimum() ? descent_.run_from_closed() : stationary_.run();
+    at_.note(end);
+    if (end == NewtonEnd::interrupted || end == NewtonEnd::unbounded) break;
+    if (end == NewtonEnd::converged) {
       let_go = next;
       reached_ = at_.now->x;
       release *= 2.0;
@@ -30,7 +30,7 @@ void LoadStepping::run() {
     }
   }
   at_.held = 0.0;
-  at_.result.load_stepped = at_.result.outcome == Outcome::converged;
+  at_.result.load_stepped = at_.result.end == NewtonEnd::converged;
   at_.evaluate(*at_.now);
 }
 

@@ -12,23 +12,23 @@
 
 namespace poise::solvers {
 
-std::string describe(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::not_solved:
+std::string describe(NewtonEnd end) {
+  switch (end) {
+    case NewtonEnd::not_solved:
       return "nothing has been tried";
-    case Outcome::converged:
+    case NewtonEnd::converged:
       return "converged";
-    case Outcome::not_closed:
+    case NewtonEnd::not_closed:
       return "the loops could not be closed from this start";
-    case Outcome::stalled:
+    case NewtonEnd::stalled:
       return "no step makes further progress";
-    case Outcome::singular:
+    case NewtonEnd::singular:
       return "the joints lock: no finite joint forces balance the loads here";
-    case Outcome::unbounded:
+    case NewtonEnd::unbounded:
       return "the energy decreases without bound: the mechanism runs away";
-    case Outcome::iteration_limit:
+    case NewtonEnd::iteration_limit:
       return "the iteration limit was reached";
-    case Outcome::interrupted:
+    case NewtonEnd::interrupted:
       return "interrupted";
   }
   return "unknown";
@@ -66,7 +66,7 @@ class Newton::Solver {
 
   void close(std::span<const double> x) {
     begin(x);
-    at_.note(closing_.run() ? Outcome::converged : Outcome::not_closed);
+    at_.note(closing_.run() ? NewtonEnd::converged : NewtonEnd::not_closed);
     finish();
   }
 
@@ -77,7 +77,7 @@ class Newton::Solver {
   void begin(std::span<const double> x) {
     at_.random.seed(random_seed);
     std::copy(x.begin(), x.end(), at_.start.begin());
-    result.outcome = Outcome::not_solved;
+    result.end = NewtonEnd::not_solved;
     result.iterations = result.evaluations = 0;
     result.constraint_error = 0.0;
     result.descended = result.restarted = result.load_stepped = result.met_singular = false;

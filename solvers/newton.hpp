@@ -19,7 +19,7 @@ enum class Goal {
 };
 
 /// How a run ended.
-enum class Outcome {
+enum class NewtonEnd {
   not_solved,       ///< nothing has been tried
   converged,        ///< the last step met its tolerance, or the residuals are rounding only
   not_closed,       ///< no point with c(x) = 0 was found from the start
@@ -30,8 +30,8 @@ enum class Outcome {
   interrupted       ///< NewtonOptions::interrupt was set
 };
 
-/// The outcome in words, for messages.
-std::string describe(Outcome outcome);
+/// The end in words, for messages.
+std::string describe(NewtonEnd end);
 
 /// Globalization of Newton's method. Each safeguard can be switched off to measure its effect; docs/method.md describes
 /// them.
@@ -90,7 +90,7 @@ struct NewtonOptions {
 };
 
 struct NewtonResult {
-  Outcome outcome = Outcome::not_solved;
+  NewtonEnd end = NewtonEnd::not_solved;
   std::vector<double> x;
   std::vector<double> multipliers;  ///< one per constraint row, zero for rows not active
   std::vector<char> active;         ///< active rows: equalities, and inequalities held at their bound
@@ -102,7 +102,7 @@ struct NewtonResult {
   bool descended = false;     ///< Goal::stationary fell back on descending the objective
   bool restarted = false;     ///< converged from a start displaced at random
   bool load_stepped = false;  ///< converged by load stepping
-  bool met_singular = false;  ///< some stage ended as Outcome::singular, even if a later one did not
+  bool met_singular = false;  ///< some stage ended as NewtonEnd::singular, even if a later one did not
 };
 
 /// Newton's method for a Problem, globalized so that it converges from distant starts.
@@ -133,7 +133,7 @@ class Newton {
 
   /// Runs from x (problem.variables() values). The result stays valid until the next call.
   const NewtonResult& solve(std::span<const double> x);
-  /// Only closes the constraints from x by shortest steps; Outcome::converged or not_closed.
+  /// Only closes the constraints from x by shortest steps; NewtonEnd::converged or not_closed.
   const NewtonResult& close(std::span<const double> x);
 
  private:

@@ -107,27 +107,27 @@ ActiveSet::Release NewtonSystem::release_wrong_sign(std::span<const double> mult
   return release;
 }
 
-void NewtonSystem::note(Outcome outcome) {
-  result.outcome = outcome;
-  result.met_singular = result.met_singular || outcome == Outcome::singular;
+void NewtonSystem::note(NewtonEnd end) {
+  result.end = end;
+  result.met_singular = result.met_singular || end == NewtonEnd::singular;
 }
 
 // Where J loses rank no finite multipliers balance F. Close to such a pose rounded closures can make them appear to:
 // they are large there and change strongly with the rounding of the closures.
-Outcome NewtonSystem::arrive(bool with_last_step) {
+NewtonEnd NewtonSystem::arrive(bool with_last_step) {
   if (with_last_step) {
     for (int i = 0; i < variables(); ++i) now->x[i] += step[i];
     carry_multipliers(1.0);
   }
   const double most = largest(y);
-  if (!(most > options.heavy_multipliers * (1.0 + largest(now->gradient)))) return Outcome::converged;
+  if (!(most > options.heavy_multipliers * (1.0 + largest(now->gradient)))) return NewtonEnd::converged;
   if (with_last_step) evaluate(*now);
-  if (!kkt->set_jacobian(*now, active.flags())) return Outcome::singular;
+  if (!kkt->set_jacobian(*now, active.flags())) return NewtonEnd::singular;
   factor_tangent();
   for (int r = 0; r < rows(); ++r) trial_gap[r] = active.holds(r) ? (r % 2 == 0 ? rounded_gap : -rounded_gap) : 0.0;
   kkt->solve({}, trial_gap, step);
   kkt->solved_multipliers({}, y_next);
-  return largest(y_next) <= options.settled_multipliers * most ? Outcome::converged : Outcome::singular;
+  return largest(y_next) <= options.settled_multipliers * most ? NewtonEnd::converged : NewtonEnd::singular;
 }
 
 }  // namespace poise::solvers

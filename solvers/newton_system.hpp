@@ -92,15 +92,15 @@ class NewtonSystem {
   ActiveSet::Release release_wrong_sign(std::span<const double> multipliers, double least);
 
   /// Records how a stage of the run ended.
-  void note(Outcome outcome);
+  void note(NewtonEnd end);
   /// A stage failed in a way after which another may succeed.
   bool gave_up() const {
-    return result.outcome == Outcome::stalled || result.outcome == Outcome::singular ||
-           result.outcome == Outcome::iteration_limit;
+    return result.end == NewtonEnd::stalled || result.end == NewtonEnd::singular ||
+           result.end == NewtonEnd::iteration_limit;
   }
 
-  /// The outcome of a run whose steps or residuals met their tolerances; applies the last step if asked to.
-  Outcome arrive(bool with_last_step);
+  /// The end of a run whose steps or residuals met their tolerances; applies the last step if asked to.
+  NewtonEnd arrive(bool with_last_step);
 
  private:
   static constexpr double violated_beyond = 1e-14;

@@ -16,13 +16,13 @@ void Restarts::run(bool by_descent) {
     displaced_ = at_.start;
     for (double& x : displaced_) x += uniform(at_.random);
     at_.begin_at(displaced_);
-    Outcome outcome = Outcome::not_closed;
+    NewtonEnd end = NewtonEnd::not_closed;
     if (by_descent)
-      outcome = descent_.run();
+      end = descent_.run();
     else if (closing_.run())
-      outcome = stationary_.run();
-    at_.note(outcome == Outcome::not_closed ? Outcome::stalled : outcome);
-    at_.result.restarted = outcome == Outcome::converged;
+      end = stationary_.run();
+    at_.note(end == NewtonEnd::not_closed ? NewtonEnd::stalled : end);
+    at_.result.restarted = end == NewtonEnd::converged;
   }
 }
 

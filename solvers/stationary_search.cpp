@@ -17,12 +17,12 @@ constexpr double gap_left_by_trials = 1e-13;  // gaps that trials may leave wher
 StationarySearch::StationarySearch(NewtonSystem& system, LoopClosing& closing)
     : at_(system), closing_(closing), filter_(system.options.filter), y_before_(system.y.size()) {}
 
-Outcome StationarySearch::run() {
+NewtonEnd StationarySearch::run() {
   at_.forget_multipliers();
-  if (!begin_anew()) return Outcome::stalled;
+  if (!begin_anew()) return NewtonEnd::stalled;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < at_.options.stationary_steps; ++k) {
-    if (at_.interrupted()) return Outcome::interrupted;
+    if (at_.interrupted()) return NewtonEnd::interrupted;
     const bool neutral = at_.factor_tangent() == Kkt::Factors::singular;
     at_.solve_for_step();
     ++at_.result.iterations;
@@ -34,18 +34,18 @@ Outcome StationarySearch::run() {
     if (length <= at_.options.step_tolerance || (no_shorter && at_.balanced())) {
       at_.solve_for_multipliers();
       const ActiveSet::Release release = at_.release_wrong_sign(at_.y_next, 0.0);
-      if (release == ActiveSet::Release::cycling) return Outcome::stalled;
+      if (release == ActiveSet::Release::cycling) return NewtonEnd::stalled;
       if (release == ActiveSet::Release::none) return at_.arrive(length <= at_.options.step_tolerance);
-      if (!begin_anew()) return Outcome::stalled;
+      if (!begin_anew()) return NewtonEnd::stalled;
       continue;
     }
-    if (!std::isfinite(length)) return Outcome::stalled;
+    if (!std::isfinite(length)) return NewtonEnd::stalled;
     if (!shorten(at_.bounded_part(length))) {
-      return at_.balanced() ? at_.arrive(false) : Outcome::stalled;
+      return at_.balanced() ? at_.arrive(false) : NewtonEnd::stalled;
     }
-    if (at_.activate_violated() && !begin_anew()) return Outcome::stalled;
+    if (at_.activate_violated() && !begin_anew()) return NewtonEnd::stalled;
   }
-  return Outcome::iteration_limit;
+  return NewtonEnd::iteration_limit;
 }
 
 // The active set has changed: remembered points no longer compare.

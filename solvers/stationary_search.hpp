@@ -14,7 +14,7 @@ class StationarySearch {
  public:
   StationarySearch(NewtonSystem& system, LoopClosing& closing);
 
-  Outcome run();
+  NewtonEnd run();
 
  private:
   bool begin_anew();

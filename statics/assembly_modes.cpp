@@ -45,8 +45,8 @@ bool search_closed_poses(const StaticModel& model, int repeated, const std::func
       const solvers::RoundingUp up;
       verdict = prover.examine_closed_poses(box);
     }
-    if (verdict.finding == BoxProver::Finding::empty) continue;
-    if (is_decided(box, verdict.finding == BoxProver::Finding::unique)) continue;
+    if (verdict.decision == BoxProver::Decision::empty) continue;
+    if (is_decided(box, verdict.decision == BoxProver::Decision::unique)) continue;
     CoordinateBox other = box;
     verdict.cut(box, other);
     waiting.push_back(std::move(other));

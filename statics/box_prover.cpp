@@ -1084,7 +1084,7 @@ bool BoxProver::balance_possible(CoordinateBox& box) {
 //   F'_q + sum_s J'_sq y_s = 0,   so that   max_s |y_s| >= |F'_q| / sum_s |J'_sq|.
 // A single row gives y_s itself by every q. Nothing is concluded of lost rank where more stops may touch: there more of
 // them can be needed than there are freedoms elsewhere, and no case has so many.
-BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
+BoxProver::Decision BoxProver::near_singular(const CoordinateBox& box) {
   const bool may_touch = may_touch_stops(box);
   const auto n = static_cast<std::size_t>(n_);
   left_.assign(dense_.begin(), dense_.end());
@@ -1114,13 +1114,13 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
           if (row_done_[k] == 0 && rank < m_) slope += at(k, q).magnitude();
         }
         const bool never = largest_joint_force * slope - at(rows, q).mignitude() < 0;
-        if (never) return rank < m_ ? Finding::locked : Finding::empty;
+        if (never) return rank < m_ ? Decision::locked : Decision::empty;
       }
       if (rank == rows - 1 && rank < m_) {
         const int last = static_cast<int>(std::find(row_done_.begin(), row_done_.end(), 0) - row_done_.begin());
         Interval single = Interval::entire();
         for (int q = 0; q < n_; ++q) {
-          if (column_done_[q] == 0 && !single.meet(-(at(rows, q) / at(last, q)))) return Finding::empty;
+          if (column_done_[q] == 0 && !single.meet(-(at(rows, q) / at(last, q)))) return Decision::empty;
         }
       }
     }
@@ -1134,7 +1134,7 @@ BoxProver::Finding BoxProver::near_singular(const CoordinateBox& box) {
       }
     }
   }
-  return Finding::open;
+  return Decision::open;
 }
 
 // Whether a stop that is not active is reached in the box, whose phasors are placed.
@@ -1174,7 +1174,7 @@ bool BoxProver::is_decided_by_crossing(CoordinateBox& box, Verdict& verdict) {
   const auto region = std::find_if(regions_.begin(), regions_.end(),
                                    [&](const CrossingBranches::Region& one) { return one.contains(box); });
   if (region == regions_.end()) return false;
-  verdict.finding = Finding::empty;
+  verdict.decision = Decision::empty;
   CoordinateBox both = box;
   for (int i = 0; i < n_; ++i) {
     if (!both[i].meet(region->core[i])) return true;
@@ -1183,7 +1183,7 @@ bool BoxProver::is_decided_by_crossing(CoordinateBox& box, Verdict& verdict) {
   mechanism_.place(box.data(), pose_.data());
   verdict.joint_force = region->joint_force;
   const bool is_locked = region->joint_force > least_joint_force && !may_touch_stops(box);
-  verdict.finding = is_locked ? Finding::locked : Finding::crossing;
+  verdict.decision = is_locked ? Decision::locked : Decision::crossing;
   return true;
 }
 
@@ -1270,22 +1270,22 @@ bool BoxProver::is_passed(const Distance& on, const Interval& length, const Inte
 
 // --- Newton's operator ----------------------------------------------------------------------------------------------
 
-BoxProver::Finding BoxProver::newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at) {
+BoxProver::Decision BoxProver::newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at) {
   std::vector<double> middle(n_);
   for (int i = 0; i < n_; ++i) middle[i] = box[i].middle();
   if (!newton_) newton_.emplace(plain_, mechanism_, rows_, bounds_, equation_, m_);
-  if (!newton_->begin(box, middle, least_multipliers(middle)) || !newton_->apply()) return Finding::open;
+  if (!newton_->begin(box, middle, least_multipliers(middle)) || !newton_->apply()) return Decision::open;
   newton_->reach_further();
   out = box;
   for (int i = 0; i < n_; ++i) {
-    if (!out[i].meet(newton_->coordinate(i))) return Finding::empty;
+    if (!out[i].meet(newton_->coordinate(i))) return Decision::empty;
   }
-  if (!newton_->exists()) return Finding::open;
+  if (!newton_->exists()) return Decision::open;
   CoordinateBox solution(n_);
   for (int i = 0; i < n_; ++i) solution[i] = newton_->coordinate(i);
-  if (!satisfies_other_rows(solution) || !may_rest_on_stops(solution)) return Finding::empty;
+  if (!satisfies_other_rows(solution) || !may_rest_on_stops(solution)) return Decision::empty;
   at = newton_->x();
-  return Finding::unique;
+  return Decision::unique;
 }
 
 // The multipliers y of least residual in the dependent coordinates at x; zeros where the rows alone determine x.
@@ -1365,7 +1365,7 @@ void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
 BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
   Verdict out;
   if (is_decided_by_crossing(box, out)) return out;
-  out.finding = Finding::empty;
+  out.decision = Decision::empty;
   bool has_motions = false;
   for (int round = 0; round < 4; ++round) {
     has_motions = false;
@@ -1392,19 +1392,19 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
       if (!moves || (m_ > 0 && least_pivot_ < small_pivot)) {
         evaluate(box);
         mechanism_.negative_force(box.data(), pose_.data(), force_.data());
-        out.finding = near_singular(box);
+        out.decision = near_singular(box);
         out.joint_force = largest_joint_force;
-        if (out.finding != Finding::open) return out;
+        if (out.decision != Decision::open) return out;
         look_for_crossing(box);
         if (is_decided_by_crossing(box, out)) return out;
-        out.finding = Finding::empty;
+        out.decision = Decision::empty;
       }
     }
     if (regular && widest(box) < narrow_enough) {
       CoordinateBox smaller = box;
-      const Finding finding = newton(box, smaller, out.at);
-      if (finding != Finding::open) {
-        out.finding = finding;
+      const Decision decision = newton(box, smaller, out.at);
+      if (decision != Decision::open) {
+        out.decision = decision;
         return out;
       }
       box = smaller;
@@ -1412,14 +1412,14 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box) {
     if (!(widest(box) < 0.6 * before)) break;
   }
   if (has_motions && is_refused_by_elements(box)) return out;
-  out.finding = Finding::open;
+  out.decision = Decision::open;
   split(box, out);
   return out;
 }
 
 BoxProver::Verdict BoxProver::examine_closed_poses(CoordinateBox& box) {
   Verdict out;
-  out.finding = Finding::empty;
+  out.decision = Decision::empty;
   if (!contract(box, false)) return out;
   bool regular = m_ == 0;
   if (m_ > 0 && widest(box) < too_wide_for_rows) {
@@ -1429,14 +1429,14 @@ BoxProver::Verdict BoxProver::examine_closed_poses(CoordinateBox& box) {
       regular = motions(box);
     }
   }
-  out.finding = regular ? Finding::unique : Finding::open;
+  out.decision = regular ? Decision::unique : Decision::open;
   split(box, out);
   return out;
 }
 
 BoxProver::Verdict BoxProver::examine(CoordinateBox& box, const Winding& winding, Interval& rounds) {
   Verdict out;
-  out.finding = Finding::empty;
+  out.decision = Decision::empty;
   if (!contract(box, false)) return out;
   if (widest(box) < too_wide_for_rows) {
     evaluate(box);
@@ -1447,7 +1447,7 @@ BoxProver::Verdict BoxProver::examine(CoordinateBox& box, const Winding& winding
       if (motions(box) && !balance_possible(winding, rounds)) return out;
     }
   }
-  out.finding = Finding::open;
+  out.decision = Decision::open;
   split(box, out);
   return out;
 }

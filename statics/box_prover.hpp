@@ -56,7 +56,7 @@ class BoxProver {
   BoxProver(const StaticModel& model, std::vector<StopState> stops, int repeated,
             const NeutralMotions* without_branch_of = nullptr);
 
-  enum class Finding {
+  enum class Decision {
     empty,     ///< no equilibrium
     locked,    ///< closures nearly lose rank: an equilibrium has a multiplier above `joint_force`
     crossing,  ///< nothing is decided of a change point; the box is around it, and halves would tell no more
@@ -64,7 +64,7 @@ class BoxProver {
     open       ///< nothing is decided; the box may be smaller
   };
   struct Verdict {
-    Finding finding = Finding::open;
+    Decision decision = Decision::open;
     std::vector<double> at{};
     double joint_force = 0.0;
     int split = 0;        ///< coordinate to be halved
@@ -168,7 +168,7 @@ class BoxProver {
   bool balance_possible(CoordinateBox& box);
   bool balance_possible(const Winding& winding, Interval& rounds) const;
   bool solve_transposed(std::vector<Interval>& y) const;
-  Finding near_singular(const CoordinateBox& box);
+  Decision near_singular(const CoordinateBox& box);
   bool may_touch_stops(const CoordinateBox& box);
   void look_for_crossing(const CoordinateBox& box);
   bool is_decided_by_crossing(CoordinateBox& box, Verdict& verdict);
@@ -176,7 +176,7 @@ class BoxProver {
   void find_levers(Distance& on, const CoordinateBox& box);
   bool is_balanced_by(const Distance& on, const Planar<Interval>& d, const Interval& pull);
   bool is_passed(const Distance& on, const Interval& length, const Interval& pull);
-  Finding newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
+  Decision newton(const CoordinateBox& box, CoordinateBox& out, std::vector<double>& at);
   std::vector<double> least_multipliers(const std::vector<double>& x) const;
   bool satisfies_other_rows(const CoordinateBox& solution);
   bool may_rest_on_stops(const CoordinateBox& solution);

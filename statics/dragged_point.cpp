@@ -59,7 +59,7 @@ DraggedPoint::DraggedPoint(Scene scene, PointRef point)
   if (extent > 0.0) extent_ = std::min(1.0, 4.0 * extent);
   x_ = model_.start();
   const solvers::NewtonResult& closed = closing_.close(x_);
-  if (closed.outcome == solvers::Outcome::converged) x_ = closed.x;
+  if (closed.end == solvers::NewtonEnd::converged) x_ = closed.x;
   look();
 }
 
@@ -118,7 +118,7 @@ void DraggedPoint::clear_stops() {
   for (std::size_t j = 0; j < to.size(); ++j) to[j] += step[static_cast<Index>(j)];
   if (m.equalities() > 0) {
     const solvers::NewtonResult& closed = closing_.close(to);
-    if (closed.outcome != solvers::Outcome::converged) return;
+    if (closed.end != solvers::NewtonEnd::converged) return;
     to = closed.x;
   }
   x_ = std::move(to);
@@ -374,7 +374,7 @@ bool DraggedPoint::advance(const VectorXd& step, double part, Vec2 target, bool 
     const std::vector<double> predicted = to;
     if (model_.mechanism().equalities() > 0) {
       const solvers::NewtonResult& closed = closing_.close(to);
-      if (closed.outcome != solvers::Outcome::converged) continue;
+      if (closed.end != solvers::NewtonEnd::converged) continue;
       to = closed.x;
     }
     double off = 0.0;

@@ -166,11 +166,11 @@ class Search {
         verdict =
             task.winding == nullptr ? prover.examine(task.box) : prover.examine(task.box, *task.winding, task.rounds);
       }
-      if (verdict.finding == BoxProver::Finding::unique) chunk.found.push_back(std::move(verdict.at));
+      if (verdict.decision == BoxProver::Decision::unique) chunk.found.push_back(std::move(verdict.at));
       task.joint_force = verdict.joint_force;
-      if (verdict.finding == BoxProver::Finding::locked) chunk.locked.push_back(task);
-      if (verdict.finding == BoxProver::Finding::crossing) chunk.crossings.push_back(task);
-      if (verdict.finding != BoxProver::Finding::open) {
+      if (verdict.decision == BoxProver::Decision::locked) chunk.locked.push_back(task);
+      if (verdict.decision == BoxProver::Decision::crossing) chunk.crossings.push_back(task);
+      if (verdict.decision != BoxProver::Decision::open) {
         chunk.decided += task.share;
         continue;
       }

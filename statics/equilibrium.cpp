@@ -71,7 +71,7 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.x = result.x;
   out.iterations = result.iterations;
   out.evaluations = result.evaluations;
-  out.why = "Newton: " + solvers::describe(result.outcome);
+  out.why = "Newton: " + solvers::describe(result.end);
   if (result.load_stepped) {
     out.why += " (by load stepping, after all else failed)";
   } else if (result.restarted) {
@@ -80,12 +80,12 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
     out.why += " (by descending the energy, after plain Newton stalled)";
   }
   out.met_singular = result.met_singular || find_singular_configuration(model, x).has_value();
-  if (out.met_singular && result.outcome != solvers::Outcome::singular) {
+  if (out.met_singular && result.end != solvers::NewtonEnd::singular) {
     out.why +=
         "; the search left a singular pose, where the joints lock: no finite joint forces balance the loads there";
   }
-  if (result.outcome == solvers::Outcome::interrupted) out.status = Status::interrupted;
-  out.claimed = result.outcome == solvers::Outcome::converged;
+  if (result.end == solvers::NewtonEnd::interrupted) out.status = Status::interrupted;
+  out.claimed = result.end == solvers::NewtonEnd::converged;
 }
 
 using Program = solvers::SearchResult (*)(const solvers::Problem&, const std::vector<double>&,

@@ -320,7 +320,7 @@ std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const Body
     solvers::Newton closing(model->problem(), settings);
     const solvers::NewtonResult& closed = closing.close(x);
     const bool is_near =
-        closed.outcome == solvers::Outcome::converged && solvers::largest_difference(closed.x, x) < carried_step;
+        closed.end == solvers::NewtonEnd::converged && solvers::largest_difference(closed.x, x) < carried_step;
     if (is_near) {
       if (solvers::largest_difference(closed.x, x) > 0.0) out.push_back(model->poses(closed.x));
       x = closed.x;

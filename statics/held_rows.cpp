@@ -87,7 +87,7 @@ std::optional<std::vector<double>> random_closed_pose(solvers::Newton& closing, 
                                                       solvers::RandomStream random) {
   for (double& value : x) value += random.uniform(-reach, reach);
   const solvers::NewtonResult& pose = closing.close(x);
-  if (pose.outcome != solvers::Outcome::converged) return std::nullopt;
+  if (pose.end != solvers::NewtonEnd::converged) return std::nullopt;
   return pose.x;
 }
 

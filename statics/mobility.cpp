@@ -265,7 +265,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   const std::vector<double> start = model.start();
   const solvers::NewtonResult& closed = newton.close(start);
   out.x = closed.x;
-  out.assembled = closed.outcome == solvers::Outcome::converged && closed.constraint_error <= reach_tolerance;
+  out.assembled = closed.end == solvers::NewtonEnd::converged && closed.constraint_error <= reach_tolerance;
   if (!out.assembled) {
     find_widest_gap(model, out);
     out.impossible = is_impossible(model);
@@ -337,7 +337,7 @@ Freedoms freedoms_at(const ScaledModel& model, const std::vector<double>& x, std
     std::vector<double> beside = x;
     for (std::size_t i = 0; i < x.size(); ++i) beside[i] += step[static_cast<Eigen::Index>(i)];
     const solvers::NewtonResult& closed = newton.close(beside);
-    if (closed.outcome != solvers::Outcome::converged || !(closed.constraint_error <= closed_in_place)) continue;
+    if (closed.end != solvers::NewtonEnd::converged || !(closed.constraint_error <= closed_in_place)) continue;
     double moved = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) moved = std::hypot(moved, closed.x[i] - x[i]);
     if (moved >= finite_step / 10) most = std::max(most, number_at(closed.x));

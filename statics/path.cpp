@@ -201,7 +201,7 @@ class PathFinder {
       const auto model = varied_.model_at(value);
       solvers::Newton closing(model->problem());
       const solvers::NewtonResult& closed = closing.close(x);
-      if (closed.outcome != solvers::Outcome::converged) {
+      if (closed.end != solvers::NewtonEnd::converged) {
         throw AssemblyError(
             fmt::format("{}{} cannot be driven from {:.6g}, where it is at the start, to {:.6g}; begin "
                         "nearer to it, or give another [start]",
@@ -262,7 +262,7 @@ class PathFinder {
         for (double& value : x) value += reach * uniform(random);
         solvers::Newton closing(model->problem());
         const solvers::NewtonResult& closed = closing.close(x);
-        if (closed.outcome != solvers::Outcome::converged) continue;
+        if (closed.end != solvers::NewtonEnd::converged) continue;
         const auto place = pieces_.deflated(closed.x, p, known, steps);
         if (!place) continue;
         const Certificate certificate = certify(*model, *place, options_.certificate);

@@ -89,7 +89,7 @@ class Settler {
     const solvers::NewtonResult& closed = closing_.close(x);
     out_.evaluations += closed.evaluations;
     x = closed.x;
-    return closed.outcome == solvers::Outcome::converged;
+    return closed.end == solvers::NewtonEnd::converged;
   }
 
   std::vector<int> closure_rows() const {

@@ -23,11 +23,11 @@ std::vector<double> StartSampler::from(const std::vector<double>& pose, bool des
   settings.interrupt = options_.interrupt;
   solvers::Newton newton(model_.problem(), settings);
   const solvers::NewtonResult& closed = newton.close(pose);
-  if (closed.outcome != solvers::Outcome::converged) return {};
+  if (closed.end != solvers::NewtonEnd::converged) return {};
   if (options_.assemblies) return closed.x;
   const std::vector<double> x = closed.x;
   const solvers::NewtonResult& found = newton.solve(x);
-  return found.outcome == solvers::Outcome::converged ? found.x : std::vector<double>();
+  return found.end == solvers::NewtonEnd::converged ? found.x : std::vector<double>();
 }
 
 std::vector<double> StartSampler::likely(std::size_t start, solvers::RandomStream& random) const {

@@ -18,7 +18,7 @@ namespace {
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Exit code 2, one line that says `part`, and not a word elsewhere.
-void expect_bad_input(const Outcome& run, const std::string& part) {
+void expect_bad_input(const ProgramRun& run, const std::string& part) {
   EXPECT_EQ(run.exit_code, 2) << run.out << run.err;
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   EXPECT_TRUE(run.err.ends_with('\n'));
@@ -31,7 +31,7 @@ TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
   const std::string scene = folder.write("pendulum.toml", pendulum);
   for (const char* method : {"virtual-work", "energy"}) {
     for (const char* seek : {"settle", "any", "stable"}) {
-      const Outcome run = run_poise({"solve", scene, "--method", method, "--seek", seek});
+      const ProgramRun run = run_poise({"solve", scene, "--method", method, "--seek", seek});
       EXPECT_EQ(run.exit_code, 0) << run.out;
       EXPECT_EQ(run.err, "");
       EXPECT_TRUE(contains(run.out, "In equilibrium, proved: stable.")) << run.out;
@@ -45,7 +45,7 @@ TEST(CommandLine, ConfirmedEquilibriumExitsZero) {
 TEST(CommandLine, AnAnswerWithoutTimeForItsProofIsCheckedOnly) {
   const std::string scene = dataset("thesis_four_bar");
   for (const char* command : {"solve", "compare"}) {
-    const Outcome run = run_poise({command, scene, "--proof-seconds", "0"});
+    const ProgramRun run = run_poise({command, scene, "--proof-seconds", "0"});
     EXPECT_EQ(run.exit_code, 0) << run.out;
     EXPECT_TRUE(contains(run.out, "checked, not proved")) << run.out;
     EXPECT_FALSE(contains(run.out, "stable")) << run.out;
@@ -54,7 +54,7 @@ TEST(CommandLine, AnAnswerWithoutTimeForItsProofIsCheckedOnly) {
 
 TEST(CommandLine, UnstableEquilibriumIsFoundAndReportedAsUnstable) {
   const TempFolder folder;
-  const Outcome run =
+  const ProgramRun run =
       run_poise({"solve", folder.write("up.toml", pendulum), "--set", "start.rod=1.5", "--seek", "any"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(contains(run.out, "In equilibrium, proved: unstable.")) << run.out;
@@ -65,7 +65,7 @@ TEST(CommandLine, NothingFoundExitsOneAndReportsWhatWasReached) {
   const TempFolder folder;
   const std::string scene = folder.write("runaway.toml", runaway);
   for (const char* method : {"virtual-work", "energy"}) {
-    const Outcome run = run_poise({"solve", scene, "--method", method});
+    const ProgramRun run = run_poise({"solve", scene, "--method", method});
     EXPECT_EQ(run.exit_code, 1) << run.out;
     EXPECT_EQ(run.err, "");
     EXPECT_FALSE(contains(run.out, "In equilibrium")) << run.out;
@@ -78,7 +78,7 @@ TEST(CommandLine, NothingFoundExitsOneAndReportsWhatWasReached) {
 TEST(CommandLine, MethodThatDoesNotApplyNamesTheLoadAndFailsSolveButNotCompare) {
   const TempFolder folder;
   const std::string scene = folder.write("follower.toml", follower);
-  const Outcome energy = run_poise({"solve", scene, "--method", "energy"});
+  const ProgramRun energy = run_poise({"solve", scene, "--method", "energy"});
   EXPECT_EQ(energy.exit_code, 1);
   EXPECT_TRUE(contains(energy.out, "Not applicable: this method cannot solve this scene.")) << energy.out;
   EXPECT_TRUE(contains(energy.out, "force \"jet\" follows a body")) << energy.out;
@@ -86,7 +86,7 @@ TEST(CommandLine, MethodThatDoesNotApplyNamesTheLoadAndFailsSolveButNotCompare) 
 
   EXPECT_EQ(run_poise({"solve", scene}).exit_code, 0);
 
-  const Outcome both = run_poise({"compare", scene});
+  const ProgramRun both = run_poise({"compare", scene});
   EXPECT_EQ(both.exit_code, 0) << both.out;
   EXPECT_TRUE(contains(both.out, "energy        not applicable")) << both.out;
   EXPECT_TRUE(contains(both.out, "force \"jet\"")) << both.out;
@@ -135,24 +135,24 @@ guide = 0.5999865
 TEST(CommandLine, HeavyJointForcesWarnOfADeadCentre) {
   const TempFolder folder;
   const std::string scene = folder.write("knee.toml", knee);
-  const Outcome near = run_poise({"solve", scene});
+  const ProgramRun near = run_poise({"solve", scene});
   EXPECT_EQ(near.exit_code, 0) << near.out << near.err;
   EXPECT_TRUE(contains(near.out, "Near a dead centre: ")) << near.out;
   EXPECT_TRUE(contains(near.out, "for loads of 267.")) << near.out;
-  const Outcome far =
+  const ProgramRun far =
       run_poise({"solve", scene, "--set", "spring.workpiece.stiffness=1e5", "--set", "spring.workpiece.free_length=0.3",
                  "--set", "start.left=0.3", "--set", "start.right=-0.3", "--set", "start.guide=0.57"});
   EXPECT_EQ(far.exit_code, 0) << far.out << far.err;
   EXPECT_FALSE(contains(far.out, "dead centre")) << far.out;
   // Quiet: the verdict and the warning alone.
-  const Outcome quiet = run_poise({"solve", scene, "--quiet"});
+  const ProgramRun quiet = run_poise({"solve", scene, "--quiet"});
   EXPECT_EQ(std::count(quiet.out.begin(), quiet.out.end(), '\n'), 2) << quiet.out;
   EXPECT_TRUE(contains(quiet.out, "Near a dead centre")) << quiet.out;
   EXPECT_TRUE(contains(run_poise({"solve", scene, "--verbose"}).out, "  ended        ")) << "details";
 }
 
 TEST(CommandLine, NeutralEquilibriumNamesWhatIsArbitraryAndWhatIsProvedAcrossIt) {
-  const Outcome run = run_poise({"solve", dataset("hard/balanced_lamp")});
+  const ProgramRun run = run_poise({"solve", dataset("hard/balanced_lamp")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "In equilibrium, proved: neutral.")) << run.out;
   EXPECT_TRUE(contains(run.out, "direction    neutral: ")) << run.out;
@@ -168,7 +168,7 @@ TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"solve", lever}, {"compare", lever}, {"compare", lever, "--tolerances", "1e-6", "--repeat", "1"}}) {
     SCOPED_TRACE(words.front());
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_PRED2(contains, run.out, "Dry friction is left out: \"rust\" may hold the mechanism elsewhere too.");
     EXPECT_PRED2(contains, run.out, "friction \"rust\": nothing moves in statics");
@@ -181,7 +181,7 @@ TEST(CommandLine, SolveAndCompareNameWhatStaticsLeavesOut) {
 TEST(CommandLine, EnergySeeksAMinimumAndReportsWhatItCounts) {
   const TempFolder folder;
   const std::string scene = folder.write("pendulum.toml", pendulum);
-  const Outcome run = run_poise({"solve", scene, "--method", "energy", "--seek", "any", "--verbose"});
+  const ProgramRun run = run_poise({"solve", scene, "--method", "energy", "--seek", "any", "--verbose"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_PRED2(contains, run.out, "energy, seeking a minimum of the energy");
   EXPECT_PRED2(contains, run.out, "(springs in full, loads without the part that no motion changes)");
@@ -194,17 +194,17 @@ TEST(CommandLine, EnergySeeksAMinimumAndReportsWhatItCounts) {
 
 TEST(CommandLine, FreeBodiesHaveAHeadingOfTheirOwn) {
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("tray.toml", hung_tray)});
+  const ProgramRun run = run_poise({"solve", folder.write("tray.toml", hung_tray)});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_PRED2(contains, run.out, "Positions of free bodies (mm)");
   EXPECT_PRED2(contains, run.out, "tray.x");
   EXPECT_FALSE(contains(run.out, "Slides")) << run.out;
-  const Outcome moved = run_poise({"solve", folder.write("tray.toml", hung_tray), "--set", "start.tray.x=510"});
+  const ProgramRun moved = run_poise({"solve", folder.write("tray.toml", hung_tray), "--set", "start.tray.x=510"});
   EXPECT_EQ(moved.exit_code, 0) << moved.err;
 }
 
 TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
-  const Outcome run = run_poise({"compare", dataset("heaton_timme")});
+  const ProgramRun run = run_poise({"compare", dataset("heaton_timme")});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   for (const char* title :
        {"method", "status", "iterations", "evaluations", "time", "error", "stability", "energy (J)"}) {
@@ -216,7 +216,7 @@ TEST(CommandLine, CompareShowsTheMethodsSideBySideAndThatTheyAgree) {
 
 TEST(CommandLine, CompareDistinguishesEquilibria) {
   const TempFolder folder;
-  const Outcome run =
+  const ProgramRun run =
       run_poise({"compare", folder.write("up.toml", pendulum), "--set", "start.rod=1.5", "--seek", "any"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_TRUE(contains(
@@ -225,7 +225,7 @@ TEST(CommandLine, CompareDistinguishesEquilibria) {
 }
 
 TEST(CommandLine, CheckReportsMobilityRedundancyAndWhatTheModelDrops) {
-  const Outcome run = run_poise({"check", dataset("redundant_parallelogram")});
+  const ProgramRun run = run_poise({"check", dataset("redundant_parallelogram")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "4 moving bodies, 6 joints")) << run.out;
   EXPECT_TRUE(contains(run.out, "1 degree of freedom; counting bodies and joints (Gruebler) gives 0")) << run.out;
@@ -236,7 +236,7 @@ TEST(CommandLine, CheckReportsMobilityRedundancyAndWhatTheModelDrops) {
   EXPECT_TRUE(contains(run.out, "  W     coupler.B2  [0, -100] N")) << run.out;
   EXPECT_TRUE(contains(run.out, "Coordinates of the static model, and why")) << run.out;
 
-  const Outcome clamp = run_poise({"check", dataset("toggle_clamp")});
+  const ProgramRun clamp = run_poise({"check", dataset("toggle_clamp")});
   EXPECT_TRUE(contains(clamp.out, "moment of inertia of 3 bodies: nothing moves in statics")) << clamp.out;
 }
 
@@ -251,7 +251,7 @@ torsion_spring = [{ bodies = ["ground", "arm"], stiffness = 10 }]
 force = [{ name = "F", at = "arm.T", vector = [0, 10], time = { ramp = { from = 0.5, to = 1, end = 2 } } }]
 drive = [{ name = "motor", bodies = ["ground", "arm"], time = { ramp = { from = 0, to = 90, end = 2 } } }]
 )");
-  const Outcome check = run_poise({"check", scene});
+  const ProgramRun check = run_poise({"check", scene});
   EXPECT_TRUE(contains(check.out, "ramp: from 0 deg, to 90 deg, start 0 s, end 2 s")) << check.out << check.err;
   EXPECT_TRUE(contains(check.out, "F: a ramp, at t = 0 s 0.5 times what the scene gives")) << check.out;
   expect_bad_input(run_poise({"path", scene, "--vary", "load.F.time.from=0..1"}), "loads are those of one time here");
@@ -260,7 +260,7 @@ drive = [{ name = "motor", bodies = ["ground", "arm"], time = { ramp = { from = 
 TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {
   const TempFolder folder;
   const std::string scene = folder.write("open.toml", open_loop);
-  const Outcome check =
+  const ProgramRun check =
       run_poise({"check", scene, "--json", folder.path("a.json").string(), "--svg", folder.path("a.svg").string()});
   EXPECT_EQ(check.exit_code, 2);
   EXPECT_EQ(folder.names(), std::vector<std::string>{"open.toml"});
@@ -273,8 +273,8 @@ TEST(CommandLine, SceneThatCannotBeAssembledNamesTheLoopAndItsGap) {
 
 TEST(CommandLine, SetChangesTheSceneInItsOwnUnits) {
   // Below 42.9 N the von Mises toggle stays up, above it snaps through.
-  const Outcome up = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=42"});
-  const Outcome down = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=43"});
+  const ProgramRun up = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=42"});
+  const ProgramRun down = run_poise({"solve", dataset("von_mises_toggle"), "--set", "load.P=43"});
   EXPECT_EQ(up.exit_code, 0);
   EXPECT_EQ(down.exit_code, 0);
   EXPECT_TRUE(contains(up.out, "guide  0.3")) << up.out;
@@ -283,7 +283,7 @@ TEST(CommandLine, SetChangesTheSceneInItsOwnUnits) {
   // kN, and several settings at once.
   const TempFolder folder;
   const std::string scene = folder.write("workshop.toml", workshop_pendulum);
-  const Outcome both = run_poise({"solve", scene, "--set", "load.<P>=4", "--set", "start.a<b=-10"});
+  const ProgramRun both = run_poise({"solve", scene, "--set", "load.<P>=4", "--set", "start.a<b=-10"});
   EXPECT_EQ(both.exit_code, 0) << both.err;
   EXPECT_TRUE(contains(both.out, "Fx (kN)")) << both.out;
   EXPECT_TRUE(contains(both.out, "-4.00000")) << both.out;
@@ -291,13 +291,13 @@ TEST(CommandLine, SetChangesTheSceneInItsOwnUnits) {
 
 TEST(CommandLine, ActiveStopIsNamedWithItsLimit) {
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("stop.toml", against_the_stop)});
+  const ProgramRun run = run_poise({"solve", folder.write("stop.toml", against_the_stop)});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_TRUE(contains(run.out, "end   0.25 m    -  0.25 m  active at its max")) << run.out;
 }
 
 TEST(CommandLine, UndeterminedReactionsAreMarked) {
-  const Outcome run = run_poise({"solve", dataset("redundant_parallelogram")});
+  const ProgramRun run = run_poise({"solve", dataset("redundant_parallelogram")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(contains(run.out, "undetermined")) << run.out;
   EXPECT_TRUE(contains(run.out, "1 state of self-stress")) << run.out;
@@ -305,7 +305,7 @@ TEST(CommandLine, UndeterminedReactionsAreMarked) {
 
 TEST(CommandLine, LongTablesAreCut) {
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("links.toml", hanging_links(200))});
+  const ProgramRun run = run_poise({"solve", folder.write("links.toml", hanging_links(200))});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_TRUE(contains(run.out, "... and 176 more")) << run.out;
   EXPECT_LT(std::count(run.out.begin(), run.out.end(), '\n'), 80);
@@ -426,17 +426,17 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 TEST(CommandLine, VersionAndHelpExitZero) {
-  const Outcome version = run_poise({"--version"});
+  const ProgramRun version = run_poise({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_TRUE(version.out.starts_with("poise ")) << version.out;
-  const Outcome all = run_poise({"--help"});
+  const ProgramRun all = run_poise({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
   for (const char* name : {"check", "solve", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes",
                            "forces", "design", "identify", "validate", "identifiability", "plan", "montecarlo"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
-    const Outcome help = run_poise({name, "--help"});
+    const ProgramRun help = run_poise({name, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_EQ(help.err, "");
     EXPECT_TRUE(contains(help.out, "Example:\n  " + example)) << help.out;
@@ -483,7 +483,7 @@ TEST(CommandLine, EveryDatasetIsComparedAndDrawn) {
   for (const std::string& name : test::scene_names()) {
     SCOPED_TRACE(name);
     const TempFolder folder;
-    const Outcome run = run_poise({"compare", test::dataset(name).string(), "--svg", folder.path("a.svg").string()});
+    const ProgramRun run = run_poise({"compare", test::dataset(name).string(), "--svg", folder.path("a.svg").string()});
     EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
     EXPECT_EQ(objection_to_xml(contents(folder.path("a.svg"))), "");
     ++scenes;
@@ -497,7 +497,7 @@ TEST(CommandLine, AStartThatCannotBeClosedIsAFailureOfTheSearchAndNoBadInput) {
   for (const char* const command : {"solve", "compare", "check", "modes"}) {
     std::vector<std::string> words = {command, dataset("car_hood")};
     words.insert(words.end(), start.begin(), start.end());
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ(run.exit_code, 1) << command << ": " << run.err;
     EXPECT_NE(run.err.find("car_hood.toml:61: mechanism: cannot be assembled from its start: stop \"reach\""),
               std::string::npos)

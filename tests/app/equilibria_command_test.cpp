@@ -23,7 +23,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 std::string complaint(const std::string& scene, const std::vector<std::string>& further) {
   std::vector<std::string> words = {"equilibria", dataset(scene)};
   words.insert(words.end(), further.begin(), further.end());
-  const Outcome outcome = run_poise(words);
+  const ProgramRun outcome = run_poise(words);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   return outcome.err;
@@ -49,8 +49,8 @@ TEST(EquilibriaCommand, SaysInOneLineWhatItCannotRead) {
 TEST(EquilibriaCommand, WritesTheSameSetEverywhere) {
   const TempFolder folder;
   const std::string table = folder.path("e.csv"), result = folder.path("e.json"), picture = folder.path("e.svg");
-  const Outcome outcome = run_poise({"equilibria", dataset("von_mises_toggle"), "--seconds", "0", "--csv", table,
-                                     "--json", result, "--svg", picture});
+  const ProgramRun outcome = run_poise({"equilibria", dataset("von_mises_toggle"), "--seconds", "0", "--csv", table,
+                                        "--json", result, "--svg", picture});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   const json answer = json::parse(contents(result));
   EXPECT_EQ(answer["claim"], "sampled");
@@ -108,7 +108,7 @@ TEST(EquilibriaCommand, EndsWithOneWhereNothingIsProved) {
   EXPECT_EQ(run_poise({"equilibria", scene, "--seconds", "0"}).exit_code, 0);
   std::string motor = pendulum;
   motor.insert(motor.find("[start]"), "[[torque]]\nname = \"motor\"\non = \"rod\"\nvalue = 100\n");
-  const Outcome none = run_poise({"equilibria", folder.write("motor.toml", motor), "--seconds", "0"});
+  const ProgramRun none = run_poise({"equilibria", folder.write("motor.toml", motor), "--seconds", "0"});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_TRUE(contains(none.out, "0 equilibria found")) << none.out << none.err;
   EXPECT_TRUE(contains(none.out, "From the start it settles in none of these")) << none.out;
@@ -117,8 +117,8 @@ TEST(EquilibriaCommand, EndsWithOneWhereNothingIsProved) {
 TEST(EquilibriaCommand, HoldsDrivesForAssemblies) {
   const TempFolder folder;
   const std::string result = folder.path("a.json");
-  const Outcome outcome = run_poise({"equilibria", dataset("four_bar_gravity"), "--assemblies", "--drive", "crank=1",
-                                     "--seconds", "0", "--json", result});
+  const ProgramRun outcome = run_poise({"equilibria", dataset("four_bar_gravity"), "--assemblies", "--drive", "crank=1",
+                                        "--seconds", "0", "--json", result});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json answer = json::parse(contents(result));
   EXPECT_TRUE(answer["assemblies"]);
@@ -131,13 +131,14 @@ TEST(EquilibriaCommand, HoldsDrivesForAssemblies) {
             0);
   std::string driven = contents(dataset("four_bar_gravity"));
   driven.insert(driven.find("[start]"), "[[drive]]\nname = \"motor\"\nbodies = [\"ground\", \"crank\"]\nstart = 1\n");
-  const Outcome own = run_poise({"equilibria", folder.write("driven.toml", driven), "--assemblies", "--seconds", "0"});
+  const ProgramRun own =
+      run_poise({"equilibria", folder.write("driven.toml", driven), "--assemblies", "--seconds", "0"});
   EXPECT_EQ(own.exit_code, 0) << own.err;
   EXPECT_TRUE(contains(own.out, "2 assemblies found")) << own.out;
 }
 
 TEST(EquilibriaCommand, ShowsProgressOnATerminalOnly) {
-  const Outcome quiet = run_poise({"equilibria", dataset("zeeman"), "--seconds", "0", "--starts", "200", "--quiet"});
+  const ProgramRun quiet = run_poise({"equilibria", dataset("zeeman"), "--seconds", "0", "--starts", "200", "--quiet"});
   EXPECT_EQ(quiet.err, "");
   EXPECT_EQ(std::count(quiet.out.begin(), quiet.out.end(), '\n'), 1) << quiet.out;
 }

@@ -41,7 +41,7 @@ TEST(EveryCommand, RandomScenesEndInOneOfThreeWays) {
     const std::string scene = folder.write("scene.toml", test::scene_text(planted.scene));
     for (const std::vector<std::string>& words : commands_on(scene, folder)) {
       SCOPED_TRACE(fmt::format("{} of {}", words.front(), seed));
-      const Outcome outcome = run_poise(words);
+      const ProgramRun outcome = run_poise(words);
       EXPECT_TRUE(outcome.exit_code >= 0 && outcome.exit_code <= 2) << outcome.exit_code;
       for (const char* fault : {"Sanitizer", "runtime error", "poise: failed", "Assertion"}) {
         EXPECT_EQ(outcome.err.find(fault), std::string::npos) << outcome.err;

@@ -26,7 +26,7 @@ std::vector<std::string> pendulum(const std::vector<std::string>& further) {
 TEST(FoldCurveCommand, WritesTheSameCurveEverywhere) {
   const TempFolder folder;
   const std::string table = folder.path("f.csv"), result = folder.path("f.json"), chart = folder.path("f.svg");
-  const Outcome outcome = run_poise(pendulum({"--csv", table, "--json", result, "--svg", chart}));
+  const ProgramRun outcome = run_poise(pendulum({"--csv", table, "--json", result, "--svg", chart}));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_NE(outcome.out.find("1 curve of folds with 1 cusp"), std::string::npos) << outcome.out;
   const json answer = json::parse(contents(result));
@@ -44,8 +44,8 @@ TEST(FoldCurveCommand, WritesTheSameCurveEverywhere) {
 }
 
 TEST(FoldCurveCommand, SaysWhereThereIsNoFold) {
-  const Outcome outcome = run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=0..10", "--vary",
-                                     "spring.left.stiffness=900..1100", "--curve", "fold"});
+  const ProgramRun outcome = run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=0..10", "--vary",
+                                        "spring.left.stiffness=900..1100", "--curve", "fold"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.out.find("No curve of folds in load.P and spring.left.stiffness: no smooth fold"),
             std::string::npos)

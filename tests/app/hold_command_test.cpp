@@ -15,7 +15,7 @@ json hold(std::vector<std::string> words, int code = 0) {
   const std::string file = folder.path("hold.json").string();
   words.insert(words.begin(), "hold");
   words.insert(words.end(), {"--json", file});
-  const Outcome run = run_poise(words);
+  const ProgramRun run = run_poise(words);
   EXPECT_EQ(run.exit_code, code) << run.out << run.err;
   return json::parse(contents(file));
 }
@@ -46,12 +46,12 @@ TEST(HoldCommand, DrawerMovesFromItsPullOn) {
 }
 
 TEST(HoldCommand, APoseThatIsHeldIsSoOutsideOfTheRangeToo) {
-  const Outcome none = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=5..9"});
+  const ProgramRun none = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=5..9"});
   EXPECT_NE(none.out.find("now          3 N, held, outside of the range"), std::string::npos) << none.out;
   EXPECT_NE(none.out.find("no value of it that was asked for is held"), std::string::npos) << none.out;
-  const Outcome some = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=3.2..9"});
+  const ProgramRun some = run_poise({"hold", dataset("friction/drawer"), "--vary", "load.P=3.2..9"});
   EXPECT_NE(some.out.find("now          3 N, held, outside of the range"), std::string::npos) << some.out;
-  const Outcome slips = run_poise({"hold", dataset("friction/drawer"), "--set", "load.P=4", "--vary", "load.P"});
+  const ProgramRun slips = run_poise({"hold", dataset("friction/drawer"), "--set", "load.P=4", "--vary", "load.P"});
   EXPECT_NE(slips.out.find("now          4 N, not held"), std::string::npos) << slips.out;
 }
 
@@ -85,7 +85,7 @@ TEST(HoldCommand, CapstanOfTheDataset) {
   EXPECT_NEAR(found["range"]["upper"]["value"].get<double>(), 400 * std::exp(0.3 * M_PI), 1e-7);
   EXPECT_EQ(found["range"]["upper"]["slips"][0]["name"], "rope on ground.O");
   EXPECT_EQ(found["friction"][0]["kind"], "rope");
-  const Outcome solved = run_poise({"forces", dataset("friction/capstan")});
+  const ProgramRun solved = run_poise({"forces", dataset("friction/capstan")});
   EXPECT_NE(solved.out.find("Friction of the rope \"rope\""), std::string::npos) << solved.out << solved.err;
 }
 
@@ -98,7 +98,7 @@ TEST(HoldCommand, ToggleOfTheDataset) {
 
 TEST(HoldCommand, RefusesByName) {
   const auto refused = [](const std::vector<std::string>& words, const std::string& message) {
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
   };
@@ -107,16 +107,17 @@ TEST(HoldCommand, RefusesByName) {
 }
 
 TEST(HoldCommand, MotionTreatsFrictionOfJoints) {
-  const Outcome swings = run_poise({"motion", dataset("friction/bearing"), "--release", "arm=60", "--duration", "1"});
+  const ProgramRun swings =
+      run_poise({"motion", dataset("friction/bearing"), "--release", "arm=60", "--duration", "1"});
   EXPECT_EQ(swings.exit_code, 0) << swings.err;
   const std::vector<std::string> wedge{"motion", dataset("friction/wedge"), "--from", "start", "--duration", "1"};
   // Without a mass the wedge may also leave the block that falls, with no force between them.
-  const Outcome massless = run_poise(wedge);
+  const ProgramRun massless = run_poise(wedge);
   EXPECT_EQ(massless.exit_code, 1);
   EXPECT_NE(massless.out.find("may hold or let go"), std::string::npos) << massless.out << massless.err;
   std::vector<std::string> with_mass = wedge;
   with_mass.insert(with_mass.end(), {"--set", "body.wedge.mass=2"});
-  const Outcome held = run_poise(with_mass);
+  const ProgramRun held = run_poise(with_mass);
   EXPECT_EQ(held.exit_code, 0) << held.out << held.err;
 }
 
@@ -190,7 +191,7 @@ TEST(HoldCommand, SaysWhereContactsPressOnGuides) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"hold", file},
                                                 {"solve", file},
                                                 {"forces", file, "--drive", "cam=30", "--rate", "1"}}) {
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_NE((run.out + run.err).find(expected), std::string::npos) << words[0] << "\n" << run.out << run.err;
   }
   // Not where the scene has the roller.
@@ -201,15 +202,15 @@ TEST(HoldCommand, SaysWhereContactsPressOnGuides) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"hold", known},
                                                 {"forces", known, "--drive", "cam=30", "--rate", "1"},
                                                 {"motion", known, "--from", "start", "--duration", "0.001"}}) {
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ((run.out + run.err).find("riction leaves out"), std::string::npos) << words[0] << run.out << run.err;
   }
-  const Outcome plain = run_poise({"solve", dataset("offset_cam")});
+  const ProgramRun plain = run_poise({"solve", dataset("offset_cam")});
   EXPECT_EQ((plain.out + plain.err).find("Friction leaves out"), std::string::npos) << plain.out;
 }
 
 TEST(HoldCommand, OthersSayThatFrictionIsLeftOut) {
-  const Outcome solved = run_poise({"solve", dataset("friction/drawer")});
+  const ProgramRun solved = run_poise({"solve", dataset("friction/drawer")});
   EXPECT_NE(solved.out.find("friction"), std::string::npos) << solved.out << solved.err;
   EXPECT_NE(solved.out.find("as drawn"), std::string::npos) << solved.out;
 }

@@ -36,7 +36,7 @@ std::string page_of(const TempFolder& folder, Words words, int exit_code = 0,
                     const std::vector<std::string>& environment = {}) {
   const std::string file = folder.path("page.html").string();
   words.insert(words.end(), {"--html", file});
-  const Outcome run = run_poise(words, environment);
+  const ProgramRun run = run_poise(words, environment);
   EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
   EXPECT_NE(run.out.find("wrote " + file), std::string::npos) << run.out;
   return contents(file);
@@ -91,7 +91,7 @@ TEST(Html, EveryCommandWritesAPageWithoutGnuplot) {
     const std::string file = folder.path("page.html").string(), data = folder.path("data.json").string();
     Words all = words;
     all.insert(all.end(), {"--html", file, "--json", data});
-    const Outcome run = run_poise(all, {"PATH=" + empty.path("").string()});
+    const ProgramRun run = run_poise(all, {"PATH=" + empty.path("").string()});
     ASSERT_LT(run.exit_code, 2) << run.err;
     const json page = document_of(contents(file));
     EXPECT_EQ(page["command"], words.front());
@@ -227,14 +227,14 @@ TEST(Html, UnwritablePathIsFoundBeforeTheWork) {
   const std::string scene = folder.write("a.toml", pendulum), data = folder.path("a.json").string();
   const Words before = folder.names();
   for (const std::string& path : {folder.path("no/such/folder/a.html").string(), folder.path("").string(), scene}) {
-    const Outcome run = run_poise({"solve", scene, "--json", data, "--html", path});
+    const ProgramRun run = run_poise({"solve", scene, "--json", data, "--html", path});
     EXPECT_EQ(run.exit_code, 2) << path;
     EXPECT_EQ(run.out, "");
     EXPECT_NE(run.err.find("--html"), std::string::npos) << run.err;
     EXPECT_EQ(times(run.err, "\n"), 1U) << run.err;
     EXPECT_EQ(folder.names(), before);
   }
-  const Outcome same = run_poise({"solve", scene, "--json", data, "--html", data});
+  const ProgramRun same = run_poise({"solve", scene, "--json", data, "--html", data});
   EXPECT_EQ(same.exit_code, 2);
   EXPECT_NE(same.err.find("--html"), std::string::npos) << same.err;
   EXPECT_EQ(folder.names(), before);

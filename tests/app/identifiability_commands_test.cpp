@@ -41,7 +41,7 @@ TEST(IdentifiabilityCommand, PredictsTheLiftBeforeAnyData) {
 }
 
 TEST(IdentifiabilityCommand, NamesTheScaleAndTheRemedy) {
-  const Outcome run = run_poise({"identifiability", dataset("lift_experiment_empty"), "--base"});
+  const ProgramRun run = run_poise({"identifiability", dataset("lift_experiment_empty"), "--base"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "4 of 4 parameters are not identifiable from these data.")) << run.out;
   EXPECT_TRUE(has(run.out, "overall scale")) << run.out;
@@ -134,11 +134,11 @@ TEST(IdentifiabilityCommand, GivesCombinationsInPlaceOfWhatIsWithheld) {
   EXPECT_EQ(c["coefficient"][c["words"].get<std::string>().substr(0, 1)], 1.0) << c;
   EXPECT_TRUE(c["over"].is_null()) << c;
   EXPECT_GT(c["standard_error"], 0.0);
-  const Outcome shown = run_poise({"identifiability", file});
+  const ProgramRun shown = run_poise({"identifiability", file});
   EXPECT_TRUE(has(shown.out, "Combinations that are identifiable")) << shown.out;
   folder.write("arm.toml", arm);
   folder.write("arm_experiment.toml", arm_experiment);
-  const Outcome run = run_poise({"identifiability", file});
+  const ProgramRun run = run_poise({"identifiability", file});
   EXPECT_TRUE(has(run.out,
                   "3 of 4: 1 direction changes no motion of this mechanism (structural, from its equations "
                   "of motion)"))
@@ -160,7 +160,7 @@ TEST(IdentifyCommand, PrintsANumberThatIsZeroWithItsError) {
   EXPECT_EQ(c["poorly_determined"], true) << c;
   EXPECT_LT(std::abs(c["value"].get<double>()), 5 * c["standard_error"].get<double>());
   EXPECT_GT(c["standard_error"], 1e-4 / 3);
-  const Outcome run = run_poise({"identify", file});
+  const ProgramRun run = run_poise({"identify", file});
   EXPECT_TRUE(has(run.out, "poorly determined")) << run.out;
   EXPECT_TRUE(has(run.out, "Withheld: 3 of 4 estimates")) << run.out;
   EXPECT_FALSE(has(run.out, "Combinations")) << run.out;
@@ -260,7 +260,7 @@ TEST(ExperimentCommands, BadWordsAreNamed) {
       {{"montecarlo", good, "--jobs", "-1"}, "--jobs: expected"}};
   const std::vector<std::string> before = folder.names();
   for (const auto& [words, says] : cases) {
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ(run.exit_code, 2) << says;
     EXPECT_EQ(run.out, "") << says;
     EXPECT_TRUE(has(run.err, says)) << says << "\n" << run.err;

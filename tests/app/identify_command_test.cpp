@@ -30,7 +30,7 @@ std::filesystem::path measured_pendulum() {
 TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
   const TempFolder folder;
   const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
-  const Outcome run = run_poise({"identify", file});
+  const ProgramRun run = run_poise({"identify", file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::size_t at = 0;
   for (const char* part : {"Converged: residuals agree with the stated noise.\n", "\nEstimates\n", "standard error",
@@ -117,7 +117,7 @@ TEST(IdentifyCommand, SaysWhichStopsTheMotionPasses) {
   folder.write("wheel.toml", std::string(wheel) +
                                  "[[stop]]\nname = \"bar\"\nbodies = [\"ground\", \"wheel\"]\nmin = -10\n"
                                  "[[stop]]\nname = \"far\"\nbodies = [\"ground\", \"wheel\"]\nmax = 90\n");
-  const Outcome run = run_poise({"identify", file, "--quiet"});
+  const ProgramRun run = run_poise({"identify", file, "--quiet"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "Run \"only\" moves through bar at t = 0.5693 s: stops do not act in motion.")) << run.out;
   EXPECT_FALSE(has(run.out, "far")) << run.out;
@@ -154,7 +154,7 @@ TEST(IdentifyCommand, FindsTheLift) {
 TEST(IdentifyCommand, WithholdsAScaleThatIsNotIdentifiable) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
-  const Outcome run = run_poise({"identify", dataset("lift_experiment_empty"), "--json", file});
+  const ProgramRun run = run_poise({"identify", dataset("lift_experiment_empty"), "--json", file});
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_TRUE(has(run.out, "overall scale")) << run.out;
   EXPECT_TRUE(has(run.out, "known payload")) << run.out;
@@ -215,8 +215,8 @@ TEST(IdentifyCommand, ReadsBackWhatMotionWrote) {
   const TempFolder folder;
   const std::string csv = folder.path("wheel.csv").string();
   const std::string file = experiment(folder, std::string(wheel_unknowns) + "[[run]]\ndata = \"wheel.csv\"\n");
-  const Outcome moved = run_poise({"motion", folder.path("wheel.toml").string(), "--duration", "6", "--rate", "200",
-                                   "--from", "start", "--release", "wheel=20", "--noise", "0.02", "--csv", csv});
+  const ProgramRun moved = run_poise({"motion", folder.path("wheel.toml").string(), "--duration", "6", "--rate", "200",
+                                      "--from", "start", "--release", "wheel=20", "--noise", "0.02", "--csv", csv});
   ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
   const std::string text = contents(csv);
   folder.write("wheel.csv", "time,turn" + text.substr(text.find(",wheel") + 6));
@@ -320,14 +320,14 @@ TEST(IdentifyCommand, GivesPerCentsOfEstimatesWhereTheSceneHasZero) {
   const std::string undamped = std::string(wheel).replace(std::string(wheel).find("0.01047"), 20, "0");
   const std::string file =
       experiment(folder, std::string(wheel_unknowns) + "start = 0.01\n[[run]]\ndata = \"wheel.csv\"\n");
-  const Outcome moved =
+  const ProgramRun moved =
       run_poise({"motion", folder.path("wheel.toml").string(), "--duration", "6", "--rate", "200", "--from", "start",
                  "--release", "wheel=20", "--noise", "0.02", "--csv", folder.path("wheel.csv").string()});
   ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
   const std::string text = contents(folder.path("wheel.csv"));
   folder.write("wheel.csv", "time,turn" + text.substr(text.find(",wheel") + 6));
   folder.write("wheel.toml", undamped);
-  const Outcome run = run_poise({"identify", file});
+  const ProgramRun run = run_poise({"identify", file});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::istringstream lines(run.out);
   std::string line;
@@ -350,7 +350,7 @@ TEST(IdentifyCommand, WarnsOfAnIncompleteModel) {
     data += std::to_string(t) + "," + std::to_string(20 * std::cos(4 * t) + 3 * std::sin(7 * t)) + "\n";
   }
   folder.write("wheel.csv", data);
-  const Outcome run = run_poise({"identify", file});
+  const ProgramRun run = run_poise({"identify", file});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "Converged with a misfit: the residuals are")) << run.out;
   EXPECT_TRUE(has(run.out, "not white")) << run.out;
@@ -382,7 +382,7 @@ TEST(IdentifyCommand, DrawsSomeOfManySensorsAndNamesTheOthers) {
     text += "[[sensor]]\nname = \"copy " + std::to_string(i) + "\"\nangle = \"wheel\"\nnoise = 0.02\n" +
             (i % 2 == 0 ? "rate = true\n" : "");
   }
-  const Outcome run = run_poise({"identify", experiment(folder, text + one_run), "--svg", svg});
+  const ProgramRun run = run_poise({"identify", experiment(folder, text + one_run), "--svg", svg});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "picture: 6 of 8 sensors, those with the largest residuals over their noise; not drawn: "))
       << run.out;

@@ -20,8 +20,8 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 TEST(KinematicsCommand, WritesTheSameNumbersEverywhere) {
   const TempFolder folder;
   const std::string table = folder.path("k.csv"), result = folder.path("k.json"), chart = folder.path("k.svg");
-  const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", "crank=-100..-20", "--steps", "8",
-                                     "--rate", "10", "--csv", table, "--json", result, "--svg", chart});
+  const ProgramRun outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", "crank=-100..-20", "--steps", "8",
+                                        "--rate", "10", "--csv", table, "--json", result, "--svg", chart});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "Driven through the whole range."));
   const json answer = json::parse(contents(result));
@@ -48,7 +48,7 @@ TEST(KinematicsCommand, ShowsAScreenAndMoreOnDemand) {
   const auto shown = [&](const std::vector<std::string>& further) {
     std::vector<std::string> all = words;
     all.insert(all.end(), further.begin(), further.end());
-    const Outcome outcome = run_poise(all);
+    const ProgramRun outcome = run_poise(all);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out;
   };
@@ -69,7 +69,7 @@ TEST(KinematicsCommand, ShowsAScreenAndMoreOnDemand) {
 TEST(KinematicsCommand, DrawsTheMechanismAndThePathOfAPoint) {
   const TempFolder folder;
   const std::string picture = folder.path("k.svg");
-  const Outcome outcome = run_poise(
+  const ProgramRun outcome = run_poise(
       {"kinematics", dataset("six_bar"), "--drive", "crank=-100..-20", "--point", "coupler.B", "--svg", picture});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string text = contents(picture);
@@ -80,7 +80,7 @@ TEST(KinematicsCommand, DrawsTheMechanismAndThePathOfAPoint) {
 }
 
 TEST(KinematicsCommand, NamesTheDeadCentreAndExitsOne) {
-  const Outcome outcome = run_poise({"kinematics", dataset("thesis_four_bar"), "--drive", "link4=0..360"});
+  const ProgramRun outcome = run_poise({"kinematics", dataset("thesis_four_bar"), "--drive", "link4=0..360"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_TRUE(contains(outcome.out, "cannot be driven beyond link4 = 102.79")) << outcome.out;
   EXPECT_TRUE(contains(outcome.out, "link6 and link7 are in line")) << outcome.out;
@@ -130,7 +130,7 @@ axis = [1, 0]
 tube = 0.1
 shock = 110
 )");
-  const Outcome outcome = run_poise({"kinematics", scene, "--drive", "shock=160..60"});
+  const ProgramRun outcome = run_poise({"kinematics", scene, "--drive", "shock=160..60"});
   EXPECT_EQ(outcome.exit_code, 1);
   // |T - R| - |S - R| of the points.
   EXPECT_NE(outcome.out.find("cannot be driven beyond shock = 109.3812"), std::string::npos) << outcome.out;
@@ -142,7 +142,8 @@ shock = 110
 TEST(KinematicsCommand, EndsAtAStopAndReportsIt) {
   const TempFolder folder;
   const std::string result = folder.path("k.json");
-  const Outcome outcome = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=0.8..1.3", "--json", result});
+  const ProgramRun outcome =
+      run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=0.8..1.3", "--json", result});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_TRUE(contains(outcome.out, "Driven up to a stop: the stop \"reach\" is reached at hood = 0.9669"))
       << outcome.out;
@@ -151,21 +152,21 @@ TEST(KinematicsCommand, EndsAtAStopAndReportsIt) {
   EXPECT_EQ(answer["stop"], json({{"name", "reach"}, {"limit", "max"}, {"value", 0.44}}));
   const double x = answer["samples"]["hood.H.x"].back(), y = answer["samples"]["hood.H.y"].back();
   EXPECT_NEAR(std::hypot(x - 0.27, y + 0.08), 0.44, 1e-14);
-  const Outcome beyond = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=1.3"});
+  const ProgramRun beyond = run_poise({"kinematics", dataset("car_hood"), "--drive", "hood=1.3"});
   EXPECT_EQ(beyond.exit_code, 2);
   EXPECT_TRUE(contains(beyond.err, "the stop \"reach\" is reached at hood = ")) << beyond.err;
 }
 
 TEST(KinematicsCommand, NamesWhatItCannotRead) {
   const auto complaint = [](const std::string& drive) {
-    const Outcome outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", drive});
+    const ProgramRun outcome = run_poise({"kinematics", dataset("six_bar"), "--drive", drive});
     EXPECT_EQ(outcome.exit_code, 2);
     return outcome.err;
   };
   EXPECT_TRUE(contains(complaint("cranc=0..1"), "did you mean \"crank\"?"));
   EXPECT_TRUE(contains(complaint("crank=0..x"), "is no range of numbers"));
   EXPECT_TRUE(contains(complaint("crank"), "there is no \"=\""));
-  const Outcome chain = run_poise({"kinematics", dataset("thesis_chain"), "--drive", "link2=0..1"});
+  const ProgramRun chain = run_poise({"kinematics", dataset("thesis_chain"), "--drive", "link2=0..1"});
   EXPECT_EQ(chain.exit_code, 2);
   EXPECT_TRUE(contains(chain.err, "drive 1 more, of link1, link3, link4")) << chain.err;
 }
@@ -173,7 +174,7 @@ TEST(KinematicsCommand, NamesWhatItCannotRead) {
 TEST(DesignCommand, WritesASceneThatMovesAsReported) {
   const TempFolder folder;
   const std::string found = folder.path("found.toml"), result = folder.path("d.json");
-  const Outcome outcome =
+  const ProgramRun outcome =
       run_poise({"design", dataset("lift_design"), "--seed", "16", "--scene", found, "--json", result});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "confirmed by the general kinematics"));
@@ -181,7 +182,7 @@ TEST(DesignCommand, WritesASceneThatMovesAsReported) {
   EXPECT_TRUE(answer["met"].get<bool>());
   const std::string range = "obd=" + answer["drive"]["from"].dump() + ".." + answer["drive"]["to"].dump();
   const std::string swept = folder.path("k.json");
-  const Outcome moved = run_poise({"kinematics", found, "--drive", range, "--json", swept});
+  const ProgramRun moved = run_poise({"kinematics", found, "--drive", range, "--json", swept});
   ASSERT_EQ(moved.exit_code, 0) << moved.out << moved.err;
   double low = 1e300, high = -1e300;
   const json motion = json::parse(contents(swept));
@@ -196,13 +197,13 @@ TEST(DesignCommand, SceneMustBeAFileOfItsOwn) {
   const TempFolder folder;
   const std::string same = folder.path("same").string();
   for (const char* option : {"--json", "--markdown"}) {
-    const Outcome outcome = run_poise({"design", dataset("lift_design"), "--scene", same, option, same});
+    const ProgramRun outcome = run_poise({"design", dataset("lift_design"), "--scene", same, option, same});
     EXPECT_EQ(outcome.exit_code, 2) << option;
     EXPECT_TRUE(contains(outcome.err, "--scene: ")) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "expected another file")) << outcome.err;
   }
   for (const char* read : {"lift_design", "lift"}) {
-    const Outcome outcome = run_poise({"design", dataset("lift_design"), "--scene", dataset(read)});
+    const ProgramRun outcome = run_poise({"design", dataset("lift_design"), "--scene", dataset(read)});
     EXPECT_EQ(outcome.exit_code, 2) << read;
     EXPECT_TRUE(contains(outcome.err, "expected another file")) << outcome.err;
   }
@@ -210,7 +211,7 @@ TEST(DesignCommand, SceneMustBeAFileOfItsOwn) {
 }
 
 TEST(DesignCommand, ExitsOneWhereItFindsNothing) {
-  const Outcome outcome = run_poise({"design", dataset("lift_design"), "--starts", "1"});
+  const ProgramRun outcome = run_poise({"design", dataset("lift_design"), "--starts", "1"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_TRUE(contains(outcome.out, "No dimensions meet all goals yet")) << outcome.out;
 }

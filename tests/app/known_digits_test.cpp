@@ -50,7 +50,7 @@ arm = 0.3
 )";
 
 std::string text_of(const std::vector<std::string>& command) {
-  const Outcome ran = run_poise(command);
+  const ProgramRun ran = run_poise(command);
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   return ran.out;
 }

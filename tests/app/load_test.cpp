@@ -29,11 +29,11 @@ TEST(Load, CommandsPrintTheSameOnABusyMachine) {
       {"tolerance", dataset("toggle_clamp"), "--tolerances", dataset("toggle_clamp_tolerances"), "--of", "force.rubber",
        "--samples", "3000", "--jobs", "2"},
       {"identify", dataset("lift_experiment")}};
-  std::vector<Outcome> quiet;
+  std::vector<ProgramRun> quiet;
   for (const std::vector<std::string>& words : commands) quiet.push_back(run_poise(words));
   const test::BusyMachine busy;
   for (std::size_t k = 0; k < commands.size(); ++k) {
-    const Outcome again = run_poise(commands[k]);
+    const ProgramRun again = run_poise(commands[k]);
     EXPECT_EQ(again.exit_code, quiet[k].exit_code) << commands[k].front();
     EXPECT_EQ(without_times(again.out), without_times(quiet[k].out));
     EXPECT_EQ(again.err, quiet[k].err);

@@ -17,7 +17,7 @@ json loads_of(const std::string& scene, int exit_code, std::vector<std::string> 
   const std::string file = folder.path("loads.json").string();
   std::vector<std::string> words{"loads", scene, "--json", file};
   words.insert(words.end(), more.begin(), more.end());
-  const Outcome outcome = run_poise(words);
+  const ProgramRun outcome = run_poise(words);
   EXPECT_EQ(outcome.exit_code, exit_code) << outcome.out << outcome.err;
   return json::parse(contents(file));
 }
@@ -86,7 +86,7 @@ TEST(LoadsCommand, InMotionCarriesInertia) {
 
 TEST(LoadsCommand, InMotionRefusesWhatBelongsToStatics) {
   const auto complaint = [](std::vector<std::string> words) {
-    const Outcome outcome = run_poise(words);
+    const ProgramRun outcome = run_poise(words);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
     return outcome.err;
   };
@@ -98,7 +98,7 @@ TEST(LoadsCommand, InMotionRefusesWhatBelongsToStatics) {
 }
 
 TEST(LoadsCommand, NeedsASection) {
-  const Outcome outcome = run_poise({"loads", dataset("toggle_clamp")});
+  const ProgramRun outcome = run_poise({"loads", dataset("toggle_clamp")});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("expected a body with a section"), std::string::npos) << outcome.err;
 }
@@ -106,7 +106,7 @@ TEST(LoadsCommand, NeedsASection) {
 TEST(LoadsCommand, DrawsItsDiagrams) {
   const TempFolder folder;
   const std::string svg = folder.path("loads.svg").string();
-  const Outcome outcome = run_poise({"loads", dataset("structures/three_hinged_portal"), "--svg", svg});
+  const ProgramRun outcome = run_poise({"loads", dataset("structures/three_hinged_portal"), "--svg", svg});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string drawn = contents(svg);
   EXPECT_NE(drawn.find("Bending moment, on the stretched side"), std::string::npos);

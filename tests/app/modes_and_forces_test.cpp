@@ -40,13 +40,13 @@ bar = 30
 json json_of(const TempFolder& folder, std::vector<std::string> words, int exit_code) {
   const std::string file = folder.path("result.json").string();
   words.insert(words.end(), {"--json", file});
-  const Outcome run = run_poise(words);
+  const ProgramRun run = run_poise(words);
   EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
   return json::parse(contents(file));
 }
 
 TEST(ModesCommand, ShowsFrequencyAndDampingOfTheLift) {
-  const Outcome run = run_poise({"modes", dataset("lift")});
+  const ProgramRun run = run_poise({"modes", dataset("lift")});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("2.703665518"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("0.0169807"), std::string::npos) << run.out;
@@ -97,7 +97,7 @@ TEST(ShakyMechanism, IsNamedByEveryCommandThatMeetsIt) {
   };
   for (const Case& one : {Case{"check", scene, 0}, Case{"solve", scene, 0}, Case{"compare", scene, 0},
                           Case{"equilibria", scene, 0}, Case{"modes", scene, 1}, Case{"identify", experiment, 1}}) {
-    const Outcome run = run_poise({one.command, one.file});
+    const ProgramRun run = run_poise({one.command, one.file});
     EXPECT_EQ(run.exit_code, one.exit_code) << one.command << run.out << run.err;
     EXPECT_NE(run.out.find(words), std::string::npos) << one.command << run.out;
     const json r = json_of(folder, {one.command, one.file}, one.exit_code);
@@ -121,7 +121,7 @@ TEST(ShakyMechanism, IsNoParallelogram) {
   const TempFolder folder;
   const std::string scene = folder.write("parallelogram.toml", test::three_links(0));
   for (const std::string command : {"solve", "modes"}) {
-    const Outcome run = run_poise({command, scene});
+    const ProgramRun run = run_poise({command, scene});
     EXPECT_EQ(run.exit_code, 0) << command << run.out << run.err;
     EXPECT_EQ(run.out.find("infinitesimal"), std::string::npos) << command << run.out;
     const json r = json_of(folder, {command, scene}, 0);
@@ -136,12 +136,12 @@ TEST(ModesCommand, ReportsWhetherItIsStable) {
   EXPECT_NE(run_poise({"modes", scene, "--seek", "stable"})
                 .out.find("It oscillates about this equilibrium: stable, 1 mode.\n"),
             std::string::npos);
-  const Outcome upright = run_poise({"modes", scene, "--set", "start.bar=90"});
+  const ProgramRun upright = run_poise({"modes", scene, "--set", "start.bar=90"});
   EXPECT_NE(upright.out.find("Unstable equilibrium: 1 mode diverges.\n"), std::string::npos) << upright.out;
 }
 
 TEST(ModesCommand, ReportsWhyModesAreUnknown) {
-  const Outcome run = run_poise({"modes", dataset("thesis_chain")});
+  const ProgramRun run = run_poise({"modes", dataset("thesis_chain")});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.out.find("no body that can move has inertia"), std::string::npos) << run.out;
 }
@@ -186,17 +186,17 @@ TEST(ForcesCommand, ShowsPowerOnlyWhereSomethingMoves) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);
   for (const char* drive : {"bar", "bar=0..90"}) {
-    const Outcome still = run_poise({"forces", scene, "--drive", drive});
+    const ProgramRun still = run_poise({"forces", scene, "--drive", drive});
     EXPECT_EQ(still.out.find("power"), std::string::npos) << still.out;
   }
-  const Outcome moving = run_poise({"forces", scene, "--drive", "bar=0..90", "--rate", "90"});
+  const ProgramRun moving = run_poise({"forces", scene, "--drive", "bar=0..90", "--rate", "90"});
   EXPECT_NE(moving.out.find("power (N mm/s)"), std::string::npos) << moving.out;
 }
 
 TEST(ForcesCommand, DrawsTheMechanismInASinglePose) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor), svg = folder.path("f.svg");
-  const Outcome run =
+  const ProgramRun run =
       run_poise({"forces", scene, "--drive", "bar", "--svg", svg}, {"PATH=" + folder.path("").string()});
   ASSERT_EQ(run.exit_code, 0) << "no gnuplot is needed: " << run.err;
   const std::string text = contents(svg);
@@ -242,11 +242,11 @@ TEST(ForcesCommand, ReportsWhereTheDeadPointIs) {
   const std::string scene = folder.write("crank.toml", slider_crank);
   const std::string words = "Dead point: at rail = 400 mm no finite force of the drive holds the load.\n";
   for (const char* drive : {"rail=350..450", "rail=400"}) {
-    const Outcome run = run_poise({"forces", scene, "--drive", drive, "--quiet"});
+    const ProgramRun run = run_poise({"forces", scene, "--drive", drive, "--quiet"});
     EXPECT_EQ(run.exit_code, 1);
     EXPECT_TRUE(run.out.ends_with(words)) << drive << run.out;
   }
-  const Outcome passed = run_poise({"forces", scene, "--drive", "rail=350..450", "--quiet"});
+  const ProgramRun passed = run_poise({"forces", scene, "--drive", "rail=350..450", "--quiet"});
   EXPECT_EQ(passed.out.find("Driven in part only: the mechanism cannot be driven beyond rail = 400 mm: dead centre "),
             0U)
       << passed.out;
@@ -276,7 +276,7 @@ TEST(ForcesCommand, BalancesARecordedMotion) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);
   const std::string record = folder.path("motion.csv").string();
-  const Outcome moved =
+  const ProgramRun moved =
       run_poise({"motion", scene, "--duration", "1", "--rate", "500", "--from", "start", "--csv", record});
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
   const json r = json_of(folder, {"forces", scene, "--motion", record}, 0);
@@ -318,7 +318,7 @@ TEST(ForcesCommand, EndsTheRangeAtAStopAndReportsIt) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
   EXPECT_EQ(objection_to_xml(contents(svg)), "");
   EXPECT_NE(contents(svg).find("up to the stop"), std::string::npos);
-  const Outcome run = run_poise({"forces", scene, "--drive", "bar=0..-90"});
+  const ProgramRun run = run_poise({"forces", scene, "--drive", "bar=0..-90"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_NE(run.out.find("ends early: the stop \"floor\" is reached at bar = -45 deg (its min, -45 deg)"),
             std::string::npos)
@@ -328,7 +328,7 @@ TEST(ForcesCommand, EndsTheRangeAtAStopAndReportsIt) {
 TEST(ForcesCommand, RejectsASinglePoseBeyondAStop) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
-  const Outcome put = run_poise({"forces", scene, "--drive", "bar=-60"});
+  const ProgramRun put = run_poise({"forces", scene, "--drive", "bar=-60"});
   EXPECT_EQ(put.exit_code, 2);
   EXPECT_NE(put.err.find("the stop \"floor\" is reached at bar = -45 deg"), std::string::npos) << put.err;
   const std::string driven = folder.write("driven.toml", motor_with_stop(R"(
@@ -337,10 +337,10 @@ name = "servo"
 bodies = ["ground", "bar"]
 start = 75
 )"));
-  const Outcome stands = run_poise({"forces", driven});
+  const ProgramRun stands = run_poise({"forces", driven});
   EXPECT_EQ(stands.exit_code, 2);
   EXPECT_NE(stands.err.find("beyond the stop \"floor\" by 15 deg"), std::string::npos) << stands.err;
-  const Outcome at_it = run_poise({"forces", scene, "--drive", "bar", "--set", "start.bar=60"});
+  const ProgramRun at_it = run_poise({"forces", scene, "--drive", "bar", "--set", "start.bar=60"});
   EXPECT_EQ(at_it.exit_code, 0);
   EXPECT_NE(at_it.out.find("\"floor\" is in contact without force"), std::string::npos) << at_it.out;
 }
@@ -350,7 +350,7 @@ TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
   const std::string record = folder.path("motion.csv").string();
-  const Outcome moved =
+  const ProgramRun moved =
       run_poise({"motion", scene, "--duration", "1", "--rate", "100", "--from", "start", "--csv", record});
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
   const json r = json_of(folder, {"forces", scene, "--motion", record, "--drive", "bar"}, 0);
@@ -359,7 +359,7 @@ TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   EXPECT_EQ(overrun[0], 0.0);
   const double most = *std::max_element(overrun.begin(), overrun.end());
   EXPECT_GT(most, 90.0);
-  const Outcome said = run_poise({"forces", scene, "--motion", record, "--drive", "bar"});
+  const ProgramRun said = run_poise({"forces", scene, "--motion", record, "--drive", "bar"});
   EXPECT_NE(said.out.find("Stop \"floor\" is passed in "), std::string::npos) << said.out;
 }
 
@@ -369,7 +369,7 @@ TEST(ForcesCommand, WarnsWhereTheDriveWorksAgainstASpring) {
   const std::string lift = dataset("lift");
   const json against = json_of(folder, {"forces", lift, "--drive", "stroke=0.5..0.79"}, 0);
   EXPECT_EQ(against["parallel"], json({{{"element", "spring.oil"}, {"drive", "stroke"}}}));
-  const Outcome said = run_poise({"forces", lift, "--drive", "stroke=0.5..0.79"});
+  const ProgramRun said = run_poise({"forces", lift, "--drive", "stroke=0.5..0.79"});
   EXPECT_NE(said.out.find("spring.oil acts in parallel with the drive \"stroke\""), std::string::npos) << said.out;
   EXPECT_NE(said.out.find("--set \"spring.oil.stiffness=0\" leaves it out"), std::string::npos) << said.out;
   const json still =
@@ -387,7 +387,7 @@ TEST(ForcesCommand, WarnsWhereTheDriveWorksAgainstASpring) {
 TEST(ForcesCommand, CsvHoldsEveryPose) {
   const TempFolder folder;
   const std::string file = folder.path("f.csv").string();
-  const Outcome run = run_poise({"forces", dataset("four_bar_gravity"), "--drive", "crank=0..6", "--csv", file});
+  const ProgramRun run = run_poise({"forces", dataset("four_bar_gravity"), "--drive", "crank=0..6", "--csv", file});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::istringstream lines(contents(file));
   std::string header, line;
@@ -402,7 +402,7 @@ TEST(ForcesCommand, NamesWhatIsWrong) {
   const std::string scene = dataset("four_bar_gravity");
   const auto complaint = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"forces", scene});
-    const Outcome run = run_poise(words);
+    const ProgramRun run = run_poise(words);
     EXPECT_EQ(run.exit_code, 2) << run.out;
     return run.err;
   };

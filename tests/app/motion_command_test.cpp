@@ -84,8 +84,8 @@ std::vector<std::string> words(const std::string& scene, const std::vector<std::
 TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   const TempFolder folder;
   const std::string csv = folder.path("a.csv").string();
-  const Outcome run = run_poise(words(folder.write("a.toml", oscillator),
-                                      {"--duration", "2", "--rate", "500", "--release", "rail=7", "--csv", csv}));
+  const ProgramRun run = run_poise(words(folder.write("a.toml", oscillator),
+                                         {"--duration", "2", "--rate", "500", "--release", "rail=7", "--csv", csv}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   const CsvTable table = read_csv(csv, {"time", "rail", "rail.rate", "energy.kinetic", "block.C.x", "block.C.y"});
   ASSERT_EQ(table.values[0].size(), 1001U);
@@ -115,7 +115,7 @@ TEST(MotionCommand, MarksEachRowOfARecordThatIsNotConfirmed) {
       "[[pin]]\npoints = [\"ground.O\", \"arm.O\"]\n" +
       drive;
   const auto lines = [&](const std::string& text) {
-    const Outcome run = run_poise(words(folder.write("a.toml", text), {"--duration", "1", "--csv", csv}));
+    const ProgramRun run = run_poise(words(folder.write("a.toml", text), {"--duration", "1", "--csv", csv}));
     std::vector<std::string> out{std::to_string(run.exit_code)};
     std::istringstream in(contents(csv));
     for (std::string line; std::getline(in, line);) out.push_back(line);
@@ -131,7 +131,7 @@ TEST(MotionCommand, MarksEachRowOfARecordThatIsNotConfirmed) {
 
 TEST(MotionCommand, ReportsThatItIsAlreadyAtEquilibrium) {
   const TempFolder folder;
-  const Outcome run = run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1"}));
+  const ProgramRun run = run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1"}));
   EXPECT_NE(run.out.find("already at equilibrium, use --release to displace it"), std::string::npos) << run.out;
 }
 
@@ -139,7 +139,7 @@ TEST(MotionCommand, ReportsThatItIsAlreadyAtEquilibrium) {
 TEST(MotionCommand, LoadsOfTimeShakeAMachine) {
   const TempFolder folder;
   const std::string csv = folder.path("record.csv").string();
-  const Outcome outcome = run_poise({"motion", dataset("forced_machine"), "--duration", "4", "--csv", csv});
+  const ProgramRun outcome = run_poise({"motion", dataset("forced_machine"), "--duration", "4", "--csv", csv});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_EQ(outcome.out.find("already at equilibrium"), std::string::npos);
   const CsvTable record = read_csv(csv, {"time", "guide"});
@@ -153,12 +153,12 @@ TEST(MotionCommand, LoadsOfTimeShakeAMachine) {
 }
 
 TEST(MotionCommand, StaticsHasTheLoadsOfOneTime) {
-  const Outcome later = run_poise({"solve", dataset("forced_machine"), "--time", "0.0520833333333333"});
+  const ProgramRun later = run_poise({"solve", dataset("forced_machine"), "--time", "0.0520833333333333"});
   EXPECT_EQ(later.exit_code, 0) << later.err;
   EXPECT_NE(later.out.find("F: a sine, at t = 0.0520833333333333 s 1 times what the scene gives"), std::string::npos)
       << later.out;
   EXPECT_NE(later.out.find("-0.00821"), std::string::npos) << later.out;
-  const Outcome none = run_poise({"solve", dataset("zeeman"), "--time", "1"});
+  const ProgramRun none = run_poise({"solve", dataset("zeeman"), "--time", "1"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.err.find("--time: no load of the scene follows a function of time"), std::string::npos) << none.err;
 }
@@ -166,7 +166,7 @@ TEST(MotionCommand, StaticsHasTheLoadsOfOneTime) {
 TEST(MotionCommand, StartsWhereAssembledOnRequest) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
-  const Outcome run =
+  const ProgramRun run =
       run_poise(words(folder.write("a.toml", oscillator), {"--duration", "0.1", "--from", "start", "--json", file}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_NEAR(json::parse(contents(file))["slides"]["rail"]["start"], 95.0, 1e-10);
@@ -175,7 +175,7 @@ TEST(MotionCommand, StartsWhereAssembledOnRequest) {
 TEST(MotionCommand, FlywheelKeepsItsRate) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
-  const Outcome run = run_poise(
+  const ProgramRun run = run_poise(
       words(folder.write("a.toml", flywheel), {"--duration", "3", "--release-rate", "wheel=30", "--json", file}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   const json r = json::parse(contents(file));
@@ -190,7 +190,7 @@ TEST(MotionCommand, DriveDoesTheWorkThatTheWheelGains) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
   const std::string scene = folder.write("a.toml", std::string(flywheel) + motor);
-  const Outcome run = run_poise(words(scene, {"--duration", "2", "--json", file}));
+  const ProgramRun run = run_poise(words(scene, {"--duration", "2", "--json", file}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   const json r = json::parse(contents(file));
   EXPECT_EQ(r["degrees_of_freedom"], 0);
@@ -232,10 +232,10 @@ TEST(MotionCommand, NoiseHasTheSizeAskedForAndFollowsTheSeed) {
 TEST(MotionCommand, ReportsWhatItCannotMove) {
   const TempFolder folder;
   const std::string massless = folder.write("a.toml", std::string(workshop_pendulum));
-  const Outcome run = run_poise(words(massless, {"--duration", "1", "--release", "a<b=5"}));
+  const ProgramRun run = run_poise(words(massless, {"--duration", "1", "--release", "a<b=5"}));
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.out.find("no inertia"), std::string::npos) << run.out;
-  const Outcome nowhere = run_poise(words(folder.write("b.toml", runaway), {"--duration", "1"}));
+  const ProgramRun nowhere = run_poise(words(folder.write("b.toml", runaway), {"--duration", "1"}));
   EXPECT_EQ(nowhere.exit_code, 1);
   EXPECT_NE(nowhere.out.find("No equilibrium found to start from: "), std::string::npos) << nowhere.out;
 }
@@ -244,7 +244,7 @@ TEST(MotionCommand, NothingIsReleasedThatADriveCarries) {
   const TempFolder folder;
   const std::string scene = folder.write("a.toml", std::string(flywheel) + motor);
   for (const char* option : {"--release", "--release-rate"}) {
-    const Outcome run = run_poise(words(scene, {"--duration", "2", option, "wheel=1"}));
+    const ProgramRun run = run_poise(words(scene, {"--duration", "2", option, "wheel=1"}));
     EXPECT_EQ(run.exit_code, 2) << option;
     EXPECT_NE(run.err.find("no degree of freedom is left to release"), std::string::npos) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
@@ -273,7 +273,7 @@ TEST(MotionCommand, BadWordsAreNamed) {
       {{"--duration", "1", "--csv", csv, "--json", csv}, "--csv"}};
   const std::vector<std::string> before = folder.names();
   for (const auto& [further, says] : cases) {
-    const Outcome run = run_poise(words(scene, further));
+    const ProgramRun run = run_poise(words(scene, further));
     EXPECT_EQ(run.exit_code, 2) << says;
     EXPECT_EQ(run.out, "") << says;
     EXPECT_NE(run.err.find(says), std::string::npos) << run.err;
@@ -299,8 +299,8 @@ TEST(MotionCommand, DrawsWhatMoves) {
 
 TEST(MotionCommand, MissingGnuplotIsFoundBeforeAnyWork) {
   const TempFolder folder;
-  const Outcome run = run_poise(words(folder.path("no_such_scene.toml"), {"--duration", "1", "--svg", "a.svg"}),
-                                {"PATH=" + folder.path("").string()});
+  const ProgramRun run = run_poise(words(folder.path("no_such_scene.toml"), {"--duration", "1", "--svg", "a.svg"}),
+                                   {"PATH=" + folder.path("").string()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("gnuplot was not found"), std::string::npos) << run.err;
 }

@@ -268,7 +268,7 @@ void interrupt_then_kill(int) {
 
 /// Runs poise in the folder, in a process of its own that a crash or an endless loop ends alone. Exit code: negative,
 /// the signal that ended it.
-Outcome run_in(const TempFolder& folder, const TempFolder& output, const Words& words, unsigned seconds) {
+ProgramRun run_in(const TempFolder& folder, const TempFolder& output, const Words& words, unsigned seconds) {
   std::fflush(nullptr);  // or else the child prints it too
   const pid_t child = ::fork();
   if (child == 0) {
@@ -310,7 +310,8 @@ bool shows_no_number(std::string text) {
   return false;
 }
 
-std::string objection_to_bad_input(const Case& damaged, const Outcome& run, const Words& before, const Words& after) {
+std::string objection_to_bad_input(const Case& damaged, const ProgramRun& run, const Words& before,
+                                   const Words& after) {
   // check shows in its report why a scene cannot be assembled.
   if (!run.out.empty() && damaged.words.front() != "check") return "prints a report beside the error";
   if (run.err.empty() || run.err.back() != '\n') return "no line";
@@ -331,7 +332,7 @@ std::string objection_to_bad_input(const Case& damaged, const Outcome& run, cons
 }
 
 /// What is wrong with how poise has answered; empty where nothing is.
-std::string objection(const Case& damaged, const Outcome& run, const TempFolder& folder, const Words& before) {
+std::string objection(const Case& damaged, const ProgramRun& run, const TempFolder& folder, const Words& before) {
   const Words after = folder.names();
   if (run.exit_code == -SIGALRM) return "does not end";
   if (run.exit_code < 0) return fmt::format("ends by signal {}", -run.exit_code);
@@ -368,7 +369,7 @@ TEST(Mutations, AreReadOrAnsweredInOneLine) {
     for (const std::string& name : damaged.folders) fs::create_directory(folder.path(name));
     const Words before = folder.names();
     const auto begun = std::chrono::steady_clock::now();
-    const Outcome run = run_in(folder, output, damaged.words, seconds);
+    const ProgramRun run = run_in(folder, output, damaged.words, seconds);
     if (std::chrono::steady_clock::now() - begun > std::chrono::seconds(seconds)) {
       fmt::print("interrupted: {}, {}\n  {}\n", number, one_line(damaged.how), damaged.command_line());
     }

@@ -22,7 +22,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 std::string complaint(const std::vector<std::string>& further) {
   std::vector<std::string> words = {"path", dataset("von_mises_toggle")};
   words.insert(words.end(), further.begin(), further.end());
-  const Outcome outcome = run_poise(words);
+  const ProgramRun outcome = run_poise(words);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   return outcome.err;
@@ -64,8 +64,8 @@ TEST(PathCommand, SaysInOneLineWhatACurveOfFoldsNeeds) {
 TEST(PathCommand, WritesTheSameCurveEverywhere) {
   const TempFolder folder;
   const std::string table = folder.path("p.csv"), result = folder.path("p.json"), chart = folder.path("p.svg");
-  const Outcome outcome = run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--at", "30",
-                                     "--csv", table, "--json", result, "--svg", chart});
+  const ProgramRun outcome = run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--at", "30",
+                                        "--csv", table, "--json", result, "--svg", chart});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   const json answer = json::parse(contents(result));
   EXPECT_EQ(answer["status"], "traced");
@@ -93,20 +93,20 @@ std::string load_on_last_link(int n) {
 TEST(PathCommand, WithoutAnEquilibriumAtTheStartExitsOne) {
   const TempFolder folder;
   const std::string scene = folder.write("runaway.toml", runaway);
-  const Outcome outcome = run_poise({"path", scene, "--vary", "load.push=1..2"});
+  const ProgramRun outcome = run_poise({"path", scene, "--vary", "load.push=1..2"});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "No equilibrium to begin with at load.push = 1")) << outcome.out << outcome.err;
 }
 
 TEST(PathCommand, ShowsTheEffortOfADrive) {
-  const Outcome outcome = run_poise({"path", dataset("toggle_press"), "--vary", "angle.crank=140..150"});
+  const ProgramRun outcome = run_poise({"path", dataset("toggle_press"), "--vary", "angle.crank=140..150"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "angle.crank (deg)")) << outcome.out;
   EXPECT_TRUE(contains(outcome.out, "torque (kN mm)")) << outcome.out;
 }
 
 TEST(PathCommand, LoadsAndUnloadsWithJumps) {
-  const Outcome outcome =
+  const ProgramRun outcome =
       run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--follow", "jump"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_TRUE(contains(outcome.out, "from load.P = -60 N to 60 N, and back to -60 N: 2 folds and 2 snaps"))
@@ -147,7 +147,7 @@ free_length = 0
 [start]
 arm = 0.2
 )");
-  const Outcome outcome = run_poise({"path", scene, "--vary", "angle.arm=0.1..1"});
+  const ProgramRun outcome = run_poise({"path", scene, "--vary", "angle.arm=0.1..1"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("torque (N m)"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("1.0000000             0  stable"), std::string::npos) << outcome.out;

@@ -153,7 +153,7 @@ TEST(PlanCommand, AScaleNeedsAKnownPayload) {
   const json none = run_json(folder, {"plan", empty}, 0);
   EXPECT_TRUE(none["steps"].back()["standard_error"]["m"].is_null());
   ASSERT_EQ(none["steps"].back()["not_identifiable"].size(), 1u);
-  const Outcome run = run_poise({"plan", empty});
+  const ProgramRun run = run_poise({"plan", empty});
   EXPECT_TRUE(has(run.out, "not identifiable from them: m and J.")) << run.out;
   EXPECT_TRUE(has(run.out, "change no reading")) << run.out;
   EXPECT_TRUE(has(run.out, "remedy: ")) << run.out;
@@ -287,7 +287,7 @@ TEST(PlanCommand, BadLimitsAreNamed) {
       {plan(vary + "values = [1, 2]\n" + vary + "values = [3]\n"), "expected another number"},
       {plan(vary + "values = [-1]\n"), "no run within the limits can be made: "}};
   for (const auto& [text, message] : cases) {
-    const Outcome run = run_poise({"plan", experiment(folder, text)});
+    const ProgramRun run = run_poise({"plan", experiment(folder, text)});
     EXPECT_NE(run.exit_code, 0) << text;
     EXPECT_TRUE(has(run.err + run.out, message)) << run.out << run.err;
   }

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 json result_of(const TempFolder& folder, std::vector<std::string> words, int exit_code) {
   const std::string file = folder.path("result.json").string();
   words.insert(words.end(), {"--json", file});
-  const Outcome run = run_poise(words);
+  const ProgramRun run = run_poise(words);
   EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
   EXPECT_NE(run.out.find("wrote " + file), std::string::npos) << run.out;
   return json::parse(contents(file));
@@ -203,7 +203,7 @@ TEST(ResultFiles, UnwritablePathIsFoundBeforeSolving) {
   const std::vector<std::string> before = folder.names();
   for (const auto& [path, says] : cases) {
     for (const char* option : {"--json", "--svg"}) {
-      const Outcome run = run_poise({"solve", scene, option, path});
+      const ProgramRun run = run_poise({"solve", scene, option, path});
       EXPECT_EQ(run.exit_code, 2) << path;
       EXPECT_EQ(run.out, "");
       EXPECT_NE(run.err.find(option), std::string::npos) << run.err;
@@ -248,7 +248,7 @@ TEST(ResultFiles, LinkToNothingLeadsToANewFile) {
   EXPECT_TRUE(fs::is_symlink(folder.path("first.json")));
   EXPECT_EQ(json::parse(contents(folder.path("target.json")))["status"], "confirmed");
   fs::create_symlink("round.svg", folder.path("round.svg"));
-  const Outcome round = run_poise({"solve", scene, "--svg", folder.path("round.svg").string()});
+  const ProgramRun round = run_poise({"solve", scene, "--svg", folder.path("round.svg").string()});
   EXPECT_EQ(round.exit_code, 2);
   EXPECT_NE(round.err.find("links lead in a circle"), std::string::npos) << round.err;
   fs::create_symlink("none/out.csv", folder.path("far.csv"));
@@ -257,7 +257,7 @@ TEST(ResultFiles, LinkToNothingLeadsToANewFile) {
 
 TEST(ResultFiles, DeviceIsWrittenToAndNotReplaced) {
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("a.toml", pendulum), "--json", "/dev/null"});
+  const ProgramRun run = run_poise({"solve", folder.write("a.toml", pendulum), "--json", "/dev/null"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
@@ -265,7 +265,7 @@ TEST(ResultFiles, DeviceIsWrittenToAndNotReplaced) {
 TEST(ResultFiles, FullDiskIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
   const TempFolder folder;
-  const Outcome run = run_poise({"solve", folder.write("a.toml", pendulum), "--json", "/dev/full"});
+  const ProgramRun run = run_poise({"solve", folder.write("a.toml", pendulum), "--json", "/dev/full"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("No space left"), std::string::npos) << run.err;
 }

@@ -164,7 +164,7 @@ std::vector<std::string> TempFolder::names() const {
   return names;
 }
 
-Outcome run_poise(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
+ProgramRun run_poise(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
   const TempFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {
@@ -176,11 +176,12 @@ Outcome run_poise(const std::vector<std::string>& arguments, const std::vector<s
   return {exit_code, contents(folder.path("out")), contents(folder.path("err"))};
 }
 
-Outcome run_poise_in_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
+ProgramRun run_poise_in_terminal(const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& environment) {
   int terminal = -1;
   const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
   if (child == 0) become_poise(arguments, environment);
-  Outcome outcome;
+  ProgramRun outcome;
   std::array<char, 4096> buffer{};
   // read() fails on a terminal whose other side has closed.
   for (ssize_t got = 1; got > 0;) {

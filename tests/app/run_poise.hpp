@@ -27,18 +27,18 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-struct Outcome {
+struct ProgramRun {
   int exit_code = -1;  ///< -1 when it was killed
   std::string out;
   std::string err;
 };
 
 /// Runs poise with its output in files. `environment` holds further "NAME=VALUE".
-Outcome run_poise(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+ProgramRun run_poise(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
 /// Runs poise in a terminal of its own, where standard output and error are one.
-Outcome run_poise_in_terminal(const std::vector<std::string>& arguments,
-                              const std::vector<std::string>& environment = {});
+ProgramRun run_poise_in_terminal(const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& environment = {});
 
 /// Path of one of the project's own scenes: dataset("zeeman").
 std::string dataset(const std::string& name);

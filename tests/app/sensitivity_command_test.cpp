@@ -22,7 +22,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 std::string complaint(const std::vector<std::string>& further) {
   std::vector<std::string> words = {"sensitivity", dataset("toggle_clamp")};
   words.insert(words.end(), further.begin(), further.end());
-  const Outcome outcome = run_poise(words);
+  const ProgramRun outcome = run_poise(words);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   return outcome.err;
@@ -44,7 +44,7 @@ TEST(SensitivityCommand, SaysInOneLineWhatItCannotRead) {
 
 // A rubber tip of 400 N/mm that is 1 mm longer presses 400 N more: arm and handle stand against the stop.
 TEST(SensitivityCommand, RanksNumbersInTheUnitsOfTheScene) {
-  const Outcome run = run_poise({"sensitivity", dataset("toggle_clamp"), "--of", "force.rubber,load_at_fold.P"});
+  const ProgramRun run = run_poise({"sensitivity", dataset("toggle_clamp"), "--of", "force.rubber,load_at_fold.P"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "1 mm of spring.rubber.free_length moves force.rubber by -400 N")) << run.out;
   EXPECT_TRUE(contains(run.out, "no derivative by load.P: it is the load itself")) << run.out;
@@ -75,7 +75,7 @@ value = 0
 arm = -1.2
 )");
   const std::string file = folder.path("s.json").string();
-  const Outcome run = run_poise({"sensitivity", scene, "--of", "arm", "--json", file});
+  const ProgramRun run = run_poise({"sensitivity", scene, "--of", "arm", "--json", file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, double> effect;
   const json found = json::parse(contents(file));
@@ -90,7 +90,7 @@ arm = -1.2
 TEST(SensitivityCommand, WritesEveryDerivativeAsData) {
   const TempFolder folder;
   const std::string file = folder.path("s.json").string();
-  const Outcome run =
+  const ProgramRun run =
       run_poise({"sensitivity", dataset("toggle_clamp"), "--of", "handle", "--top", "1", "--json", file});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json r = json::parse(contents(file));
@@ -109,8 +109,8 @@ TEST(SensitivityCommand, WritesEveryDerivativeAsData) {
 
 // Without springs and load the apex rests anywhere.
 TEST(SensitivityCommand, PrintsNoNumberWithoutARegularEquilibrium) {
-  const Outcome run = run_poise({"sensitivity", dataset("von_mises_toggle"), "--of", "guide", "--set", "load.P=0",
-                                 "--set", "spring.left.stiffness=0", "--set", "spring.right.stiffness=0"});
+  const ProgramRun run = run_poise({"sensitivity", dataset("von_mises_toggle"), "--of", "guide", "--set", "load.P=0",
+                                    "--set", "spring.left.stiffness=0", "--set", "spring.right.stiffness=0"});
   EXPECT_NE(run.exit_code, 0) << run.out;
   EXPECT_FALSE(contains(run.out, " moves ")) << run.out;
 }
@@ -146,7 +146,7 @@ min = -0.25
 [start]
 r = -0.1
 )");
-  const Outcome run = run_poise({"sensitivity", scene, "--of", "r,stop.low,load_at_fold.M"});
+  const ProgramRun run = run_poise({"sensitivity", scene, "--of", "r,stop.low,load_at_fold.M"});
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_TRUE(contains(run.out, "stop.low = 0 N")) << run.out;
   EXPECT_TRUE(contains(run.out, "numbers without effect")) << run.out;

@@ -424,7 +424,7 @@ length = 1.8027756377319946
 TEST(SharedLoads, RopesOfABoxPullOnly) {
   const TempFolder folder;
   const std::string file = folder.path("result.json").string();
-  const app_tests::Outcome ran = run_poise({"solve", folder.write("scene.toml", box_on_four_ropes), "--json", file});
+  const app_tests::ProgramRun ran = run_poise({"solve", folder.write("scene.toml", box_on_four_ropes), "--json", file});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_NE(ran.out.find("undetermined, slack possible"), std::string::npos) << ran.out;
   const json found = json::parse(contents(file));
@@ -564,7 +564,8 @@ TEST(SharedLoads, RopeWithoutForceHasItsPlace) {
   const TempFolder folder;
   const std::string file = folder.path("result.json").string();
   const std::string scene = folder.write("scene.toml", box_on_four_ropes);
-  const app_tests::Outcome ran = run_poise({"solve", scene, "--method", "energy", "--seek", "stable", "--json", file});
+  const app_tests::ProgramRun ran =
+      run_poise({"solve", scene, "--method", "energy", "--seek", "stable", "--json", file});
   EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
   int shown = 0;
   const json found = json::parse(contents(file));

@@ -32,13 +32,13 @@ std::string unsound_cases() {
   return toy_case("bent", "pendulum", "complete = true\nstarts = 20\n" + toy_equilibrium("rod", "0.5", "stable"));
 }
 
-Outcome run_stress(const ToyCatalogue& catalogue, std::vector<std::string> arguments) {
+ProgramRun run_stress(const ToyCatalogue& catalogue, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {"stress", "--catalogue", catalogue.path().string()});
   return run_poise(arguments);
 }
 
 TEST(StressCommand, ShowsAllCasesOnOneSheet) {
-  const Outcome run = run_stress(ToyCatalogue(sound_cases()), {"--methods", "virtual-work,energy"});
+  const ProgramRun run = run_stress(ToyCatalogue(sound_cases()), {"--methods", "virtual-work,energy"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "No false claims.\n")) << run.out;
   EXPECT_TRUE(has(run.out, "  Toys\n")) << run.out;
@@ -52,7 +52,7 @@ TEST(StressCommand, ShowsAllCasesOnOneSheet) {
 }
 
 TEST(StressCommand, ShowsOneCaseInDetail) {
-  const Outcome run = run_stress(ToyCatalogue(sound_cases()), {"jet", "--methods", "virtual-work,energy"});
+  const ProgramRun run = run_stress(ToyCatalogue(sound_cases()), {"jet", "--methods", "virtual-work,energy"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "jet: Toy\n  source       ours\n")) << run.out;
   EXPECT_TRUE(has(run.out, "1 stable; a complete list")) << run.out;
@@ -63,13 +63,13 @@ TEST(StressCommand, ShowsOneCaseInDetail) {
 
 TEST(StressCommand, AWrongClaimIsMarkedAndFails) {
   const ToyCatalogue catalogue(sound_cases() + unsound_cases());
-  const Outcome run = run_stress(catalogue, {"--methods", "virtual-work"});
+  const ProgramRun run = run_stress(catalogue, {"--methods", "virtual-work"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_TRUE(has(run.out, "20 false claims: confirmed answers that are no equilibrium, or of another stability.\n"))
       << run.out;
   EXPECT_TRUE(has(run.out, "virtual-work converges from less than 99.9 % of the starts of bent.\n")) << run.out;
   EXPECT_TRUE(has(run.out, "    bent     nearest     0!\n")) << run.out;
-  const Outcome one = run_stress(catalogue, {"bent", "--methods", "virtual-work"});
+  const ProgramRun one = run_stress(catalogue, {"bent", "--methods", "virtual-work"});
   EXPECT_EQ(one.exit_code, 1);
   EXPECT_TRUE(has(one.out, "from the nearest known equilibrium; it is at rod ")) << one.out;
   EXPECT_EQ(run_stress(catalogue, {"hanging", "--methods", "virtual-work"}).exit_code, 0);
@@ -83,14 +83,14 @@ TEST(StressCommand, WhatVirtualWorkMissesFailsAndWhatOthersMissDoesNot) {
 }
 
 TEST(StressCommand, ListsCases) {
-  const Outcome run = run_stress(ToyCatalogue(sound_cases()), {"--list"});
+  const ProgramRun run = run_stress(ToyCatalogue(sound_cases()), {"--list"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "  hanging  stable         20  Toy\n")) << run.out;
   EXPECT_TRUE(has(run.out, "  away     none           20  Toy\n")) << run.out;
 }
 
 TEST(StressCommand, FindsTheCatalogueOfPoise) {
-  const Outcome run = run_poise({"stress", "--list"});
+  const ProgramRun run = run_poise({"stress", "--list"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(has(run.out, "what is hard")) << run.out;
 }
@@ -98,7 +98,7 @@ TEST(StressCommand, FindsTheCatalogueOfPoise) {
 TEST(StressCommand, WritesWhatItFound) {
   const ToyCatalogue catalogue(sound_cases() + unsound_cases());
   const TempFolder out;
-  const Outcome run =
+  const ProgramRun run =
       run_stress(catalogue, {"--methods", "virtual-work,energy", "--json", out.path("a.json").string(), "--csv",
                              out.path("a.csv").string(), "--markdown", out.path("a.md").string()});
   EXPECT_EQ(run.exit_code, 1);
@@ -135,7 +135,7 @@ TEST(StressCommand, WritesWhatItFound) {
 
 TEST(StressCommand, ShowsTheEffectOfSafeguards) {
   const ToyCatalogue catalogue(sound_cases());
-  const Outcome run = run_stress(catalogue, {"--safeguards"});
+  const ProgramRun run = run_stress(catalogue, {"--safeguards"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_TRUE(has(run.out, "1  all on")) << run.out;
   EXPECT_TRUE(has(run.out, "3  without inertia correction")) << run.out;
@@ -147,7 +147,7 @@ TEST(StressCommand, ShowsTheEffectOfSafeguards) {
 TEST(StressCommand, NamesTheError) {
   const ToyCatalogue catalogue(sound_cases());
   const auto error_of = [&](const std::vector<std::string>& arguments) {
-    const Outcome run = run_stress(catalogue, arguments);
+    const ProgramRun run = run_stress(catalogue, arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_EQ(run.out, "");
     return run.err;
@@ -161,7 +161,7 @@ TEST(StressCommand, NamesTheError) {
   EXPECT_EQ(error_of({"--safeguards", "--methods", "energy"}),
             "--methods: expected none with --safeguards, which are those of virtual-work; leave one out\n");
   EXPECT_TRUE(has(error_of({"--methods", "newton"}), "--methods: expected ")) << error_of({"--methods", "newton"});
-  const Outcome nowhere = run_poise({"stress", "--catalogue", "/nowhere"});
+  const ProgramRun nowhere = run_poise({"stress", "--catalogue", "/nowhere"});
   EXPECT_EQ(nowhere.exit_code, 2);
   EXPECT_TRUE(has(nowhere.err, "/nowhere/catalogue.toml: cannot be read")) << nowhere.err;
 }

@@ -72,7 +72,7 @@ TEST(StudyCommands, ResumeReadsWhatIsThere) {
   EXPECT_EQ(study(folder, file, {"--output", place, "--jobs", "2"}), whole);
   EXPECT_EQ(study(folder, file, {"--output", place, "--resume"}), whole);
   EXPECT_EQ(study(folder, file, {"--jobs", "4"}), whole);
-  const Outcome run = run_poise({"montecarlo", file, "--trials", trials, "--output", place, "--resume"});
+  const ProgramRun run = run_poise({"montecarlo", file, "--trials", trials, "--output", place, "--resume"});
   EXPECT_TRUE(has(run.out, "0 computed now, the others read from " + place)) << run.out;
 }
 
@@ -133,7 +133,7 @@ TEST(StudyCommands, ADamagedFileIsNamed) {
   char& digit = text[text.find("\n5,") + 30];
   digit = digit == '1' ? '2' : '1';
   folder.write("study/study.csv", text);
-  const Outcome run = run_poise({"montecarlo", file, "--trials", trials, "--output", place.string(), "--resume"});
+  const ProgramRun run = run_poise({"montecarlo", file, "--trials", trials, "--output", place.string(), "--resume"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "is damaged (its checksum is wrong) and not used.")) << run.out;
   EXPECT_TRUE(has(run.out, "; 1 computed now")) << run.out;
@@ -166,7 +166,7 @@ TEST(StudyCommands, BadWordsAreNamed) {
     Words all = {"montecarlo", file};
     if (std::find(words.begin(), words.end(), "--trials") == words.end()) all.insert(all.end(), {"--trials", trials});
     all.insert(all.end(), words.begin(), words.end());
-    const Outcome run = run_poise(all);
+    const ProgramRun run = run_poise(all);
     EXPECT_EQ(run.exit_code, 2) << says;
     EXPECT_EQ(run.out, "") << says;
     EXPECT_TRUE(has(run.err, says)) << says << "\n" << run.err;
@@ -199,7 +199,7 @@ TEST(StudyCommands, RanksDoNotMatter) {
 
 TEST(StudyCommands, WithoutMpiRanksAreRefused) {
   if (POISE_HAS_MPI) GTEST_SKIP() << "built with MPI";
-  const Outcome run = run_poise({"montecarlo", dataset("lift_experiment")}, {"OMPI_COMM_WORLD_SIZE=2"});
+  const ProgramRun run = run_poise({"montecarlo", dataset("lift_experiment")}, {"OMPI_COMM_WORLD_SIZE=2"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_TRUE(has(run.err, "mpirun: this poise was built without MPI")) << run.err;
 }

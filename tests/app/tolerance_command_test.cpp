@@ -19,13 +19,13 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 const std::vector<std::string> clamp = {
     "tolerance", dataset("toggle_clamp"), "--tolerances", dataset("toggle_clamp_tolerances"), "--of", "force.rubber"};
 
-Outcome with(const std::vector<std::string>& further) {
+ProgramRun with(const std::vector<std::string>& further) {
   std::vector<std::string> words = clamp;
   words.insert(words.end(), further.begin(), further.end());
   return run_poise(words);
 }
 
-std::string complaint(const Outcome& outcome) {
+std::string complaint(const ProgramRun& outcome) {
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   return outcome.err;
@@ -48,7 +48,7 @@ TEST(ToleranceCommand, SaysInOneLineWhatItCannotRead) {
 }
 
 TEST(ToleranceCommand, ShowsThatTheClampSnapsOpen) {
-  const Outcome run = with({"--samples", "2000"});
+  const ProgramRun run = with({"--samples", "2000"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "lose it and settle elsewhere")) << run.out;
   EXPECT_TRUE(contains(run.out, "force.rubber is not linear over these tolerances")) << run.out;
@@ -59,7 +59,7 @@ TEST(ToleranceCommand, ShowsThatTheClampSnapsOpen) {
 TEST(ToleranceCommand, FailsWhereTheEquilibriumContinuesToNoSample) {
   const TempFolder folder;
   const std::string file = folder.write("t.toml", "[tolerances]\n\"load.T1\" = { percent = 5 }\n");
-  const Outcome run = run_poise(
+  const ProgramRun run = run_poise(
       {"tolerance", dataset("hard/cancelling_couple"), "--tolerances", file, "--of", "arm", "--samples", "20"});
   EXPECT_EQ(run.exit_code, 1) << run.out;
   EXPECT_TRUE(contains(run.out, "continues to 0 %")) << run.out;
@@ -69,7 +69,7 @@ TEST(ToleranceCommand, FailsWhereTheEquilibriumContinuesToNoSample) {
 TEST(ToleranceCommand, OneSampleHasNoDeviation) {
   const TempFolder folder;
   const std::string file = folder.path("t.json").string();
-  const Outcome run = with({"--samples", "1", "--json", file});
+  const ProgramRun run = with({"--samples", "1", "--json", file});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, ", 1 sample: ")) << run.out;
   const json r = json::parse(contents(file));

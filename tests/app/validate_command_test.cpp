@@ -33,7 +33,7 @@ json identify(const TempFolder& folder, const std::string& experiment, const std
   std::vector<std::string> words = {"identify", experiment, "--json",
                                     file,       "--scene",  folder.path(name + ".toml").string()};
   words.insert(words.end(), more.begin(), more.end());
-  const Outcome run = run_poise(words);
+  const ProgramRun run = run_poise(words);
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   return json::parse(contents(file));
 }
@@ -101,7 +101,7 @@ TEST(IdentifyCommand, WritesKnownChangesAndSaysWhatItLeaves) {
 TEST(IdentifyCommand, DoesNotWriteTheSceneOverItself) {
   const TempFolder folder;
   const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
-  const Outcome run = run_poise({"identify", file, "--scene", folder.path("wheel.toml").string()});
+  const ProgramRun run = run_poise({"identify", file, "--scene", folder.path("wheel.toml").string()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_TRUE(has(run.err, "--scene")) << run.err;
 }
@@ -185,7 +185,7 @@ TEST(ValidateCommand, NamesWhatTheFitLacks) {
   json fit = identify(folder, file, "fit");
   const std::string with = folder.path("fit.json").string();
   const auto expect_error = [&](const std::string& experiment, const std::string& words) {
-    const Outcome run = run_poise({"validate", experiment, "--with", with});
+    const ProgramRun run = run_poise({"validate", experiment, "--with", with});
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_TRUE(has(run.err, words)) << run.err;
   };

@@ -31,7 +31,7 @@ std::string experiment(const TempFolder& folder, const std::string& text) {
 json run_json(const TempFolder& folder, std::vector<std::string> words, int exit_code) {
   const std::string file = folder.path("result.json").string();
   words.insert(words.end(), {"--json", file});
-  const Outcome run = run_poise(words);
+  const ProgramRun run = run_poise(words);
   EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
   return json::parse(contents(file));
 }

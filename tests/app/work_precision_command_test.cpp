@@ -19,7 +19,7 @@ namespace {
 
 using app_tests::contents;
 using app_tests::dataset;
-using app_tests::Outcome;
+using app_tests::ProgramRun;
 using app_tests::run_poise;
 using app_tests::TempFolder;
 using comparison::Ending;
@@ -61,8 +61,8 @@ TEST(Methods, ListsAreReadInTheirOrder) {
 }
 
 TEST(WorkPrecisionCommand, PrintsTimesErrorsAndStatuses) {
-  const Outcome run = run_poise({"compare", dataset("thesis_four_bar"), "--methods", "virtual-work,energy",
-                                 "--tolerances", "1e-2..1e-14", "--repeat", "1"});
+  const ProgramRun run = run_poise({"compare", dataset("thesis_four_bar"), "--methods", "virtual-work,energy",
+                                    "--tolerances", "1e-2..1e-14", "--repeat", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_EQ(run.err, "");
   for (const char* part : {"stable, found by virtual-work and energy", "Least time to an error below", "13 of 13",
@@ -76,8 +76,9 @@ TEST(WorkPrecisionCommand, PrintsTimesErrorsAndStatuses) {
 TEST(WorkPrecisionCommand, WritesOneCsvRowForEachMethodAndTolerance) {
   const TempFolder folder;
   const std::string csv = folder.path("a.csv").string();
-  const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::pendulum), "--methods",
-                                 "virtual-work,energy", "--tolerances", "1e-6,1e-12", "--repeat", "2", "--csv", csv});
+  const ProgramRun run =
+      run_poise({"compare", folder.write("a.toml", app_tests::pendulum), "--methods", "virtual-work,energy",
+                 "--tolerances", "1e-6,1e-12", "--repeat", "2", "--csv", csv});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(contains(run.out, "wrote " + csv));
   const std::vector<std::string> lines = lines_of(contents(csv));
@@ -93,8 +94,8 @@ TEST(WorkPrecisionCommand, WritesJsonAndPicture) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
   const TempFolder folder;
   const std::string file = folder.path("a.json").string(), svg = folder.path("a.svg").string();
-  const Outcome run = run_poise({"compare", dataset("six_bar"), "--methods", "virtual-work,energy", "--tolerances",
-                                 "1e-2..1e-12", "--repeat", "1", "--json", file, "--svg", svg});
+  const ProgramRun run = run_poise({"compare", dataset("six_bar"), "--methods", "virtual-work,energy", "--tolerances",
+                                    "1e-2..1e-12", "--repeat", "1", "--json", file, "--svg", svg});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json r = json::parse(contents(file));
   ASSERT_EQ(r["methods"].size(), 2U);
@@ -114,8 +115,8 @@ TEST(WorkPrecisionCommand, WritesJsonAndPicture) {
 
 TEST(WorkPrecisionCommand, WithoutAnyEquilibriumExitsOne) {
   const TempFolder folder;
-  const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::runaway), "--methods",
-                                 "virtual-work,energy", "--tolerances", "1e-3", "--repeat", "1"});
+  const ProgramRun run = run_poise({"compare", folder.write("a.toml", app_tests::runaway), "--methods",
+                                    "virtual-work,energy", "--tolerances", "1e-3", "--repeat", "1"});
   EXPECT_EQ(run.exit_code, 1) << run.out;
   EXPECT_TRUE(contains(run.out, "none is known in 50 digits")) << run.out;
   EXPECT_TRUE(contains(run.out, "0 of 1")) << run.out;
@@ -123,8 +124,8 @@ TEST(WorkPrecisionCommand, WithoutAnyEquilibriumExitsOne) {
 
 TEST(WorkPrecisionCommand, MethodsThatDoNotApplyAreReported) {
   const TempFolder folder;
-  const Outcome run = run_poise({"compare", folder.write("a.toml", app_tests::follower), "--methods",
-                                 "virtual-work,energy", "--tolerances", "1e-9", "--repeat", "1"});
+  const ProgramRun run = run_poise({"compare", folder.write("a.toml", app_tests::follower), "--methods",
+                                    "virtual-work,energy", "--tolerances", "1e-9", "--repeat", "1"});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_TRUE(contains(run.out, "energy does not apply: force \"jet\" follows a body")) << run.out;
 }
@@ -178,7 +179,7 @@ TEST(WorkPrecisionResult, AnInterruptedStudyPrintsWhatItHas) {
 TEST(CompareMethods, ManyMethodsShareTheColumnsOfTheirEquilibria) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string();
-  const Outcome run = run_poise({"compare", dataset("heaton_timme"), "--methods", "all", "--json", file});
+  const ProgramRun run = run_poise({"compare", dataset("heaton_timme"), "--methods", "all", "--json", file});
   EXPECT_EQ(run.exit_code, 0) << run.out;
   EXPECT_EQ(json::parse(contents(file))["methods"].size(), all_methods().size());
   EXPECT_TRUE(contains(run.out, "  body     equilibrium\n")) << run.out;
@@ -204,7 +205,7 @@ TEST(SolveMethod, TakesEveryName) {
   const std::string help = run_poise({"solve", "--help"}).out;
   for (const MethodTraits& method : all_methods()) {
     EXPECT_TRUE(contains(help, std::string(method.name) + ":")) << help;
-    const Outcome run = run_poise({"solve", dataset("heaton_timme"), "--method", method.name});
+    const ProgramRun run = run_poise({"solve", dataset("heaton_timme"), "--method", method.name});
     EXPECT_NE(run.exit_code, 2) << run.err;
     EXPECT_TRUE(contains(run.out, method.name)) << run.out;
   }

@@ -58,7 +58,7 @@ TEST(Catalogue, ReadsAllKeys) {
   EXPECT_EQ(first.changes[0].path, "load.P");
   EXPECT_EQ(first.changes[0].value, 2.5);
   EXPECT_EQ(first.seek, Seek::stable);
-  EXPECT_EQ(first.expect, Expect::equilibrium);
+  EXPECT_EQ(first.answer, KnownAnswer::equilibrium);
   EXPECT_EQ(first.starts, 20);
   EXPECT_EQ(first.reach, 0.5);
   EXPECT_TRUE(first.complete && first.turns_count && !first.everywhere);
@@ -69,7 +69,7 @@ TEST(Catalogue, ReadsAllKeys) {
   EXPECT_EQ(scene.forces[0].vector.y, -2.5);
   EXPECT_EQ(scene.start.angle[1], 0.1);
 
-  EXPECT_EQ(cases[1].expect, Expect::none);
+  EXPECT_EQ(cases[1].answer, KnownAnswer::none);
   EXPECT_EQ(cases[1].why, "it runs away");
   EXPECT_EQ(cases[1].seek, Seek::any);
   EXPECT_EQ(cases[1].starts, 1000);

@@ -60,7 +60,7 @@ StressOutcome three_cases() {
   outcome.results[1].hard.name = "hard";
   outcome.results[1].cells = {cell_with(10, 9), cell_with(10, 0, 2)};
   outcome.results[2].hard.name = "odd";
-  outcome.results[2].hard.expect = Expect::none;
+  outcome.results[2].hard.answer = KnownAnswer::none;
   outcome.results[2].cells = {cell_with(10, 10), not_applicable};
   for (CaseResult& result : outcome.results) result.cells[1].method = Method::energy;
   return outcome;

@@ -323,7 +323,7 @@ TEST_F(CaseCheckTest, NoConditionExcusesAnotherPlace) {
 }
 
 TEST_F(CaseCheckTest, AnEquilibriumBeyondASingularConfigurationMustBeConfirmed) {
-  hard.expect = Expect::locked;
+  hard.answer = KnownAnswer::locked;
   Equilibrium equilibrium;
   equilibrium.status = Status::confirmed;
   equilibrium.met_singular = true;
@@ -345,11 +345,11 @@ TEST_F(CaseCheckTest, DistinguishesUnconfirmedClaimsFromFailures) {
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::failed);
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).why, "it stopped");
   hard.known.clear();
-  hard.expect = Expect::none;
+  hard.answer = KnownAnswer::none;
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::converged);
   equilibrium.status = Status::not_confirmed;
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::denied_by_check);
-  hard.expect = Expect::locked;
+  hard.answer = KnownAnswer::locked;
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::denied_by_check);
   equilibrium.certificate.singular = true;
   EXPECT_EQ(CaseCheck(hard, model).verdict_on(equilibrium).kind, Verdict::Kind::converged);

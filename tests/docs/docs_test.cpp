@@ -36,7 +36,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using app_tests::contents;
-using app_tests::Outcome;
+using app_tests::ProgramRun;
 using app_tests::run_poise;
 using app_tests::TempFolder;
 
@@ -75,11 +75,11 @@ class Workplace {
   }
 
   /// Standard output and error together, in the order in which they come.
-  Outcome run(const std::string& command) const {
+  ProgramRun run(const std::string& command) const {
     const std::string line =
         "cd '" + folder_.path("").string() + "' && PATH=\"$PWD/build:$PATH\" && { " + command + "\n} 2>&1";
     FILE* pipe = ::popen(line.c_str(), "r");
-    Outcome out;
+    ProgramRun out;
     std::array<char, 4096> buffer{};
     for (std::size_t got = 1; got > 0;) {
       got = std::fread(buffer.data(), 1, buffer.size(), pipe);
@@ -143,7 +143,7 @@ class Walk {
     for (const Command& command : commands) {
       const bool fails = &command == &commands.back() && block.has("exits");
       const bool is_make = command.text.starts_with("make ");
-      const Outcome outcome = workplace_.run(
+      const ProgramRun outcome = workplace_.run(
           is_make ? "make -n -C '" + source.string() + "' " + command.text.substr(5) + " > /dev/null" : command.text);
       EXPECT_EQ(outcome.exit_code, fails ? std::stoi(block.mark("exits")) : 0) << command.text << '\n' << outcome.out;
       compare(block, command, split_lines(outcome.out));

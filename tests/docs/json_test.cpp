@@ -210,7 +210,7 @@ void check_section(const std::string& name, const std::vector<Run>& runs, Shared
                      {"--json", folder.path("out.json").string(), "--html", folder.path("out.html").string()});
     if (run.csv) arguments.insert(arguments.end(), {"--csv", folder.path("out.csv").string()});
     SCOPED_TRACE(testing::PrintToString(run.arguments));
-    const app_tests::Outcome outcome = run_poise(arguments);
+    const app_tests::ProgramRun outcome = run_poise(arguments);
     ASSERT_LT(outcome.exit_code, 2) << outcome.err;
     const Json result = Json::parse(contents(folder.path("out.json")));
     Checker(section.json).check(result, {});
@@ -710,7 +710,7 @@ TEST(JsonDocs, ThePage) {
     SCOPED_TRACE(testing::PrintToString(arguments));
     arguments.insert(arguments.end(),
                      {"--json", folder.path("out.json").string(), "--html", folder.path("out.html").string()});
-    const app_tests::Outcome outcome = run_poise(arguments);
+    const app_tests::ProgramRun outcome = run_poise(arguments);
     ASSERT_LT(outcome.exit_code, 2) << outcome.err;
     check_page(keys, contents(folder.path("out.html")), Json::parse(contents(folder.path("out.json"))));
   }

@@ -573,7 +573,7 @@ TEST_F(SensorUnknowns, AreComparedWithNone) {
   const std::string without = folder_.write("without.toml", angles + rest);
   const std::string with =
       folder_.write("with.toml", angles + unknown("sensor.two.delay", "min = -0.05\nmax = 0.1") + rest);
-  const app_tests::Outcome run = run_poise({"identify", without, with});
+  const app_tests::ProgramRun run = run_poise({"identify", without, with});
   EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
   EXPECT_NE(run.out.find("likelihood"), std::string::npos) << run.out;
 }
@@ -581,7 +581,7 @@ TEST_F(SensorUnknowns, AreComparedWithNone) {
 TEST_F(SensorUnknowns, AreKeptForLaterRuns) {
   const std::string file = folder_.write("experiment.toml", scaled_angles + all_unknowns + swing + "seed = 5\n");
   const std::string fit_file = folder_.path("fit.json"), scene_file = folder_.path("fitted.toml");
-  app_tests::Outcome run = run_poise({"identify", file, "--json", fit_file, "--scene", scene_file});
+  app_tests::ProgramRun run = run_poise({"identify", file, "--json", fit_file, "--scene", scene_file});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   EXPECT_NE(run.out.find(", 3 left out for their delays"), std::string::npos) << run.out;
   EXPECT_NE(app_tests::contents(fit_file).find("\"readings_left_out\": 3"), std::string::npos);
@@ -611,7 +611,7 @@ TEST_F(SensorUnknowns, ArePlanned) {
                              "[plan]\nruns = 2\ncandidates = 4\n[[plan.vary]]\nwhat = \"release.upper\"\nmin = "
                              "-1.5\nmax = -0.5\n" +
                              swing);
-  const app_tests::Outcome run = run_poise({"plan", file});
+  const app_tests::ProgramRun run = run_poise({"plan", file});
   EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
   EXPECT_NE(run.out.find("sensor.two.delay"), std::string::npos) << run.out;
 }
@@ -654,7 +654,7 @@ TEST_F(SensorUnknowns, AreRefusedInWords) {
   EXPECT_EQ(of(unknown("sensor.one.zero", "includes = 1")),
             "experiment.toml:13: unknown 1.includes: expected a number of the scene, this is one of a sensor; leave "
             "includes out");
-  const app_tests::Outcome run = run_poise(
+  const app_tests::ProgramRun run = run_poise(
       {"identify", folder_.write("experiment.toml", angles + unknown("sensor.one.delay", "max = 1") + swing)});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;

@@ -15,7 +15,7 @@ namespace poise::page_tests::report_pages_test {
 namespace {
 
 using app_tests::dataset;
-using app_tests::Outcome;
+using app_tests::ProgramRun;
 using app_tests::run_poise;
 using app_tests::TempFolder;
 using nlohmann::json;
@@ -70,7 +70,7 @@ class ReportPages : public testing::TestWithParam<Report> {
     file_ = folder_.path("report.html").string();
     std::vector<std::string> command = GetParam().command;
     command.insert(command.end(), {"--html", file_, "--quiet"});
-    const Outcome ran = run_poise(command);
+    const ProgramRun ran = run_poise(command);
     if (GetParam().exit_code >= 0) {
       ASSERT_EQ(ran.exit_code, GetParam().exit_code) << ran.out << ran.err;
     }

@@ -35,7 +35,7 @@ namespace {
 
 using app_tests::contents;
 using app_tests::dataset;
-using app_tests::Outcome;
+using app_tests::ProgramRun;
 using app_tests::run_poise;
 using app_tests::TempFolder;
 using nlohmann::json;
@@ -125,7 +125,7 @@ class ViewPage : public testing::Test {
     std::vector<std::string> command = {"solve", folder_.write("shown.toml", text), "--json",
                                         folder_.path("shown.json").string()};
     command.insert(command.end(), options.begin(), options.end());
-    const Outcome ran = run_poise(command);
+    const ProgramRun ran = run_poise(command);
     EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
     return json::parse(contents(folder_.path("shown.json")));
   }

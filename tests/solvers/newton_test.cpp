@@ -99,7 +99,7 @@ TEST_P(NewtonOnBoth, FindsTheMinimumOfAParabola) {
   Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {2.0, -1.0};
   const NewtonResult& result = newton.solve(start);
-  EXPECT_EQ(result.outcome, Outcome::converged);
+  EXPECT_EQ(result.end, NewtonEnd::converged);
   EXPECT_NEAR(result.x[0], 0.3, 1e-15);
   EXPECT_NEAR(result.x[1], 0.0, 1e-15);
 }
@@ -111,13 +111,13 @@ TEST_P(NewtonOnBoth, StationaryStaysAtTheMaximumNearItAndMinimumLeavesIt) {
   const double near_top[] = {0.02, 0.98};
   Newton nearest(parabola, goal(Goal::stationary));
   const NewtonResult& top = nearest.solve(near_top);
-  EXPECT_EQ(top.outcome, Outcome::converged);
+  EXPECT_EQ(top.end, NewtonEnd::converged);
   EXPECT_NEAR(top.x[1], 1.0, 1e-14);
   EXPECT_NEAR(top.multipliers[0], -4.0, 1e-13);
   const double on_top[] = {0.0, 1.0};
   Newton minimum(parabola, goal(Goal::minimum));
   const NewtonResult& bottom = minimum.solve(on_top);
-  EXPECT_EQ(bottom.outcome, Outcome::converged);
+  EXPECT_EQ(bottom.end, NewtonEnd::converged);
   EXPECT_NEAR(std::abs(bottom.x[0]), 1.0, 1e-14);
   EXPECT_NEAR(bottom.x[1], 0.0, 1e-14);
   EXPECT_NEAR(bottom.multipliers[0], -1.0, 1e-13);
@@ -130,7 +130,7 @@ TEST_P(NewtonOnBoth, InequalitiesHoldWithMultipliersOfTheRightSign) {
   Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.1, 1.0};
   const NewtonResult& result = newton.solve(start);
-  EXPECT_EQ(result.outcome, Outcome::converged);
+  EXPECT_EQ(result.end, NewtonEnd::converged);
   EXPECT_NEAR(result.x[1], 0.5, 1e-14);
   EXPECT_TRUE(result.active[1]);
   // grad f + lambda grad c + mu grad y = 0: x + lambda x = 0, 4 y + lambda y + mu = 0.
@@ -146,7 +146,7 @@ TEST_P(NewtonOnBoth, AnInequalityWithAMultiplierOfWrongSignIsReleased) {
   Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.0, 0.5};
   const NewtonResult& result = newton.solve(start);
-  EXPECT_EQ(result.outcome, Outcome::converged);
+  EXPECT_EQ(result.end, NewtonEnd::converged);
   EXPECT_NEAR(result.x[1], 2.0, 1e-14);
   EXPECT_NEAR(result.multipliers[0], 2.0, 1e-13);
 }
@@ -156,7 +156,7 @@ TEST_P(NewtonOnBoth, AnUnboundedObjectiveIsReported) {
   parabola.b = -1.0;
   Newton newton(parabola, goal(Goal::minimum));
   const double start[] = {0.0, 0.1};
-  EXPECT_EQ(newton.solve(start).outcome, Outcome::unbounded);
+  EXPECT_EQ(newton.solve(start).end, NewtonEnd::unbounded);
 }
 
 TEST_P(NewtonOnBoth, IterationLimitIsReported) {
@@ -166,7 +166,7 @@ TEST_P(NewtonOnBoth, IterationLimitIsReported) {
   options.iterations = 2;
   Newton newton(parabola, options);
   const double start[] = {0.28, 0.96};
-  EXPECT_EQ(newton.solve(start).outcome, Outcome::iteration_limit);
+  EXPECT_EQ(newton.solve(start).end, NewtonEnd::iteration_limit);
 }
 
 TEST_P(NewtonOnBoth, AnInterruptStopsTheRunAndKeepsThePoint) {
@@ -178,7 +178,7 @@ TEST_P(NewtonOnBoth, AnInterruptStopsTheRunAndKeepsThePoint) {
     Newton newton(parabola, options);
     const double start[] = {0.6, 0.8};
     const NewtonResult& result = newton.solve(start);
-    EXPECT_EQ(result.outcome, Outcome::interrupted);
+    EXPECT_EQ(result.end, NewtonEnd::interrupted);
     EXPECT_DOUBLE_EQ(result.x[0], 0.6);
   }
 }
@@ -222,7 +222,7 @@ TEST_P(NewtonOnBoth, ConstraintsThatCannotHoldAreNotClosed) {
   Newton newton(problem, goal(Goal::minimum));
   const double start[] = {1.0, 0.5};
   const NewtonResult& result = newton.solve(start);
-  EXPECT_EQ(result.outcome, Outcome::not_closed);
+  EXPECT_EQ(result.end, NewtonEnd::not_closed);
   EXPECT_GE(result.constraint_error, 1.0);
 }
 
@@ -254,7 +254,7 @@ TEST(Newton, SolvesAFieldWithoutPotential) {
   Newton newton(problem);
   const double start[] = {0.0, 0.0};
   const NewtonResult& result = newton.solve(start);
-  EXPECT_EQ(result.outcome, Outcome::converged);
+  EXPECT_EQ(result.end, NewtonEnd::converged);
   EXPECT_NEAR(result.x[0], 0.4, 1e-15);
   EXPECT_NEAR(result.x[1], 0.8, 1e-15);
 }
@@ -284,12 +284,12 @@ TEST(Newton, StallsWhereTheFieldHasNoZero) {
   const NoRest problem;
   Newton newton(problem);
   const double start[] = {0.7};
-  EXPECT_EQ(newton.solve(start).outcome, Outcome::stalled);
+  EXPECT_EQ(newton.solve(start).end, NewtonEnd::stalled);
 }
 
 TEST(Newton, EveryOutcomeHasAName) {
-  for (const Outcome o : {Outcome::not_solved, Outcome::converged, Outcome::not_closed, Outcome::stalled,
-                          Outcome::unbounded, Outcome::iteration_limit, Outcome::interrupted}) {
+  for (const NewtonEnd o : {NewtonEnd::not_solved, NewtonEnd::converged, NewtonEnd::not_closed, NewtonEnd::stalled,
+                            NewtonEnd::unbounded, NewtonEnd::iteration_limit, NewtonEnd::interrupted}) {
     EXPECT_NE(describe(o), "unknown");
   }
 }

@@ -90,10 +90,10 @@ TEST(Safeguards, LineSearchShortensStepsThatOvershoot) {
   const double start[] = {2.0, 0.0};
   for (const Goal goal : {Goal::stationary, Goal::minimum}) {
     Newton guarded(groove, with(goal, {.restarts = false, .load_stepping = false}));
-    EXPECT_EQ(guarded.solve(start).outcome, Outcome::converged);
+    EXPECT_EQ(guarded.solve(start).end, NewtonEnd::converged);
     EXPECT_NEAR(guarded.solve(start).x[0], 0.0, 1e-15);
     Newton bare(groove, with(goal, {.line_search = false, .restarts = false, .load_stepping = false}));
-    EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
+    EXPECT_NE(bare.solve(start).end, NewtonEnd::converged);
   }
 }
 
@@ -102,11 +102,11 @@ TEST(Safeguards, InertiaCorrectionLeadsAwayFromMaxima) {
   const double start[] = {0.2, 0.3};
   Newton guarded(groove, with(Goal::minimum, {}));
   const NewtonResult& found = guarded.solve(start);
-  EXPECT_EQ(found.outcome, Outcome::converged);
+  EXPECT_EQ(found.end, NewtonEnd::converged);
   EXPECT_NEAR(found.x[0], 1.0, 1e-15);
   Newton bare(groove, with(Goal::minimum, {.inertia_correction = false, .restarts = false, .load_stepping = false}));
   const NewtonResult& lost = bare.solve(start);
-  EXPECT_FALSE(lost.outcome == Outcome::converged && std::abs(std::abs(lost.x[0]) - 1.0) < 1e-9);
+  EXPECT_FALSE(lost.end == NewtonEnd::converged && std::abs(std::abs(lost.x[0]) - 1.0) < 1e-9);
 }
 
 // On y = x/2 the objective is x^4/4 - x^2/2 + x^2/8, least at x = sqrt(3)/2, with the sum of multipliers -y.
@@ -117,11 +117,11 @@ TEST(Safeguards, RankRevealingFactorsTakeRepeatedConstraints) {
   const double start[] = {0.7, 0.35};
   Newton guarded(groove, with(Goal::minimum, {}));
   const NewtonResult& found = guarded.solve(start);
-  EXPECT_EQ(found.outcome, Outcome::converged);
+  EXPECT_EQ(found.end, NewtonEnd::converged);
   EXPECT_NEAR(found.x[0], std::sqrt(0.75), 1e-15);
   EXPECT_NEAR(found.multipliers[0] + found.multipliers[1], -std::sqrt(0.75) / 2, 1e-14);
   Newton bare(groove, with(Goal::minimum, {.rank_revealing = false, .restarts = false, .load_stepping = false}));
-  EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
+  EXPECT_NE(bare.solve(start).end, NewtonEnd::converged);
 }
 
 // Full steps from 1.2 diverge, but a part of the load at a time they hold.
@@ -132,12 +132,12 @@ TEST(Safeguards, LoadSteppingIsTheLastResort) {
   NewtonOptions options = with(Goal::stationary, {.line_search = false, .restarts = false});
   Newton stepped(groove, options);
   const NewtonResult& found = stepped.solve(start);
-  EXPECT_EQ(found.outcome, Outcome::converged);
+  EXPECT_EQ(found.end, NewtonEnd::converged);
   EXPECT_TRUE(found.load_stepped);
   EXPECT_NEAR(found.x[0], 0.0, 1e-12);
   options.safeguards.load_stepping = false;
   Newton bare(groove, options);
-  EXPECT_NE(bare.solve(start).outcome, Outcome::converged);
+  EXPECT_NE(bare.solve(start).end, NewtonEnd::converged);
   EXPECT_FALSE(bare.solve(start).load_stepped);
 }
 
@@ -147,7 +147,7 @@ TEST(Safeguards, RestartsFindWhatTheStartMisses) {
   const double start[] = {2.0, 0.0};
   Newton newton(groove, with(Goal::stationary, {.line_search = false, .load_stepping = false}));
   const NewtonResult& found = newton.solve(start);
-  EXPECT_EQ(found.outcome, Outcome::converged);
+  EXPECT_EQ(found.end, NewtonEnd::converged);
   EXPECT_TRUE(found.restarted);
   EXPECT_NEAR(found.x[0], 0.0, 1e-12);
 }
@@ -156,7 +156,7 @@ TEST(Safeguards, LoadSteppingIsNotNeededWhereTheOthersConverge) {
   const Groove groove = two_wells();
   const double start[] = {0.9, 0.1};
   Newton newton(groove);
-  EXPECT_EQ(newton.solve(start).outcome, Outcome::converged);
+  EXPECT_EQ(newton.solve(start).end, NewtonEnd::converged);
   EXPECT_FALSE(newton.solve(start).load_stepped);
 }
 
@@ -196,8 +196,8 @@ TEST(Safeguards, ALockIsNeverCalledAnEquilibrium) {
       Newton newton(cusp, with(goal, {}));
       const double start[] = {x, std::pow(x, 1.5)};
       const NewtonResult& result = newton.solve(start);
-      EXPECT_NE(result.outcome, Outcome::converged) << result.x[0] << ' ' << result.x[1];
-      EXPECT_NE(describe(result.outcome), "unknown");
+      EXPECT_NE(result.end, NewtonEnd::converged) << result.x[0] << ' ' << result.x[1];
+      EXPECT_NE(describe(result.end), "unknown");
     }
   }
 }

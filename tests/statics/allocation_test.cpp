@@ -39,9 +39,9 @@ int allocations_of_a_solve(const StaticModel& model, solvers::Goal goal, int den
   const std::vector<double> x = model.start();
   allocations = 0;
   counting = true;
-  const solvers::Outcome outcome = newton.solve(x).outcome;
+  const solvers::NewtonEnd end = newton.solve(x).end;
   counting = false;
-  EXPECT_EQ(outcome, solvers::Outcome::converged);
+  EXPECT_EQ(end, solvers::NewtonEnd::converged);
   return allocations;
 }
 

@@ -160,9 +160,9 @@ TEST(BoxProver, NeverLosesAnEquilibrium) {
         box[i] = Interval(x[i] - below, x[i] + (k % 3 == 1 ? 1e-11 : width));
       }
       const solvers::RoundingUp up;
-      const BoxProver::Finding finding = prover.examine(box).finding;
-      ASSERT_NE(finding, BoxProver::Finding::empty) << k;
-      ASSERT_NE(finding, BoxProver::Finding::locked) << k;
+      const BoxProver::Decision decision = prover.examine(box).decision;
+      ASSERT_NE(decision, BoxProver::Decision::empty) << k;
+      ASSERT_NE(decision, BoxProver::Decision::locked) << k;
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_LE(box[i].lower(), x[i] + 1e-12) << k;
         ASSERT_GE(box[i].upper(), x[i] - 1e-12) << k;
@@ -186,7 +186,7 @@ TEST(BoxProver, ClosuresKeepEveryClosedPose) {
       for (double& value : x) value += 6.0 * (share(random) - 0.5);
       solvers::Newton newton(model.problem());
       const solvers::NewtonResult& pose = newton.close(x);
-      if (pose.outcome != solvers::Outcome::converged) continue;
+      if (pose.end != solvers::NewtonEnd::converged) continue;
       ++closed;
       CoordinateBox box(x.size());
       for (std::size_t i = 0; i < x.size(); ++i) {
@@ -311,7 +311,7 @@ TEST(BoxProver, ClosuresKeepAPoseThatIsNearlyKnown) {
       for (double& value : x) value += 6.0 * (share(random) - 0.5);
       solvers::Newton newton(model.problem());
       const solvers::NewtonResult& pose = newton.close(x);
-      if (pose.outcome != solvers::Outcome::converged) continue;
+      if (pose.end != solvers::NewtonEnd::converged) continue;
       ++closed;
       const std::size_t n = x.size();
       CoordinateBox box(n);
@@ -360,7 +360,7 @@ TEST(BoxProver, CallsNothingElseAnEquilibrium) {
         const solvers::RoundingUp up;
         verdict = prover.examine(box);
       }
-      if (verdict.finding != BoxProver::Finding::unique) continue;
+      if (verdict.decision != BoxProver::Decision::unique) continue;
       ++unique;
       double nearest = 1.0;
       for (const std::vector<double>& y : known) nearest = std::min(nearest, distance(y, verdict.at));

@@ -88,7 +88,7 @@ TEST(CertificateCases, EveryListedEquilibriumIsProvedWithItsStability) {
 // Wherever a search of a method ends, or begins, and nothing is listed within reach, nothing is confirmed.
 TEST(CertificateCases, NothingIsConfirmedElsewhere) {
   for (const HardCase& hard : cases()) {
-    if (hard.expect == comparison::Expect::equilibrium && !hard.complete) continue;
+    if (hard.answer == comparison::KnownAnswer::equilibrium && !hard.complete) continue;
     SCOPED_TRACE(hard.name);
     const StaticModel model(comparison::scene_of(hard));
     std::vector<std::vector<double>> listed;

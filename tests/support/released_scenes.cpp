@@ -42,7 +42,7 @@ std::optional<std::vector<double>> moved(const StaticModel& model, const std::ve
   options.closing_starts = 0;
   solvers::Newton newton(model.problem(), options);
   const solvers::NewtonResult& closed = newton.close(out);
-  if (closed.outcome != solvers::Outcome::converged) return std::nullopt;
+  if (closed.end != solvers::NewtonEnd::converged) return std::nullopt;
   double far = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) far = std::max(far, std::abs(closed.x[i] - out[i]));
   if (far > by.norm()) return std::nullopt;
@@ -53,7 +53,7 @@ std::optional<std::vector<double>> moved(const StaticModel& model, const std::ve
 std::optional<std::vector<double>> wander(Random& random, const StaticModel& model, double length) {
   solvers::Newton newton(model.problem());
   const solvers::NewtonResult& closed = newton.close(model.start());
-  if (closed.outcome != solvers::Outcome::converged) return std::nullopt;
+  if (closed.end != solvers::NewtonEnd::converged) return std::nullopt;
   std::vector<double> x = closed.x;
   VectorXd heading;
   for (double gone = 0.0; gone < length; gone += 0.05) {

@@ -15,21 +15,21 @@ namespace {
 
 using comparison::CaseResult;
 using comparison::Cell;
-using comparison::Expect;
 using comparison::FrictionCase;
 using comparison::FrictionResult;
 using comparison::HardCase;
+using comparison::KnownAnswer;
 using comparison::StressOutcome;
 
 /// "nearest", "stable", "locked" or "none".
 std::string asked_for(const HardCase& hard) {
-  if (hard.expect == Expect::locked) return "locked";
-  if (hard.expect == Expect::none) return "none";
+  if (hard.answer == KnownAnswer::locked) return "locked";
+  if (hard.answer == KnownAnswer::none) return "none";
   return hard.seek == Seek::stable ? "stable" : "nearest";
 }
 
 std::string expected(const HardCase& hard) {
-  return hard.expect == Expect::equilibrium ? "equilibrium" : asked_for(hard);
+  return hard.answer == KnownAnswer::equilibrium ? "equilibrium" : asked_for(hard);
 }
 
 /// Per cent of the starts that converge, cut to tenths, so that only all are "100" and only none are "0"; "-" where
@@ -45,7 +45,7 @@ std::string cell_converged(const Cell& cell) {
 Tone tone_of(const HardCase& hard, const Cell& cell) {
   if (cell.false_claims > 0) return Tone::bad;
   if (!cell.applies) return Tone::faint;
-  const bool must = cell.method == Method::virtual_work && hard.expect == Expect::equilibrium;
+  const bool must = cell.method == Method::virtual_work && hard.answer == KnownAnswer::equilibrium;
   return must && !comparison::solved(cell) ? Tone::doubtful : Tone::plain;
 }
 
@@ -175,7 +175,7 @@ std::string verdict_of(Holding verdict) {
 }
 
 std::string expected(const FrictionCase& known) {
-  return known.without_end.empty() ? verdict_of(known.expect) : "held without end";
+  return known.without_end.empty() ? verdict_of(known.verdict) : "held without end";
 }
 
 std::string found_in_words(const FrictionResult& result) {
@@ -203,8 +203,8 @@ void add_friction(Group& content, const std::vector<FrictionResult>& friction) {
 }
 
 std::string known_in_words(const HardCase& hard) {
-  if (hard.expect == Expect::locked) return "its joints lock: " + hard.why;
-  if (hard.expect == Expect::none) return "no equilibrium: " + hard.why;
+  if (hard.answer == KnownAnswer::locked) return "its joints lock: " + hard.why;
+  if (hard.answer == KnownAnswer::none) return "no equilibrium: " + hard.why;
   if (hard.everywhere) return "every pose is a neutral equilibrium";
   if (hard.known.empty()) return "no list; answers are refined in 50 digits";
   std::vector<std::string> parts;
