@@ -14,11 +14,11 @@ namespace poise {
 template <class T>
 BearingLoads<T>::BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints)
     : scene_(scene), phasors_(mechanism.phasors()) {
-  int held = 0;
+  int holding = 0;
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     if (!stop.holds()) continue;
-    const int own = held++;
+    const int own = holding++;
     if (!loads_bearings(stop)) continue;
     const std::vector<int> loaded = loaded_joints(scene, stop);
     const auto first = std::find_first_of(joints.begin(), joints.end(), loaded.begin(), loaded.end());

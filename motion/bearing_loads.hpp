@@ -19,9 +19,9 @@ template <class T>
 class BearingLoads {
  public:
   struct Contact {
-    int stop = 0;   ///< index into Scene::stops
-    int held = 0;   ///< its place among the stops that hold (Stop::holds())
-    int joint = 0;  ///< the first of the joints given that it loads
+    int stop = 0;     ///< index into Scene::stops
+    int holding = 0;  ///< its place among the stops that hold (Stop::holds())
+    int joint = 0;    ///< the first of the joints given that it loads
     bool separates = false;
     ContactPlace place;
   };

@@ -17,8 +17,8 @@ namespace {
 constexpr double works = 1e-6;
 
 /// The rows of J and D.
-Eigen::MatrixXd held_rates(const MotionModel& model, const DensePoint<double>& point, const std::vector<double>& x,
-                           const std::vector<Drive>& drives) {
+Eigen::MatrixXd rates_of_drives(const MotionModel& model, const DensePoint<double>& point, const std::vector<double>& x,
+                                const std::vector<Drive>& drives) {
   const Eigen::Index rows = point.jacobian.rows();
   Eigen::MatrixXd out(rows + static_cast<Eigen::Index>(drives.size()), point.jacobian.cols());
   out.topRows(rows) = point.jacobian;
@@ -48,9 +48,9 @@ bool is_dead_point(const MotionModel& model, const std::vector<double>& x, const
     if (rooms[s].overrun() >= -StopRoom::rounding) rows.push_back(mechanism.stop_row(static_cast<int>(s)));
   }
   const DensePoint<double> point(mechanism, x, rows);
-  const Eigen::MatrixXd held = held_rates(model, point, x, drives);
-  const solvers::SingularValues decomposed = solvers::singular_value_decomposition(held);
-  const Eigen::Index left = held.cols() - decomposed.rank(DrivenPath::singular_below);
+  const Eigen::MatrixXd rates = rates_of_drives(model, point, x, drives);
+  const solvers::SingularValues decomposed = solvers::singular_value_decomposition(rates);
+  const Eigen::Index left = rates.cols() - decomposed.rank(DrivenPath::singular_below);
   if (left == 0) return false;
   const double largest = point.force.lpNorm<Eigen::Infinity>();
   return (decomposed.right.rightCols(left).transpose() * point.force).norm() > works * largest;

@@ -54,7 +54,7 @@ double minimiser(F f, double a, double b) {
 // --- closures -------------------------------------------------------------------------------------------------------
 
 SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven)
-    : model_(model), driven_(std::move(driven)), rows_(held_rows(model.mechanism())) {
+    : model_(model), driven_(std::move(driven)), rows_(permanent_rows(model.mechanism())) {
   const Mechanism<double>& m = model.mechanism();
   for (int i = 0; i < m.coordinates(); ++i) {
     if (std::find(driven_.begin(), driven_.end(), i) == driven_.end()) free_.push_back(i);

@@ -157,14 +157,14 @@ class Linear {
     out_.freedoms = static_cast<int>(basis_.cols());
     const bool is_regular = basis_.cols() == m.coordinates() - static_cast<Index>(rows.size());
     out_.mobility = freedoms_at(model, x, is_regular ? std::optional(0) : std::nullopt);
-    out_.held = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int row) {
+    out_.active_stops = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int row) {
       return row >= m.equalities() && !model.scene().stops[static_cast<std::size_t>(row - m.equalities())].couples();
     }));
   }
 
   Modes modes() {
     if (out_.freedoms == 0) {
-      out_.why = out_.held > 0 ? "it is held by its stops" : "its closures leave no degree of freedom";
+      out_.why = out_.active_stops > 0 ? "it is held by its stops" : "its closures leave no degree of freedom";
       return out_;
     }
     if (out_.mobility.finite == 0 && out_.mobility.by == Freedoms::By::curvature) {

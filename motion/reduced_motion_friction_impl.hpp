@@ -19,7 +19,7 @@ Planar<T> ReducedMotion<T>::normal_of(const Grip& grip) const {
 // In drives_, of the stop that a contact is of.
 template <class T>
 std::size_t ReducedMotion<T>::stop_row(int contact) const {
-  return first_stop_ + static_cast<std::size_t>(bearing_loads_.contacts()[static_cast<std::size_t>(contact)].held);
+  return first_stop_ + static_cast<std::size_t>(bearing_loads_.contacts()[static_cast<std::size_t>(contact)].holding);
 }
 
 // Q, from the multipliers of the used rows in small_rows_.

@@ -78,9 +78,9 @@ std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const
   }
   for (const Stop& stop : scene.stops) {
     if (!stop.holds()) continue;
-    Drive held;
-    held.start = stop.max;
-    rows.push_back({held, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
+    Drive still;
+    still.start = stop.max;
+    rows.push_back({still, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
   }
   return rows;
 }

@@ -15,7 +15,7 @@ void LoadStepping::run() {
   double release = at_.options.first_release;
   for (double let_go = 0.0; let_go < 1.0;) {
     const double next = std::min(1.0, let_go + release);
-    at_.held = 1.0 - next;
+    at_.share = 1.0 - next;
     at_.begin_at(reached_);
     const NewtonEnd end = at_.seeks_minimum() ? descent_.run_from_closed() : stationary_.run();
     at_.note(end);
@@ -29,7 +29,7 @@ void LoadStepping::run() {
       if (release < at_.options.least_release) break;
     }
   }
-  at_.held = 0.0;
+  at_.share = 0.0;
   at_.result.load_stepped = at_.result.end == NewtonEnd::converged;
   at_.evaluate(*at_.now);
 }

@@ -45,13 +45,13 @@ void NewtonSystem::begin_at(std::span<const double> x) {
 void NewtonSystem::evaluate(Evaluation& at) {
   problem.evaluate(at);
   ++result.evaluations;
-  if (held == 0.0) return;
-  for (int i = 0; i < variables(); ++i) at.gradient[i] -= held * load[i];
+  if (share == 0.0) return;
+  for (int i = 0; i < variables(); ++i) at.gradient[i] -= share * load[i];
 }
 
 double NewtonSystem::objective(Evaluation& at) const {
   const double f = problem.objective(at);
-  return held == 0.0 ? f : f - held * dot(load, at.x);
+  return share == 0.0 ? f : f - share * dot(load, at.x);
 }
 
 void NewtonSystem::try_step(double alpha) {

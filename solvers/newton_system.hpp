@@ -15,11 +15,11 @@ namespace poise::solvers {
 
 /// The conditions that Newton's method solves,
 ///
-///   F(x) - held f + J^T y = 0,   c(x) = 0 for the active rows,
+///   F(x) - share f + J^T y = 0,   c(x) = 0 for the active rows,
 ///
 /// linearized at the current point of a run. The parts of the method (loop closing, stationary search, descent, load
-/// stepping) share it; each leaves `now` at the point it reached. f is the artificial load of load stepping, and held
-/// the share of it that still acts. Buffers are sized once.
+/// stepping) share it; each leaves `now` at the point it reached. f is the artificial load of load stepping, and share
+/// the part of it that still acts. Buffers are sized once.
 class NewtonSystem {
  public:
   /// Both must outlive this; the result is filled during the run.
@@ -38,14 +38,14 @@ class NewtonSystem {
   Evaluation *now, *trial;        ///< the current point and a trial point
   std::vector<double> y;          ///< multipliers at now
   std::span<const double> gap;    ///< of find_gap(): c of the active rows at now, 0 of others
-  std::vector<double> residual;   ///< of linearize(): F - held f + J^T y
+  std::vector<double> residual;   ///< of linearize(): F - share f + J^T y
   std::vector<double> step;       ///< of solve_for_step()
   std::vector<double> y_next;     ///< of solve_for_multipliers(): at the end of the step
   std::vector<double> trial_gap;  ///< at trial
   double gap_norm = 0.0;          ///< of linearize(): |gap|
   double force_norm = 0.0;        ///< of linearize(): |residual|
   std::vector<double> load;       ///< f
-  double held = 0.0;
+  double share = 0.0;             ///< of the load that still acts
 
   int variables() const { return static_cast<int>(now->x.size()); }
   int rows() const { return static_cast<int>(y.size()); }
@@ -55,7 +55,7 @@ class NewtonSystem {
   /// Sets `now` to x, activates the inequalities at a bound there and discards the multipliers.
   void begin_at(std::span<const double> x);
   void evaluate(Evaluation& at);
-  /// f - held load^T x at an evaluated point.
+  /// f - share load^T x at an evaluated point.
   double objective(Evaluation& at) const;
   /// trial = now + alpha step.
   void try_step(double alpha);

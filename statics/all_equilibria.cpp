@@ -93,12 +93,12 @@ class Finder {
     return mobility.x;
   }
 
-  // Along these every pose is an equilibrium if one is: one is sought with them held where they start.
+  // Along these every pose is an equilibrium if one is: one is sought with them fixed where they start.
   void find_neutral_motions() {
     neutral_ = neutral_motions(model_, start_);
     if (!neutral_.any()) return;
     if (!neutral_.branch || !neutral_.lead_everywhere(model_.mechanism().coordinates())) {
-      held_.emplace(with_motions_held(model_, neutral_, start_), model_.scales());
+      fixed_.emplace(with_motions_fixed(model_, neutral_, start_), model_.scales());
     }
     for (const NeutralMotions::Motion& motion : neutral_.motions) {
       EquilibriumSet::Balanced& out = out_.balanced.emplace_back();
@@ -107,7 +107,7 @@ class Finder {
       }
       out.exact = motion.exact;
       out.effort = motion.effort;
-      out.is_force = model_.layout().is_length(motion.held);
+      out.is_force = model_.layout().is_length(motion.fixed);
       if (!neutral_.branch) continue;
       out.gap = neutral_.branch->gap * model_.scales().length;
       for (std::size_t i = 0; i < neutral_.branch->leader.size(); ++i) {
@@ -117,7 +117,7 @@ class Finder {
   }
 
   // The mechanism of which the set is proved, but for poses of a neutral branch.
-  const StaticModel& searched() const { return held_ && !neutral_.branch ? *held_ : model_; }
+  const StaticModel& searched() const { return fixed_ && !neutral_.branch ? *fixed_ : model_; }
 
   // --- places ----------------------------------------------------------------------------------------------
 
@@ -183,21 +183,21 @@ class Finder {
     enclosed_ = out_.equilibria.size();
   }
 
-  // Equilibria on the neutral branch: with its motions held where they start, and what is in loops there.
+  // Equilibria on the neutral branch: with its motions fixed where they start, and what is in loops there.
   void add_branch(const AllEquilibriaOptions& left) {
-    if (!held_) {
+    if (!fixed_) {
       proof_.found.push_back(start_);
       return;
     }
-    const Turns turns(*held_);
-    LoopTurns loops(*held_, turns, start_);
+    const Turns turns(*fixed_);
+    LoopTurns loops(*fixed_, turns, start_);
     EnclosedPart part;
     for (std::size_t i = 0; i < start_.size(); ++i) {
       const bool is_in_loop = neutral_.branch->is_in_loop[i] != 0;
       part.within.push_back(is_in_loop ? Interval(start_[i] - same_search, start_[i] + same_search)
                                        : Interval::entire());
     }
-    EnclosedSet on_branch = enclose_(*held_, loops, left, part);
+    EnclosedSet on_branch = enclose_(*fixed_, loops, left, part);
     const auto append = [](auto& to, auto& from) { std::move(from.begin(), from.end(), std::back_inserter(to)); };
     append(proof_.found, on_branch.found);
     append(proof_.undecided, on_branch.undecided);
@@ -476,7 +476,7 @@ class Finder {
                                          .proof = proof_,
                                          .loops = *loops_,
                                          .wants_proof = wants_proof(),
-                                         .holds_motions = held_.has_value(),
+                                         .fixes_motions = fixed_.has_value(),
                                          .contradicted = contradicted_,
                                          .by_proof = by_proof_,
                                          .unreached = unreached_,
@@ -490,7 +490,7 @@ class Finder {
   const Enclosing& enclose_;
   Turns turns_;
   NeutralMotions neutral_;
-  std::optional<StaticModel> held_;  // with these held
+  std::optional<StaticModel> fixed_;  // with these fixed
   std::optional<LoopTurns> loops_;
   std::vector<double> start_;
   EnclosedSet proof_;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int most_proof_steps = 25;
 constexpr int most_follow_steps = 12;
-constexpr double most_way = 1e3;  // of other coordinates, for one of those that are held
+constexpr double most_way = 1e3;  // of other coordinates, for one of those that are fixed
 
 Mechanism<Ball> compiled(const StaticModel& model, const Layout& layout, bool rounding) {
   const Ball::InputRounding guard(rounding);
@@ -43,7 +43,7 @@ BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept,
       rounding_(rounding),
       unknown_(mechanism_.coordinates(), 0),
       equation_(mechanism_.constraints(), -1) {
-  for (const int i : kept_.held) unknown_[i] = -1;
+  for (const int i : kept_.fixed) unknown_[i] = -1;
   for (int& u : unknown_) u = u < 0 ? -1 : free_++;
   for (std::size_t k = 0; k < kept_.rows.size(); ++k) equation_[kept_.rows[k]] = free_ + static_cast<int>(k);
 }
@@ -179,13 +179,13 @@ std::vector<solvers::RegularSet::Entry> BalanceSystem::derivatives(const std::ve
   return out;
 }
 
-// J_o u_o = -J_h u_h,  of the rates of other and of held coordinates.
+// J_o u_o = -J_f u_f,  of the rates of other and of fixed coordinates.
 std::optional<std::vector<std::vector<Ball>>> BalanceSystem::motions(const std::vector<Ball>& x) const {
   if (unknowns() != 2 * free_) return std::nullopt;
   const solvers::RegularSet matrix(unknowns(), true, derivatives(x));
   if (free_ > 0 && !matrix.regular()) return std::nullopt;
   std::vector<std::vector<Ball>> out;
-  for (const int i : kept_.held) {
+  for (const int i : kept_.fixed) {
     std::vector<Ball>& u = out.emplace_back(x.size());
     u[i] = Ball(1);
     if (free_ == 0) continue;

@@ -1327,7 +1327,7 @@ bool BoxProver::may_rest_on_stops(const CoordinateBox& solution) {
     const Interval& measure = constraint_[plain_.stop_row(s)];
     if (stops_[s] == StopState::inactive) {
       if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return false;
-    } else if (stops_[s] != StopState::held) {
+    } else if (stops_[s] != StopState::permanent) {
       const Interval& push = pushes[equation_[plain_.stop_row(s)]];
       if (stops_[s] == StopState::at_upper ? push < Interval(0) : push > Interval(0)) return false;
     }

@@ -38,7 +38,7 @@ struct Winding {
 
 /// Which stops are active: their rows must have that value, and their force presses. Others are between their limits
 /// and have no force.
-enum class StopState : signed char { at_lower = -1, inactive = 0, at_upper = 1, held = 2 };
+enum class StopState : signed char { at_lower = -1, inactive = 0, at_upper = 1, permanent = 2 };
 
 /// Decides in interval arithmetic whether a box holds equilibria, with given stops active:
 ///

@@ -270,9 +270,9 @@ Certificate Certifier::report(const Finding& f, const std::vector<ActiveStop>& a
   for (std::size_t i = 0; i < f.solution.q.size(); ++i) {
     const double middle = f.solution.q[i].middle();
     out.x.push_back(middle);
-    const bool held = std::find(f.neutral.begin(), f.neutral.end(), static_cast<int>(i)) != f.neutral.end();
+    const bool is_arbitrary = std::find(f.neutral.begin(), f.neutral.end(), static_cast<int>(i)) != f.neutral.end();
     const Ball rest = f.solution.q[i] - Ball(middle);
-    if (!held) out.radius = std::max(out.radius, rest.greatest());
+    if (!is_arbitrary) out.radius = std::max(out.radius, rest.greatest());
     if (f.redundant == 0 && f.spread == 0.0) out.rest.push_back(rest.middle());
     if (!out.rest.empty()) out.rest_radius = std::max(out.rest_radius, (rest - Ball(rest.middle())).greatest());
     out.moved = std::max(out.moved, std::abs(middle - x()[i]));
@@ -787,14 +787,14 @@ std::vector<int> Certifier::needed_stops(const Settled& settled, const std::vect
                                           [&](const ActiveStop& a) { return push_of(settled.finding, a).has_value(); });
   if (sharing.empty() && are_determined) return {};
   const std::vector<Ball>& q = settled.finding.solution.q;
-  KeptEquations held;
+  KeptEquations with_fixed;
   for (const int row : settled.finding.kept.rows) {
     const int stop = row - m().equalities();
-    if (stop < 0 || m().lower()[stop] == m().upper()[stop]) held.rows.push_back(row);
+    if (stop < 0 || m().lower()[stop] == m().upper()[stop]) with_fixed.rows.push_back(row);
   }
-  held.at_upper.assign(held.rows.size(), 0);
-  held.held = piece_.free_coordinates(held);
-  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(balls(), held).motions(q);
+  with_fixed.at_upper.assign(with_fixed.rows.size(), 0);
+  with_fixed.fixed = piece_.free_coordinates(with_fixed);
+  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(balls(), with_fixed).motions(q);
   if (!motions) return {};
   const std::vector<Ball> force = BalanceSystem(balls(), {}).forces(q, {});
   std::vector<int> stops;
@@ -823,7 +823,7 @@ std::vector<int> Certifier::needed_stops(const Settled& settled, const std::vect
 // How fast a stop is overrun in each of the motions.
 std::vector<Ball> Certifier::rates_beyond(const ActiveStop& s, const std::vector<Ball>& q,
                                           const std::vector<std::vector<Ball>>& motions) const {
-  const BalanceSystem stop(balls(), {.rows = {m().stop_row(s.stop)}, .at_upper = {0}, .held = {}});
+  const BalanceSystem stop(balls(), {.rows = {m().stop_row(s.stop)}, .at_upper = {0}, .fixed = {}});
   std::vector<Ball> out;
   for (const std::vector<Ball>& motion : motions) out.push_back(Ball(s.upper ? 1 : -1) * stop.rates(q, motion)[0]);
   return out;
@@ -834,13 +834,13 @@ std::vector<Ball> Certifier::rates_beyond(const ActiveStop& s, const std::vector
 std::optional<Cones> Certifier::cones_at(const Finding& piece, const std::vector<int>& springs,
                                          const std::vector<ActiveStop>& weak) const {
   const BallMechanism slack = with_springs(springs, 0);
-  KeptEquations held = piece.kept;
-  held.held = piece_.free_coordinates(piece.kept);
+  KeptEquations with_fixed = piece.kept;
+  with_fixed.fixed = piece_.free_coordinates(piece.kept);
   const std::vector<Ball>& q = piece.solution.q;
-  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(slack, held).motions(q);
+  const std::optional<std::vector<std::vector<Ball>>> motions = BalanceSystem(slack, with_fixed).motions(q);
   if (!motions) return std::nullopt;
   KeptEquations whole = piece.kept;
-  whole.held.clear();
+  whole.fixed.clear();
   const BalanceSystem balance(slack, whole);
   Cones out;
   const auto with_rows = [&](std::vector<Ball> motion) {

@@ -81,14 +81,14 @@ void DraggedPoint::go_to(Vec2 target) {
   sense_ = {};
   sense_ = sense_at(motions({}));
   if (moves_in_an_area_ && go_straight(target)) return;
-  last_held_ = {x_, passed_.size(), sense_};
+  last_balanced_ = {x_, passed_.size(), sense_};
   const double at_start = least_rate(motions({}));
   approach(target, false);
   if (const Motions now = motions({}); holds_at(now) || least_rate(now) >= at_start) return;
   // It has come to where no force on the point holds it: up to there, then.
-  x_ = last_held_.x;
-  passed_.resize(last_held_.passed);
-  sense_ = last_held_.sense;
+  x_ = last_balanced_.x;
+  passed_.resize(last_balanced_.passed);
+  sense_ = last_balanced_.sense;
   look();
   approach(target, true);
 }
@@ -141,8 +141,8 @@ bool DraggedPoint::go_straight(Vec2 target) {
     const Motions now = motions({});
     if (reach(goal)) {
       const Motions then = motions({});
-      const bool is_held = holds_at(then) || least_rate(then) >= least_rate(now);
-      if (is_held && then.basis.cols() == now.basis.cols() && goes_to(then)) {
+      const bool is_balanced = holds_at(then) || least_rate(then) >= least_rate(now);
+      if (is_balanced && then.basis.cols() == now.basis.cols() && goes_to(then)) {
         passed_.push_back(place());
         if (to == 1.0) return true;
         part = to;
@@ -211,7 +211,7 @@ void DraggedPoint::approach(Vec2 target, bool holds) {
     passed_.push_back(place());
     const Motions now = motions({});
     moves_in_an_area_ = moves_in_an_area_ || !now.runs_on_a_curve();
-    if (holds_at(now)) last_held_ = {x_, passed_.size(), sense_};
+    if (holds_at(now)) last_balanced_ = {x_, passed_.size(), sense_};
     // Where a way is slow for a while, and beside a cusp of it, the point gains next to nothing, and may farther on.
     if (before - norm(target - place_) < close_enough && (moves_in_an_area_ || !leap(target, holds))) return;
   }
@@ -235,13 +235,13 @@ void DraggedPoint::look() {
   place_ = {values_[values_.size() - 2], values_[values_.size() - 1]};
 }
 
-DraggedPoint::Motions DraggedPoint::motions(const std::vector<int>& held) const {
+DraggedPoint::Motions DraggedPoint::motions(const std::vector<int>& blocking) const {
   const Mechanism<double>& m = model_.mechanism();
   Motions out;
-  MatrixXd kept(m.equalities() + static_cast<Index>(held.size()), m.coordinates());
+  MatrixXd kept(m.equalities() + static_cast<Index>(blocking.size()), m.coordinates());
   kept.topRows(m.equalities()) = here_->jacobian.topRows(m.equalities());
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    kept.row(m.equalities() + static_cast<Index>(k)) = here_->jacobian.row(m.equalities() + held[k]);
+  for (std::size_t k = 0; k < blocking.size(); ++k) {
+    kept.row(m.equalities() + static_cast<Index>(k)) = here_->jacobian.row(m.equalities() + blocking[k]);
   }
   out.basis = kept.rows() == 0 ? MatrixXd::Identity(m.coordinates(), m.coordinates())
                                : solvers::null_space<double>(kept, solvers::known_to::closed_point);
@@ -255,35 +255,36 @@ DraggedPoint::Motions DraggedPoint::motions(const std::vector<int>& held) const 
 
 // `strongly`: only in the direction in which the point moves most.
 VectorXd DraggedPoint::step_to(Vec2 target, bool strongly) {
-  std::vector<int> held;
+  std::vector<int> blocking;
   held_up_by_.clear();
   const VectorXd missing = (VectorXd(2) << target.x - place_.x, target.y - place_.y).finished();
   for (;;) {
-    const Motions left = motions(held);
+    const Motions left = motions(blocking);
     if (!(left.size() > immovable)) return {};
     VectorXd step;
     if (strongly) {
       const double towards = left.along.col(0).dot(missing) / (left.rate.x * left.rate.x);
       step = left.basis * (left.rates.transpose() * (towards * left.along.col(0)));
     } else {
-      step = newton_step(left, held, missing);
+      step = newton_step(left, blocking, missing);
     }
-    const int stop = first_blocked(step, held);
+    const int stop = first_blocked(step, blocking);
     if (stop < 0) return step;
-    held.push_back(stop);
+    blocking.push_back(stop);
     held_up_by_ = model_.scene().stops[static_cast<std::size_t>(stop)].name;
   }
 }
 
 // The Newton step d = Z H^-1 Z^T A^T (T - P) with A = dP/dx, Z the motions left and H = Z^T (A^T A + W) Z, in which W
-// is the curvature of closures, held stops and P under the multipliers that balance P - T. Curvatures that are negative
-// are turned round, and those near zero raised, so that it leads closer, and not far.
-VectorXd DraggedPoint::newton_step(const Motions& left, const std::vector<int>& held, const VectorXd& missing) const {
+// is the curvature of closures, blocking stops and P under the multipliers that balance P - T. Curvatures that are
+// negative are turned round, and those near zero raised, so that it leads closer, and not far.
+VectorXd DraggedPoint::newton_step(const Motions& left, const std::vector<int>& blocking,
+                                   const VectorXd& missing) const {
   const Mechanism<double>& m = model_.mechanism();
   const Index rows = here_->jacobian.rows();
   std::vector<Index> kept(static_cast<std::size_t>(m.equalities()));
   std::iota(kept.begin(), kept.end(), Index{0});
-  for (const int s : held) kept.push_back(m.equalities() + s);
+  for (const int s : blocking) kept.push_back(m.equalities() + s);
   const VectorXd pull = here_->jacobian.bottomRows(2).transpose() * missing;
   VectorXd y = VectorXd::Zero(rows);
   y.tail(2) = -missing;
@@ -311,10 +312,10 @@ VectorXd DraggedPoint::newton_step(const Motions& left, const std::vector<int>& 
 }
 
 // A stop at its limit that the step would overrun.
-int DraggedPoint::first_blocked(const VectorXd& step, const std::vector<int>& held) const {
+int DraggedPoint::first_blocked(const VectorXd& step, const std::vector<int>& blocking) const {
   const Mechanism<double>& m = model_.mechanism();
   for (int s = 0; s < stops(); ++s) {
-    if (std::find(held.begin(), held.end(), s) != held.end()) continue;
+    if (std::find(blocking.begin(), blocking.end(), s) != blocking.end()) continue;
     const double rate = here_->jacobian.row(m.equalities() + s).dot(step);
     const double value = values_[static_cast<std::size_t>(s)];
     const double room = rate > 0 ? m.upper()[s] - value : value - m.lower()[s];
@@ -385,8 +386,8 @@ bool DraggedPoint::advance(const VectorXd& step, double part, Vec2 target, bool 
     look();
     if (norm(target - place_) < before) {
       const Motions then = motions({});
-      const bool is_held = !holds || holds_at(then) || least_rate(then) >= least;
-      if (is_held && then.basis.cols() == now.basis.cols() && goes_to(then)) return true;
+      const bool is_balanced = !holds || holds_at(then) || least_rate(then) >= least;
+      if (is_balanced && then.basis.cols() == now.basis.cols() && goes_to(then)) return true;
     }
     x_ = from;
     look();

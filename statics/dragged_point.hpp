@@ -61,10 +61,11 @@ class DraggedPoint {
   void approach(Vec2 target, bool holds);
   int stops() const { return model_.mechanism().stops() - 2; }
   void look();
-  Motions motions(const std::vector<int>& held) const;
+  Motions motions(const std::vector<int>& blocking) const;
   Eigen::VectorXd step_to(Vec2 target, bool strongly);
-  Eigen::VectorXd newton_step(const Motions& left, const std::vector<int>& held, const Eigen::VectorXd& missing) const;
-  int first_blocked(const Eigen::VectorXd& step, const std::vector<int>& held) const;
+  Eigen::VectorXd newton_step(const Motions& left, const std::vector<int>& blocking,
+                              const Eigen::VectorXd& missing) const;
+  int first_blocked(const Eigen::VectorXd& step, const std::vector<int>& blocking) const;
   bool overruns(const std::vector<double>& x, const std::vector<double>& before) const;
   bool leap(Vec2 target, bool holds);
   /// Which way round two motions move the point in the plane.
@@ -88,7 +89,7 @@ class DraggedPoint {
     std::vector<double> x;
     std::size_t passed = 0;
     Sense sense;
-  } last_held_;  // where a force on the point held the mechanism last
+  } last_balanced_;  // where a force on the point balanced the mechanism last
   std::string held_up_by_;
   bool locked_ = false;
   bool moves_in_an_area_ = false;

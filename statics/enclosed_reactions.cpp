@@ -271,9 +271,9 @@ class Enclosure {
 
   bool hold_neutral_coordinates() {
     for (int i = 0; i < model_.layout().kept; ++i) {
-      const std::vector<std::string>& held = certificate_.neutral_coordinates;
-      if (std::find(held.begin(), held.end(), model_.layout().coordinates[static_cast<std::size_t>(i)].name) ==
-          held.end()) {
+      const std::vector<std::string>& neutral = certificate_.neutral_coordinates;
+      if (std::find(neutral.begin(), neutral.end(), model_.layout().coordinates[static_cast<std::size_t>(i)].name) ==
+          neutral.end()) {
         continue;
       }
       const std::optional<Effort> effort = effort_on(i);

@@ -229,7 +229,7 @@ std::vector<std::vector<StopState>> cases_of(const Mechanism<double>& mechanism,
     const double upper = mechanism.upper()[s];
     std::vector<StopState> states{StopState::inactive};
     if (lower == upper) {
-      states = {StopState::held};
+      states = {StopState::permanent};
     } else {
       if (std::isfinite(lower)) states.push_back(StopState::at_lower);
       if (std::isfinite(upper)) states.push_back(StopState::at_upper);
@@ -366,16 +366,17 @@ bool is_between_stops(const Mechanism<double>& mechanism, const std::vector<doub
   return true;
 }
 
-// How many freedoms the held rows leave: not fewer than the coordinates that no held row touches, since rows may repeat
-// others in ways that are not counted.
+// How many freedoms the permanent rows leave: not fewer than the coordinates that none of them touches, since rows may
+// repeat others in ways that are not counted.
 int freedoms_left(const Mechanism<double>& mechanism, int repeated) {
-  const std::vector<int> held = held_rows(mechanism);
+  const std::vector<int> permanent = permanent_rows(mechanism);
   std::set<int> touched;
   for (std::size_t entry = 0; entry < mechanism.jacobian_row().size(); ++entry) {
-    if (std::find(held.begin(), held.end(), mechanism.jacobian_row()[entry]) != held.end())
+    if (std::find(permanent.begin(), permanent.end(), mechanism.jacobian_row()[entry]) != permanent.end())
       touched.insert(mechanism.jacobian_column()[entry]);
   }
-  return mechanism.coordinates() - std::min(static_cast<int>(held.size()) - repeated, static_cast<int>(touched.size()));
+  return mechanism.coordinates() -
+         std::min(static_cast<int>(permanent.size()) - repeated, static_cast<int>(touched.size()));
 }
 
 // The steps of enclose_equilibria(): what the boxes must cover, what the proof says nothing of, and the search.

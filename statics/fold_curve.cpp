@@ -51,10 +51,10 @@ class FoldFinder {
     });
   }
 
-  // Folds of one number while the other, from 0 to 1, is held.
-  void look(bool first_varies, double held) {
+  // Looks for folds of one number while the other rests, from 0 to 1.
+  void look(bool first_varies, double other_at) {
     const VariedScene& other = first_varies ? pair_.second() : pair_.first();
-    const double value = other.value_at(held);
+    const double value = other.value_at(other_at);
     const VariedScene varied = first_varies ? pair_.first_at(value) : pair_.second_at(value);
     PathOptions along;
     along.from = options_.from;
@@ -83,7 +83,7 @@ class FoldFinder {
         continue;
       }
       const double p = varied.part_at(event.at.parameter);
-      begin(varied, event.at, first_varies ? p : held, first_varies ? held : p);
+      begin(varied, event.at, first_varies ? p : other_at, first_varies ? other_at : p);
     }
   }
 

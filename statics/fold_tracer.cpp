@@ -34,19 +34,19 @@ constexpr double in_balance_within = 1e-8;  // residuals of a pose that is an eq
 PieceOfPair::PieceOfPair(const VariedPair& pair, PathPiece piece, std::vector<int> equalities)
     : pair_(pair), piece_(std::move(piece)), equalities_(std::move(equalities)) {}
 
-PieceOfPair::Held::Held(VariedScene scene, const PieceOfPair& of, double held_at)
-    : at(held_at),
+PieceOfPair::OneVaries::OneVaries(VariedScene scene, const PieceOfPair& of, double other_at)
+    : at(other_at),
       varied(std::move(scene)),
       mechanism(varied, of.piece_.acts),
       curve(mechanism, active_rows(of.piece_, of.equalities_, mechanism.equalities())) {}
 
 template <class Make>
-solvers::Curve& PieceOfPair::recall(std::deque<std::unique_ptr<Held>>& recent, double at, Make make) {
-  for (const std::unique_ptr<Held>& held : recent) {
-    if (held->at == at) return held->curve;
+solvers::Curve& PieceOfPair::recall(std::deque<std::unique_ptr<OneVaries>>& recent, double at, Make make) {
+  for (const std::unique_ptr<OneVaries>& one : recent) {
+    if (one->at == at) return one->curve;
   }
   if (recent.size() >= most_recent) recent.pop_front();
-  recent.push_back(std::make_unique<Held>(make(), *this, at));
+  recent.push_back(std::make_unique<OneVaries>(make(), *this, at));
   return recent.back()->curve;
 }
 

@@ -30,8 +30,9 @@ class PieceOfPair final : public solvers::CurveFamily {
   solvers::Curve& second_varies(double p) override;
 
  private:
-  struct Held {
-    Held(VariedScene scene, const PieceOfPair& of, double held_at);
+  // The curve while one number varies and the other rests, from 0 to 1.
+  struct OneVaries {
+    OneVaries(VariedScene scene, const PieceOfPair& of, double other_at);
     double at;
     VariedScene varied;
     VariedMechanism mechanism;
@@ -40,12 +41,12 @@ class PieceOfPair final : public solvers::CurveFamily {
   // Newton's method and what follows it ask for few values again and again.
   static constexpr std::size_t most_recent = 4;
   template <class Make>
-  solvers::Curve& recall(std::deque<std::unique_ptr<Held>>& recent, double at, Make make);
+  solvers::Curve& recall(std::deque<std::unique_ptr<OneVaries>>& recent, double at, Make make);
 
   const VariedPair& pair_;
   PathPiece piece_;
   std::vector<int> equalities_;
-  std::deque<std::unique_ptr<Held>> of_q_, of_p_;
+  std::deque<std::unique_ptr<OneVaries>> of_q_, of_p_;
 };
 
 /// Follows curves of folds on one piece each.

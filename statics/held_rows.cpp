@@ -46,7 +46,7 @@ bool imply(const Mechanism<double>& mechanism, const std::vector<int>& rows, con
 
 }  // namespace
 
-std::vector<int> held_rows(const Mechanism<double>& mechanism) {
+std::vector<int> permanent_rows(const Mechanism<double>& mechanism) {
   std::vector<int> rows(static_cast<std::size_t>(mechanism.equalities()));
   std::iota(rows.begin(), rows.end(), 0);
   for (int s = 0; s < mechanism.stops(); ++s) {
@@ -74,7 +74,7 @@ double passed_by(const Mechanism<double>& mechanism, int stop, const std::vector
 }
 
 int freedoms_of(const StaticModel& model, const std::vector<double>& x, double tolerance) {
-  const DensePoint<double> point(model.mechanism(), x, held_rows(model.mechanism()));
+  const DensePoint<double> point(model.mechanism(), x, permanent_rows(model.mechanism()));
   // Rows that others imply in every pose may be rounding alone, of which a rank says nothing.
   if (point.jacobian.rows() == 0 || point.jacobian.lpNorm<Eigen::Infinity>() < closed_row) {
     return model.mechanism().coordinates();
@@ -102,7 +102,7 @@ bool has_stiffer_poses(const StaticModel& model, const std::vector<double>& star
 }
 
 int repeated_rows(const StaticModel& model, const std::vector<double>& start) {
-  const std::vector<int> rows = held_rows(model.mechanism());
+  const std::vector<int> rows = permanent_rows(model.mechanism());
   std::size_t fewest = rows.size();
   solvers::Newton closing(model.problem());
   for (std::uint64_t k = 0; k < poses_for_rank && !rows.empty(); ++k) {

@@ -15,7 +15,7 @@ namespace poise {
 
 /// The rows of the constraint vector that are zero in every pose: closures, and stops whose limits are equal, which
 /// hold their measure.
-std::vector<int> held_rows(const Mechanism<double>& mechanism);
+std::vector<int> permanent_rows(const Mechanism<double>& mechanism);
 
 /// What is left open of these rows, from all constraints.
 Eigen::VectorXd gaps_of(const Mechanism<double>& mechanism, const std::vector<int>& rows,
@@ -38,8 +38,8 @@ std::optional<std::vector<double>> random_closed_pose(solvers::Newton& closing, 
 bool has_stiffer_poses(const StaticModel& model, const std::vector<double>& start, int freedoms,
                        const std::function<bool()>& stopped);
 
-/// How many of the held rows others imply in all poses near the closed `start`. Rows that are dependent in single poses
-/// only, as where a parallelogram lies flat or a cable is taut, are none of these.
+/// How many of the permanent rows others imply in all poses near the closed `start`. Rows that are dependent in single
+/// poses only, as where a parallelogram lies flat or a cable is taut, are none of these.
 int repeated_rows(const StaticModel& model, const std::vector<double>& start);
 
 }  // namespace poise

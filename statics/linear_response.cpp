@@ -39,10 +39,11 @@ std::vector<double> poses_of(const StaticModel& model, const std::vector<double>
   return out;
 }
 
-std::vector<HeldStop> held_at(const Scene& scene, const std::vector<double>& poses, const std::vector<int>& active) {
+std::vector<ActingStop> acting_at(const Scene& scene, const std::vector<double>& poses,
+                                  const std::vector<int>& active) {
   std::vector<BodyPose<double>> placed(1);
   for (std::size_t i = 0; i + 2 < poses.size(); i += 3) placed.push_back({{poses[i], poses[i + 1]}, poses[i + 2]});
-  std::vector<HeldStop> out;
+  std::vector<ActingStop> out;
   for (const int s : active) {
     const Stop& stop = scene.stops[s];
     const double g = value_of(scene, stop.on, placed);
@@ -140,7 +141,7 @@ LinearResponse response_at(const StaticModel& model, const std::vector<double>& 
                            double rank_tolerance) {
   const Scene scene = model.scaled_scene();
   const std::vector<double> poses = poses_of(model, x);
-  return {NumberedEquations(scene, held_at(scene, poses, active)), poses, rank_tolerance};
+  return {NumberedEquations(scene, acting_at(scene, poses, active)), poses, rank_tolerance};
 }
 
 }  // namespace poise

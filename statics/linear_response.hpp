@@ -32,10 +32,10 @@ T value_of(const SoughtQuantity& of, const NumberedEquations& equations, const T
     case SoughtQuantity::Kind::energy:
       return bodies.energy();
     case SoughtQuantity::Kind::stop_reaction:
-      for (std::size_t h = 0; h < equations.held().size(); ++h) {
-        if (equations.held()[h].stop != of.item) continue;
+      for (std::size_t h = 0; h < equations.acting().size(); ++h) {
+        if (equations.acting()[h].stop != of.item) continue;
         const T& effort = z[equations.multiplier_of_stop(static_cast<int>(h))];
-        return equations.held()[h].upper ? T(-effort) : effort;
+        return equations.acting()[h].upper ? T(-effort) : effort;
       }
       return T(0);
     case SoughtQuantity::Kind::reaction: {
@@ -56,7 +56,7 @@ T value_of(const SoughtQuantity& of, const NumberedEquations& equations, const T
 /// Places of the bodies of a model at scaled coordinates: the first unknowns of its equations.
 std::vector<double> poses_of(const StaticModel& model, const std::vector<double>& x);
 /// The stops that act there, each on the side of its nearest limit; `scene` is scaled.
-std::vector<HeldStop> held_at(const Scene& scene, const std::vector<double>& poses, const std::vector<int>& active);
+std::vector<ActingStop> acting_at(const Scene& scene, const std::vector<double>& poses, const std::vector<int>& active);
 
 /// R and its derivatives at (z, p); those by p only where asked for.
 struct ResidualDerivatives {

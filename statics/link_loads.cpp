@@ -735,18 +735,18 @@ std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose
 }
 
 Equilibrium solve_or_hold(const StaticModel& model, const SolveOptions& options) {
-  Equilibrium held;
+  Equilibrium structure;
   if (model.mechanism().coordinates() > 0) {
     const Mobility mobility = analyse_mobility(model);
     expect_closed(model, mobility);
     if (mobility.freedoms > 0) return solve(model, mobility.x, options);
-    held.x = mobility.x;
+    structure.x = mobility.x;
   }
-  held.reached = held.x;
-  held.check = check(model, held.x, options.check);
-  held.status = held.check.is_equilibrium() ? Status::checked : Status::not_found;
-  held.why = held.check.is_equilibrium() ? "nothing can move: a structure" : held.check.objection;
-  return held;
+  structure.reached = structure.x;
+  structure.check = check(model, structure.x, options.check);
+  structure.status = structure.check.is_equilibrium() ? Status::checked : Status::not_found;
+  structure.why = structure.check.is_equilibrium() ? "nothing can move: a structure" : structure.check.objection;
+  return structure;
 }
 
 }  // namespace poise

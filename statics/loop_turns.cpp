@@ -90,7 +90,7 @@ class LoopTurns::WoundSprings {
 };
 
 LoopTurns::LoopTurns(const StaticModel& model, const Turns& turns, const std::vector<double>& start)
-    : model_(model), turns_(turns), start_(start), rows_(held_rows(model.mechanism())) {
+    : model_(model), turns_(turns), start_(start), rows_(permanent_rows(model.mechanism())) {
   const Mechanism<double>& m = model.mechanism();
   if (m.closures() == 0 || m.coordinates() > most_followed_coordinates) return;
   const auto& columns = m.jacobian_column();

@@ -58,13 +58,13 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     out.gap = fmt::format("the loop closed by joint \"{}\" remains open by {:.4g} {}", closure.name, wide * in_units,
                           scene.units.length_name);
   }
-  std::string held;
+  std::string stops;
   for (int s = 0; s < m.stops(); ++s) {
     const double g = c[m.stop_row(s)];
     const double beyond = passed_by(m, s, c);
     if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
-      held += fmt::format("{} {} \"{}\"", held.empty() ? " while held by" : " and", scene.stops[s].family(),
-                          scene.stops[s].name);
+      stops += fmt::format("{} {} \"{}\"", stops.empty() ? " while held by" : " and", scene.stops[s].family(),
+                           scene.stops[s].name);
     }
     if (beyond <= widest) continue;
     widest = beyond;
@@ -76,7 +76,7 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
                     is_angle ? beyond / scene.units.angle : beyond * in_units,
                     is_angle ? scene.units.angle_name : scene.units.length_name);
   }
-  out.gap += held;
+  out.gap += stops;
 }
 
 // Lengths between which the length of a sum of arms can be while its angles take any values; a travel is not bounded.

@@ -195,10 +195,10 @@ class NeutralSearch {
     }
     const auto can_hold = std::find_if(out.coordinates.begin(), out.coordinates.end(),
                                        [&](int i) { return measure_of(model_, i).has_value(); });
-    out.is_held_by_body = can_hold != out.coordinates.end();
-    if (!out.is_held_by_body && branch_ == nullptr) return std::nullopt;
-    if (out.is_held_by_body) std::iter_swap(out.coordinates.begin(), can_hold);
-    out.held = out.coordinates.front();
+    out.is_fixed_by_body = can_hold != out.coordinates.end();
+    if (!out.is_fixed_by_body && branch_ == nullptr) return std::nullopt;
+    if (out.is_fixed_by_body) std::iter_swap(out.coordinates.begin(), can_hold);
+    out.fixed = out.coordinates.front();
     out.exact = true;
     const solvers::RoundingUp up;
     Interval effort(0);
@@ -210,7 +210,7 @@ class NeutralSearch {
       out.exact = false;
       effort += Interval(norm(p.w).upper());
     }
-    const double unit = model_.layout().is_length(out.held) ? model_.scales().force : model_.scales().energy();
+    const double unit = model_.layout().is_length(out.fixed) ? model_.scales().force : model_.scales().energy();
     out.effort = effort.upper() * unit;
     return out;
   }
@@ -240,7 +240,7 @@ bool turns_all_loops(const NeutralMotions& motions) {
 
 bool can_be_held(const NeutralMotions& motions) {
   return std::all_of(motions.motions.begin(), motions.motions.end(),
-                     [](const NeutralMotions::Motion& motion) { return motion.is_held_by_body; });
+                     [](const NeutralMotions::Motion& motion) { return motion.is_fixed_by_body; });
 }
 
 // Stops that limit one angle, which is free to be anywhere between.
@@ -266,10 +266,10 @@ bool NeutralMotions::contain(const std::vector<double>& x) const {
 std::vector<double> NeutralMotions::moved_to(const std::vector<double>& at, std::vector<double> x) const {
   if (!contain(x)) return x;
   for (const Motion& motion : motions) {
-    const auto held = static_cast<std::size_t>(motion.held);
-    const double by = at[held] - x[held];
+    const auto fixed = static_cast<std::size_t>(motion.fixed);
+    const double by = at[fixed] - x[fixed];
     for (const int i : motion.coordinates) x[static_cast<std::size_t>(i)] += by;
-    x[held] = at[held];
+    x[fixed] = at[fixed];
   }
   return x;
 }
@@ -285,7 +285,7 @@ NeutralMotions neutral_motions(const StaticModel& model, const std::vector<doubl
   return NeutralSearch(model, start, nullptr).run();
 }
 
-Scene with_motions_held(const StaticModel& model, const NeutralMotions& neutral, const std::vector<double>& x) {
+Scene with_motions_fixed(const StaticModel& model, const NeutralMotions& neutral, const std::vector<double>& x) {
   Scene scene = model.scene();
   const std::vector<double> q = model.to_si(x);
   for (const NeutralMotions::Motion& motion : neutral.motions) {
@@ -294,9 +294,9 @@ Scene with_motions_held(const StaticModel& model, const NeutralMotions& neutral,
                          [&](int i) { return limits_alone(model.layout(), stop, i); });
     });
     Stop& hold = scene.stops.emplace_back();
-    hold.name = model.layout().coordinates[static_cast<std::size_t>(motion.held)].name;
-    hold.on = *measure_of(model, motion.held);
-    hold.min = hold.max = q[static_cast<std::size_t>(motion.held)];
+    hold.name = model.layout().coordinates[static_cast<std::size_t>(motion.fixed)].name;
+    hold.on = *measure_of(model, motion.fixed);
+    hold.min = hold.max = q[static_cast<std::size_t>(motion.fixed)];
   }
   return scene;
 }

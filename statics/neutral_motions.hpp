@@ -15,9 +15,9 @@ namespace poise {
 /// nothing pushes. With one equilibrium every pose that such motions lead to is one.
 struct NeutralMotions {
   struct Motion {
-    std::vector<int> coordinates;  ///< angles that turn together, or one length; the first is `held`
-    int held = -1;                 ///< coordinate that takes the motion away when it is held
-    bool is_held_by_body = true;   ///< a measure of the scene holds it
+    std::vector<int> coordinates;  ///< angles that turn together, or one length; the first is `fixed`
+    int fixed = -1;                ///< coordinate that takes the motion away when it is fixed
+    bool is_fixed_by_body = true;  ///< a measure of the scene can fix it
     /// No closure, spring, load or stop tells its values apart: the work is zero where the numbers of the scene, as
     /// the decimals in which they are written, are taken exactly; else it is zero but for rounding.
     bool exact = false;
@@ -37,7 +37,7 @@ struct NeutralMotions {
   bool lead_everywhere(int coordinates) const;
   /// Whether a closed pose is one that they are neutral in, up to 1e-6 rad.
   bool contain(const std::vector<double>& x) const;
-  /// x moved along the motions to where the held coordinates have the values of `at`; of other branches as it is.
+  /// x moved along the motions to where the fixed coordinates have the values of `at`; of other branches as it is.
   std::vector<double> moved_to(const std::vector<double>& at, std::vector<double> x) const;
 };
 
@@ -47,7 +47,7 @@ struct NeutralMotions {
 /// that act on such angles alone, which no equilibrium needs then.
 NeutralMotions neutral_motions(const StaticModel& model, const std::vector<double>& start);
 
-/// The scene with these motions held at x, and without stops that limit them.
-Scene with_motions_held(const StaticModel& model, const NeutralMotions& neutral, const std::vector<double>& x);
+/// The scene with these motions fixed at x, and without stops that limit them.
+Scene with_motions_fixed(const StaticModel& model, const NeutralMotions& neutral, const std::vector<double>& x);
 
 }  // namespace poise

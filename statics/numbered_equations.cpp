@@ -7,17 +7,17 @@
 
 namespace poise {
 
-NumberedEquations::NumberedEquations(const Scene& scene, std::vector<HeldStop> held)
-    : NumberedEquations(std::make_shared<const NumberList>(scene), std::move(held)) {}
+NumberedEquations::NumberedEquations(const Scene& scene, std::vector<ActingStop> acting)
+    : NumberedEquations(std::make_shared<const NumberList>(scene), std::move(acting)) {}
 
-NumberedEquations::NumberedEquations(std::shared_ptr<const NumberList> list, std::vector<HeldStop> held)
-    : list_(std::move(list)), held_(std::move(held)), turns_(scene().joints.size(), 0.0) {
+NumberedEquations::NumberedEquations(std::shared_ptr<const NumberList> list, std::vector<ActingStop> acting)
+    : list_(std::move(list)), acting_(std::move(acting)), turns_(scene().joints.size(), 0.0) {
   unknowns_ = poses();
   for (const Joint& joint : scene().joints) {
     joint_.push_back(unknowns_);
     unknowns_ += joint.traits().constraints();
   }
-  for (const HeldStop& one : held_) {
+  for (const ActingStop& one : acting_) {
     stop_.push_back(unknowns_++);
     const Stop& stop = scene().stops[static_cast<std::size_t>(one.stop)];
     contact_.emplace_back();
@@ -26,8 +26,8 @@ NumberedEquations::NumberedEquations(std::shared_ptr<const NumberList> list, std
 }
 
 const Stop* NumberedEquations::idle_teeth(int joint, const std::vector<double>& z, double nothing) const {
-  for (std::size_t h = 0; h < held_.size(); ++h) {
-    const Stop& stop = scene().stops[static_cast<std::size_t>(held_[h].stop)];
+  for (std::size_t h = 0; h < acting_.size(); ++h) {
+    const Stop& stop = scene().stops[static_cast<std::size_t>(acting_[h].stop)];
     if (!separates(stop) || std::abs(z[static_cast<std::size_t>(stop_[h])]) > nothing) continue;
     const std::vector<int> loaded = loaded_joints(scene(), stop);
     if (std::find(loaded.begin(), loaded.end(), joint) != loaded.end()) return &stop;

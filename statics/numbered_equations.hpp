@@ -19,7 +19,7 @@
 namespace poise {
 
 /// A stop that acts, on one side.
-struct HeldStop {
+struct ActingStop {
   int stop = 0;  ///< index of Scene::stops
   bool upper = false;
 };
@@ -43,20 +43,20 @@ class NumberedEquations {
   template <class T>
   using Bodies = BodyForces<Placed<T>, Numbers<T>>;
 
-  NumberedEquations(const Scene& scene, std::vector<HeldStop> held);
-  NumberedEquations(std::shared_ptr<const NumberList> list, std::vector<HeldStop> held);
+  NumberedEquations(const Scene& scene, std::vector<ActingStop> acting);
+  NumberedEquations(std::shared_ptr<const NumberList> list, std::vector<ActingStop> acting);
 
   const std::shared_ptr<const NumberList>& list() const { return list_; }
   const Scene& scene() const { return list_->scene(); }
   const std::vector<ParameterRow>& rows() const { return list_->rows(); }
   /// p of the scene.
   const std::vector<double>& numbers() const { return list_->values(); }
-  const std::vector<HeldStop>& held() const { return held_; }
+  const std::vector<ActingStop>& acting() const { return acting_; }
   int unknowns() const { return unknowns_; }
   int poses() const { return 3 * (static_cast<int>(scene().bodies.size()) - 1); }
-  /// First multiplier of a joint, and that of a held stop (place in held()).
+  /// First multiplier of a joint, and that of an acting stop (place in acting()).
   int multiplier_of_joint(int joint) const { return joint_[static_cast<std::size_t>(joint)]; }
-  int multiplier_of_stop(int held) const { return stop_[static_cast<std::size_t>(held)]; }
+  int multiplier_of_stop(int acting) const { return stop_[static_cast<std::size_t>(acting)]; }
   /// Adds whole turns to the constant angles of joints, of which scenes leave them out, so that they fit z.
   void count_turns(const double* z);
 
@@ -79,7 +79,7 @@ class NumberedEquations {
   template <class T>
   void add_joint(int joint, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z, T* r) const;
   template <class T>
-  void add_stop(int held, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z, T* r) const;
+  void add_stop(int acting, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z, T* r) const;
   /// Adds a force at a point of the world, and a moment, on a body.
   template <class T>
   static void push(int body, const Planar<T>& at, const Planar<T>& force, const T& moment,
@@ -98,10 +98,10 @@ class NumberedEquations {
   }
 
   std::shared_ptr<const NumberList> list_;
-  std::vector<HeldStop> held_;
+  std::vector<ActingStop> acting_;
   int unknowns_ = 0;
   std::vector<int> joint_, stop_;                     // first multipliers
-  std::vector<std::optional<ContactPlace>> contact_;  // of each held stop that loads bearings
+  std::vector<std::optional<ContactPlace>> contact_;  // of each acting stop that loads bearings
   std::vector<double> turns_;                         // of each joint, rad
 };
 
@@ -140,13 +140,13 @@ void NumberedEquations::add_joint(int joint, const Bodies<T>& bodies, const std:
 }
 
 template <class T>
-void NumberedEquations::add_stop(int held, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z,
+void NumberedEquations::add_stop(int acting, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z,
                                  T* r) const {
   using std::abs;
-  const auto [stop, upper] = held_[static_cast<std::size_t>(held)];
-  const int row = multiplier_of_stop(held);
+  const auto [stop, upper] = acting_[static_cast<std::size_t>(acting)];
+  const int row = multiplier_of_stop(acting);
   const T& effort = z[row];
-  const std::optional<ContactPlace>& place = contact_[static_cast<std::size_t>(held)];
+  const std::optional<ContactPlace>& place = contact_[static_cast<std::size_t>(acting)];
   const std::optional<ContactLoad<T>> load = place ? contact_load(bodies, stop, *place) : std::nullopt;
   if (load) {
     const Planar<T> force = effort * load->force + T(abs(effort)) * load->separating;
@@ -171,7 +171,7 @@ void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector
   };
   for (int e = 0; e < static_cast<int>(scene().elements.size()); ++e) bodies.push_element(e, push_on);
   for (int j = 0; j < static_cast<int>(scene().joints.size()); ++j) add_joint(j, bodies, placed, z, r);
-  for (int h = 0; h < static_cast<int>(held_.size()); ++h) add_stop(h, bodies, placed, z, r);
+  for (int h = 0; h < static_cast<int>(acting_.size()); ++h) add_stop(h, bodies, placed, z, r);
 }
 
 }  // namespace poise

@@ -29,7 +29,7 @@ OffBranch::OffBranch(const StaticModel& model, const NeutralMotions& neutral)
   for (std::size_t k = 0; k < neutral.motions.size(); ++k) {
     const NeutralMotions::Motion& motion = neutral.motions[k];
     for (const int i : motion.coordinates) motion_[static_cast<std::size_t>(i)] = static_cast<int>(k);
-    const double unit = model.layout().is_length(motion.held) ? model.scales().force : model.scales().energy();
+    const double unit = model.layout().is_length(motion.fixed) ? model.scales().force : model.scales().energy();
     effort_slack_.push_back(motion.effort / unit * by_rho);
   }
   slack_ = branch_.gap * by_rho;

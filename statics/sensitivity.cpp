@@ -234,8 +234,8 @@ std::string without_direction(const NumberedEquations& equations, const std::vec
   equations.place(z.data(), placed);
   const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);
   const auto is_zero = [&](const Measure& on) { return on.kind == Measure::Kind::distance && bodies.value(on) == 0.0; };
-  for (const HeldStop& held : equations.held()) {
-    const Stop& stop = equations.scene().stops[held.stop];
+  for (const ActingStop& acting : equations.acting()) {
+    const Stop& stop = equations.scene().stops[acting.stop];
     if (is_zero(stop.on))
       return fmt::format("stop \"{}\" holds a distance at zero, where it has no direction", stop.name);
   }

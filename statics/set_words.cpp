@@ -187,7 +187,7 @@ class SetWords {
 
   // What is proved of the branch of the start, whatever else is found.
   std::string on_the_branch() const {
-    const bool is_proved = neutral_.branch && !facts_.holds_motions && !facts_.contradicted && !set_.equilibria.empty();
+    const bool is_proved = neutral_.branch && !facts_.fixes_motions && !facts_.contradicted && !set_.equilibria.empty();
     return is_proved ? where_balanced(false) + "; " : "";
   }
 

@@ -26,7 +26,7 @@ struct SetFacts {
   const EnclosedSet& proof;
   const LoopTurns& loops;
   bool wants_proof = true;
-  bool holds_motions = false;  ///< the mechanism was also searched with neutral motions held
+  bool fixes_motions = false;  ///< the mechanism was also searched with neutral motions fixed
   bool contradicted = false;   ///< an equilibrium was found where the proof leaves none
   bool by_proof = false;       ///< a proof that was not finished found some
   bool unreached = false;      ///< the proof found some that motion does not reach

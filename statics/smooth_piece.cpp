@@ -151,9 +151,9 @@ KeptEquations SmoothPiece::without_stops(const KeptEquations& kept) const {
 std::vector<int> SmoothPiece::free_coordinates(const KeptEquations& kept) const {
   std::vector<int> others;
   for (int i = 0; i < m().coordinates(); ++i) {
-    if (std::find(kept.held.begin(), kept.held.end(), i) == kept.held.end()) others.push_back(i);
+    if (std::find(kept.fixed.begin(), kept.fixed.end(), i) == kept.fixed.end()) others.push_back(i);
   }
-  std::vector<int> out = kept.held;
+  std::vector<int> out = kept.fixed;
   if (kept.rows.empty()) {
     out.insert(out.end(), others.begin(), others.end());
     return out;
@@ -221,8 +221,8 @@ SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, con
     if (!alone.to_rounding || !repeated_everywhere(alone, closures, at, all_closures).to_rounding) return {};
   }
   Repeated out = here;
-  KeptEquations held = kept;
-  held.held = free_coordinates(kept);
+  KeptEquations with_fixed = kept;
+  with_fixed.fixed = free_coordinates(kept);
   const auto take = [&](const Repeated& rows, double way) {
     out.loops.insert(out.loops.end(), rows.loops.begin(), rows.loops.end());
     // A gap that grows with the motion is one of direction.
@@ -235,16 +235,16 @@ SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, con
   for (const double aside : {1e-3, -1e-2, 0.05}) {
     std::vector<Ball> from = midpoints(at.q);
     double sign = 1.0;
-    for (const int i : held.held) {
+    for (const int i : with_fixed.fixed) {
       from[i] += Ball(aside * sign);
       sign *= -0.7;
     }
-    const Solution there = solve(held, from, first_reach, 10 * std::abs(aside));
+    const Solution there = solve(with_fixed, from, first_reach, 10 * std::abs(aside));
     if (!there.proved) continue;
-    const Repeated rows = repeated(held, there.q, all);
+    const Repeated rows = repeated(with_fixed, there.q, all);
     if (!rows.to_rounding) {
       // It may have led to poses of another kind, where the same bars cross.
-      if (!repeated_along(held, at, all, take)) return {};
+      if (!repeated_along(with_fixed, at, all, take)) return {};
       shown = 1;
       break;
     }
@@ -252,19 +252,19 @@ SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, con
     ++shown;
   }
   // Next to where rows lose rank nothing may be proved so far away at once.
-  out.to_rounding = shown > 0 || repeated_along(held, at, all, take);
+  out.to_rounding = shown > 0 || repeated_along(with_fixed, at, all, take);
   return out;
 }
 
 // Whether rows that were left out hold all along a curve of poses through `at` in which the kept ones do, on which each
-// of the held coordinates moves in turn: steps are as long as proofs that they stay on it allow, so that they grow
+// of the fixed coordinates moves in turn: steps are as long as proofs that they stay on it allow, so that they grow
 // with the distance from a pose in which rows lose rank. On it a row that is lost here only would be open.
-bool SmoothPiece::repeated_along(const KeptEquations& held, const Solution& at, const KeptEquations& all,
+bool SmoothPiece::repeated_along(const KeptEquations& with_fixed, const Solution& at, const KeptEquations& all,
                                  const TakeRepeated& take) const {
-  const BalanceSystem system(balls_, held);
+  const BalanceSystem system(balls_, with_fixed);
   std::vector<Ball> from = at.q;
   double before = 0.0;
-  for (const int i : held.held) {
+  for (const int i : with_fixed.fixed) {
     std::vector<Ball> farthest = from;
     double farthest_way = 0.0;
     for (const double sign : {1.0, -1.0}) {
@@ -279,7 +279,7 @@ bool SmoothPiece::repeated_along(const KeptEquations& held, const Solution& at, 
           step /= 4;
           continue;
         }
-        const Repeated rows = repeated(held, *next, all);
+        const Repeated rows = repeated(with_fixed, *next, all);
         if (!rows.to_rounding) return false;
         place = std::move(*next);
         way += step;
@@ -312,9 +312,9 @@ std::vector<double> SmoothPiece::open_loops() const {
     const std::vector<int> dropped = dependent_rows(all, tolerance);
     if (dropped.empty()) break;
     const KeptEquations kept = without(all, dropped);
-    KeptEquations held = kept;
-    held.held = free_coordinates(kept);
-    const Solution at = solve(held, start_, first_reach, farthest_);
+    KeptEquations with_fixed = kept;
+    with_fixed.fixed = free_coordinates(kept);
+    const Solution at = solve(with_fixed, start_, first_reach, farthest_);
     if (!at.proved) continue;
     const Repeated here = repeated(kept, at.q, all);
     if (!here.to_rounding) continue;
@@ -476,14 +476,14 @@ void SmoothPiece::examine_flat(Finding& finding, const KeptEquations& kept) cons
     tried = flat;
     const Eigen::MatrixXd directions = reduced.basis * spectrum.right.rightCols(flat);
     const auto [rank, order] = solvers::pivot_order<double>(directions.transpose(), solvers::known_to::solution);
-    KeptEquations held = kept;
-    held.held.assign(order.begin(), order.begin() + std::min(rank, flat));
-    finding.neutral = held.held;
-    const Solution across = solve(held, start_, first_reach, farthest_);
-    if (!across.proved || static_cast<Eigen::Index>(held.held.size()) != flat) continue;
-    if (!is_neutral(held, directions, across)) continue;
+    KeptEquations with_fixed = kept;
+    with_fixed.fixed.assign(order.begin(), order.begin() + std::min(rank, flat));
+    finding.neutral = with_fixed.fixed;
+    const Solution across = solve(with_fixed, start_, first_reach, farthest_);
+    if (!across.proved || static_cast<Eigen::Index>(with_fixed.fixed.size()) != flat) continue;
+    if (!is_neutral(with_fixed, directions, across)) continue;
     finding.kind = Finding::Kind::neutral;
-    finding.kept = held;
+    finding.kept = with_fixed;
     finding.solution = across;
     finding.unstable = across.unstable;
     return;
@@ -510,24 +510,26 @@ void SmoothPiece::examine_flat(Finding& finding, const KeptEquations& kept) cons
     finding.why = "several curvatures vanish here, and the equilibrium is not isolated to within rounding";
 }
 
-// Whether the held coordinates need no force, to within the rounding of the scene's numbers, where they are and some
+// Whether the fixed coordinates need no force, to within the rounding of the scene's numbers, where they are and some
 // way from there. Along the directions, so that the closures stay on their branch.
-bool SmoothPiece::is_neutral(const KeptEquations& held, const Eigen::MatrixXd& directions, const Solution& at) const {
+bool SmoothPiece::is_neutral(const KeptEquations& with_fixed, const Eigen::MatrixXd& directions,
+                             const Solution& at) const {
   const auto free_of_force = [&](const std::vector<Ball>& q) {
-    const Solution near = solve(held, midpoints(q), first_reach, farthest_, true);
+    const Solution near = solve(with_fixed, midpoints(q), first_reach, farthest_, true);
     if (!near.proved) return false;
-    const std::vector<Ball> force = BalanceSystem(balls_, held, true).forces(near.q, near.y);
-    return std::all_of(held.held.begin(), held.held.end(), [&](int i) { return force[i].contains_zero(); });
+    const std::vector<Ball> force = BalanceSystem(balls_, with_fixed, true).forces(near.q, near.y);
+    return std::all_of(with_fixed.fixed.begin(), with_fixed.fixed.end(),
+                       [&](int i) { return force[i].contains_zero(); });
   };
   if (!free_of_force(at.q)) return false;
   Eigen::VectorXd parts(directions.cols());
   for (Eigen::Index k = 0; k < parts.size(); ++k) parts[k] = k % 2 == 0 ? 1.0 : -0.8;
-  const Eigen::VectorXd along = directions * directions(held.held, Eigen::all).fullPivLu().solve(parts);
+  const Eigen::VectorXd along = directions * directions(with_fixed.fixed, Eigen::all).fullPivLu().solve(parts);
   int shown = 0;
   for (const double aside : {1e-3, -1e-3, 0.02, -0.05, 0.2}) {
     std::vector<Ball> from = midpoints(at.q);
     for (std::size_t i = 0; i < from.size(); ++i) from[i] += Ball(aside * along[static_cast<Eigen::Index>(i)]);
-    const Solution there = solve(held, from, first_reach, 20 * std::abs(aside));
+    const Solution there = solve(with_fixed, from, first_reach, 20 * std::abs(aside));
     if (!there.proved) continue;
     if (!free_of_force(there.q)) return false;
     ++shown;
@@ -539,16 +541,16 @@ bool SmoothPiece::is_neutral(const KeptEquations& held, const Eigen::MatrixXd& d
 // interval prove a minimum or maximum of the energy between them.
 void SmoothPiece::bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const {
   finding.why = "an equilibrium merges with another here, or vanishes: the numbers of the scene leave open which";
-  KeptEquations held = kept;
-  held.held = {coordinate};
-  const Solution middle = solve(held, start_, first_reach, farthest_, rounding);
+  KeptEquations with_fixed = kept;
+  with_fixed.fixed = {coordinate};
+  const Solution middle = solve(with_fixed, start_, first_reach, farthest_, rounding);
   if (!middle.proved) return;
-  const BalanceSystem system(balls_, held, rounding);
+  const BalanceSystem system(balls_, with_fixed, rounding);
   const std::vector<Ball> centre = midpoints(middle.q);
   const auto sign_at = [&](const Ball& value) {
     std::vector<Ball> from = centre;
     from[coordinate] = value;
-    const Solution there = solve(held, from, first_reach, 0.1, rounding);
+    const Solution there = solve(with_fixed, from, first_reach, 0.1, rounding);
     if (!there.proved) return 0;
     const Ball force = system.forces(there.q, there.y)[coordinate];
     return force > Ball(0) ? 1 : force < Ball(0) ? -1 : 0;
@@ -562,7 +564,7 @@ void SmoothPiece::bracket(Finding& finding, const KeptEquations& kept, int coord
     std::vector<Ball> range = centre;
     range[coordinate] = range[coordinate].widened(half);
     if (before == after) {
-      const Solution whole = solve(held, range, std::max(first_reach, 100 * half), 0.1, rounding);
+      const Solution whole = solve(with_fixed, range, std::max(first_reach, 100 * half), 0.1, rounding);
       finding.excluded =
           finding.excluded || (whole.proved && !system.forces(whole.q, whole.y)[coordinate].contains_zero());
       continue;
@@ -583,7 +585,7 @@ void SmoothPiece::bracket(Finding& finding, const KeptEquations& kept, int coord
     }
     range = centre;
     range[coordinate] = Ball::of_both(from, to);
-    const Solution whole = solve(held, range, std::max(first_reach, 100 * half), 0.1, rounding);
+    const Solution whole = solve(with_fixed, range, std::max(first_reach, 100 * half), 0.1, rounding);
     if (!whole.proved) return;
     finding.excluded = false;
     finding.kind = Finding::Kind::degenerate;

@@ -20,7 +20,7 @@ struct Finding {
   KeptEquations kept;
   int unstable = 0;  ///< directions; with follower loads 1 if the reduced stiffness has a negative determinant
   int freedoms = 0;
-  std::vector<int> neutral;  ///< held coordinates
+  std::vector<int> neutral;  ///< fixed coordinates
   int redundant = 0;         ///< rows left out that repeat others
   bool singular = false;     ///< the rows lose rank
   /// Of kind none: a lower bound of the largest joint force with which bodies can balance near the singular
@@ -88,7 +88,7 @@ class SmoothPiece {
   /// Indices into kept.rows of closures that are nearly combinations of other closures, and of stops that nothing moves
   /// that the closures and other stops leave free. Each row counts over the size of the numbers of its loop.
   std::vector<int> dependent_rows(const KeptEquations& kept, double tolerance) const;
-  /// Coordinates that may be chosen freely while the kept rows determine the others: held ones first.
+  /// Coordinates that may be chosen freely while the kept rows determine the others: fixed ones first.
   std::vector<int> free_coordinates(const KeptEquations& kept) const;
   /// Where closures repeat others to rounding only: for each closure that takes part the greatest gap that is left, in
   /// the mechanism's unit of length, or its growth with the motion; 0 for others. Empty where there are none.
@@ -110,13 +110,13 @@ class SmoothPiece {
                                const KeptEquations& all) const;
   // Takes what is found after each step, and the way there.
   using TakeRepeated = std::function<void(const Repeated&, double)>;
-  bool repeated_along(const KeptEquations& held, const Solution& at, const KeptEquations& all,
+  bool repeated_along(const KeptEquations& with_fixed, const Solution& at, const KeptEquations& all,
                       const TakeRepeated& take) const;
   int loop_of(int row) const;
   double least_joint_force(const KeptEquations& kept) const;
   bool examine_singular(Finding& finding, const KeptEquations& all, const std::vector<int>& dropped) const;
   void examine_flat(Finding& finding, const KeptEquations& kept) const;
-  bool is_neutral(const KeptEquations& held, const Eigen::MatrixXd& directions, const Solution& at) const;
+  bool is_neutral(const KeptEquations& with_fixed, const Eigen::MatrixXd& directions, const Solution& at) const;
   void bracket(Finding& finding, const KeptEquations& kept, int coordinate, bool rounding) const;
 
   const BallMechanism& balls_;

@@ -58,7 +58,7 @@ double rounding_of(const ResidualDerivatives& at, const Eigen::MatrixXd& inverse
   return 4 * std::numeric_limits<double>::epsilon() * size_of(inverse.cwiseAbs() * terms);
 }
 
-/// With which a held stop pushes, and by how much a stop is overrun: >= 0 and <= 0 where it is kept.
+/// The force with which an acting stop pushes, and by how much a stop is overrun: >= 0 and <= 0 where it is kept.
 class Stops {
  public:
   Stops(const NumberedEquations& equations, const std::vector<double>& numbers, const std::vector<double>& z)
@@ -66,15 +66,15 @@ class Stops {
     equations.place(z.data(), placed_);
   }
 
-  bool is_held(int stop) const {
-    return std::any_of(equations_.held().begin(), equations_.held().end(),
-                       [&](const HeldStop& held) { return held.stop == stop; });
+  bool acts(int stop) const {
+    return std::any_of(equations_.acting().begin(), equations_.acting().end(),
+                       [&](const ActingStop& acting) { return acting.stop == stop; });
   }
-  double push(int held) const {
-    const HeldStop& stop = equations_.held()[held];
+  double push(int acting) const {
+    const ActingStop& stop = equations_.acting()[acting];
     const Stop& of = equations_.scene().stops[stop.stop];
     if (of.min == of.max) return 1.0;  // either way
-    const double effort = z_[equations_.multiplier_of_stop(held)];
+    const double effort = z_[equations_.multiplier_of_stop(acting)];
     return stop.upper ? -effort : effort;
   }
   /// The side on which a free stop is overrun, and by how much.
@@ -85,11 +85,11 @@ class Stops {
     return {above > below, std::max(above, below)};
   }
   bool all_kept() const {
-    for (int h = 0; h < static_cast<int>(equations_.held().size()); ++h) {
+    for (int h = 0; h < static_cast<int>(equations_.acting().size()); ++h) {
       if (!(push(h) > 0.0)) return false;
     }
     for (int s = 0; s < static_cast<int>(equations_.scene().stops.size()); ++s) {
-      if (!is_held(s) && !(overrun(s).second <= 0.0)) return false;
+      if (!acts(s) && !(overrun(s).second <= 0.0)) return false;
     }
     return true;
   }
@@ -188,21 +188,21 @@ class Continuation {
     constexpr int most_changes = 4;
     for (int k = 0; k < most_changes; ++k) {
       const Stops stops(*state.equations, numbers, state.z);
-      std::vector<HeldStop> held;
-      for (int h = 0; h < static_cast<int>(state.equations->held().size()); ++h) {
-        if (stops.push(h) > 0.0) held.push_back(state.equations->held()[h]);
+      std::vector<ActingStop> acting;
+      for (int h = 0; h < static_cast<int>(state.equations->acting().size()); ++h) {
+        if (stops.push(h) > 0.0) acting.push_back(state.equations->acting()[h]);
       }
       for (int s = 0; s < static_cast<int>(scene_.stops.size()); ++s) {
         const auto [upper, by] = stops.overrun(s);
-        if (!stops.is_held(s) && by > 0.0) held.push_back({s, upper});
+        if (!stops.acts(s) && by > 0.0) acting.push_back({s, upper});
       }
-      auto changed = std::make_shared<NumberedEquations>(state.equations->list(), held);
+      auto changed = std::make_shared<NumberedEquations>(state.equations->list(), acting);
       std::vector<double> z(changed->unknowns(), 0.0);
-      const int shared = changed->unknowns() - static_cast<int>(held.size());
+      const int shared = changed->unknowns() - static_cast<int>(acting.size());
       std::copy(state.z.begin(), state.z.begin() + shared, z.begin());
-      for (std::size_t h = 0; h < held.size(); ++h) {
-        for (std::size_t o = 0; o < state.equations->held().size(); ++o) {
-          if (state.equations->held()[o].stop != held[h].stop) continue;
+      for (std::size_t h = 0; h < acting.size(); ++h) {
+        for (std::size_t o = 0; o < state.equations->acting().size(); ++o) {
+          if (state.equations->acting()[o].stop != acting[h].stop) continue;
           z[changed->multiplier_of_stop(static_cast<int>(h))] =
               state.z[state.equations->multiplier_of_stop(static_cast<int>(o))];
         }

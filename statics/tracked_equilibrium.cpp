@@ -76,7 +76,7 @@ std::vector<char> jointed_to_ground(const Scene& scene) {
 }
 
 /// Whether a part of the way of a point leads away from a unit vector along which it is held.
-bool turns_away(Vec2 part, Vec2 held) { return std::abs(dot(part, held)) < cosine_of_turn * norm(part); }
+bool turns_away(Vec2 part, Vec2 along) { return std::abs(dot(part, along)) < cosine_of_turn * norm(part); }
 
 /// How a dragged point came to where it is.
 Transition way_of(const DraggedPoint& walk) {
@@ -177,9 +177,9 @@ void TrackedEquilibrium::take(Scene scene, std::optional<Hand> hand, Found found
 }
 
 // `within`: rad or mechanism sizes.
-TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPoses& poses, double within) const {
+TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene scene, const BodyPoses& poses, double within) const {
   Found out;
-  out.model = std::make_shared<const StaticModel>(started_at(std::move(held), poses));
+  out.model = std::make_shared<const StaticModel>(started_at(std::move(scene), poses));
   SolveOptions solving;
   solving.seek = Seek::any;
   solving.safeguards.restarts = solving.safeguards.load_stepping = false;
@@ -206,10 +206,10 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene held, const BodyPos
 }
 
 // `carried`: positions that lead to the one in which it is released, with other numbers.
-TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene held, std::vector<BodyPoses> carried, bool falls,
+TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls,
                                                            const std::string& why, Transition& transition) const {
   Found out;
-  out.model = std::make_shared<const StaticModel>(started_at(std::move(held), carried.back()));
+  out.model = std::make_shared<const StaticModel>(started_at(std::move(scene), carried.back()));
   const BodyPoses first = carried.front(), released = carried.back();
   Settling rest = settle(*out.model, out.model->start(), {.course = true, .interrupt = options_.interrupt});
   if (rest.end == Settling::End::not_closed) {
@@ -301,9 +301,9 @@ Transition TrackedEquilibrium::change(Scene wanted) {
   }
   Position now = position_of(*model_, equilibrium_);
   now.is_stable = now.is_stable && has_same_parts(scene_, wanted);
-  Scene held = started_at(wanted, now.poses);
-  if (hand_) held = with_hand(std::move(held), hand_->at, hand_->along, place_of(scene_, now.poses, hand_->at));
-  Found found = moved(now, held, "released where it was, it moved to where it rests", out);
+  Scene scene = started_at(wanted, now.poses);
+  if (hand_) scene = with_hand(std::move(scene), hand_->at, hand_->along, place_of(scene_, now.poses, hand_->at));
+  Found found = moved(now, scene, "released where it was, it moved to where it rests", out);
   const double far =
       largest_difference(scene_, now.poses, found.model->poses(found.equilibrium.x), found.model->scales().length);
   if (out.kind == Transition::Kind::followed && far <= still) out.kind = Transition::Kind::none;
@@ -365,13 +365,13 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
   Transition out = way_of(walk);
   walk.clear_stops();
   BodyPoses there = walk.poses();
-  std::vector<Vec2> held = walk.directions();
-  if (held.empty()) held = along;
-  if (along.size() == 2 && held == along) {
+  std::vector<Vec2> directions = walk.directions();
+  if (directions.empty()) directions = along;
+  if (along.size() == 2 && directions == along) {
     if (auto direct = straight(walk.place())) there = std::move(*direct);
   }
-  Found found = found_at(with_hand(scene_, point, held, walk.place()), there, expected_place);
-  take(scene_, Hand{point, held}, std::move(found));
+  Found found = found_at(with_hand(scene_, point, directions, walk.place()), there, expected_place);
+  take(scene_, Hand{point, directions}, std::move(found));
   return out;
 }
 
@@ -408,8 +408,8 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   std::vector<Vec2>& along = hand.along;
   along = walk->directions();
   std::optional<Found> found;
-  const auto held_at = [&](Vec2 there) { return with_hand(started_at(scene_, now.poses), hand.at, along, there); };
-  now.scene = held_at(walk->place());
+  const auto with_hand_at = [&](Vec2 there) { return with_hand(started_at(scene_, now.poses), hand.at, along, there); };
+  now.scene = with_hand_at(walk->place());
   if (!equilibrium_.found() || (hand_ && hand_->at != hand.at)) {
     found = settled_from(now.scene, {now.poses}, true, why, out);
     now = position_of(*found->model, found->equilibrium);
@@ -417,25 +417,25 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     along = walk->directions();
   }
   // The equilibrium at these poses, to which it was followed.
-  const auto held_where = [&](const BodyPoses& there) -> std::optional<Found> {
-    Found arrived = found_at(held_at(place), there, expected_place);
+  const auto arrival_at = [&](const BodyPoses& there) -> std::optional<Found> {
+    Found arrived = found_at(with_hand_at(place), there, expected_place);
     if (!arrived.equilibrium.found()) return std::nullopt;
     if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
     return arrived;
   };
   // Where it can be held just there no walk has to say how near it comes.
   if (along.size() == 2 && now.is_stable) {
-    if (const auto there = follow_by_steps(now.scene, held_at(place), now.poses, now.active_stops)) {
-      if (auto arrived = held_where(*there)) return std::move(*arrived);
+    if (const auto there = follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops)) {
+      if (auto arrived = arrival_at(*there)) return std::move(*arrived);
     }
   }
   walk->go_to(place);
   Transition way = way_of(*walk);
   // A stop that holds the walk up need not be in the way of those in equilibrium.
   if (along.size() == 2 && now.is_stable && !walk->held_up_by().empty()) {
-    FollowedChange direct = follow_change(now.scene, held_at(place), now.poses, now.active_stops, options_);
+    FollowedChange direct = follow_change(now.scene, with_hand_at(place), now.poses, now.active_stops, options_);
     if (direct.arrived && direct.transition.kind == Transition::Kind::followed) {
-      if (auto arrived = held_where(direct.poses)) {
+      if (auto arrived = arrival_at(direct.poses)) {
         for (std::string& words : direct.transition.passed) out.passed.push_back(std::move(words));
         return std::move(*arrived);
       }
@@ -444,8 +444,8 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   // Whether it came there without a jump.
   const auto go_to = [&](Vec2 there) {
     Transition step;
-    now.scene = held_at(place_of(scene_, now.poses, hand.at));
-    found = moved(now, held_at(there), why, step);
+    now.scene = with_hand_at(place_of(scene_, now.poses, hand.at));
+    found = moved(now, with_hand_at(there), why, step);
     now = position_of(*found->model, found->equilibrium);
     for (std::string& words : step.passed) out.passed.push_back(std::move(words));
     for (Transition::Course& course : step.courses) out.courses.push_back(std::move(course));
@@ -478,7 +478,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   const std::vector<Vec2> last = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
   if (!found || (last != along && !last.empty())) {
     if (!last.empty()) along = last;
-    found = found_at(held_at(place_of(scene_, now.poses, hand.at)), now.poses, expected_place);
+    found = found_at(with_hand_at(place_of(scene_, now.poses, hand.at)), now.poses, expected_place);
   }
   if (out.kind != Transition::Kind::snapped && out.kind != Transition::Kind::settled) {
     out.kind = way.kind;
@@ -492,8 +492,8 @@ Vec2 TrackedEquilibrium::force_of_hand() const {
   if (!hand_ || !equilibrium_.found()) return sum;
   for (std::size_t k = 0; k < hand_->along.size(); ++k) {
     // The axial force alone says how large the force of a stop on a sum of measures is.
-    const Reaction* const held = reaction_of_stop(equilibrium_.check.reactions, scene_.stops.size() + k);
-    if (held != nullptr) sum += -held->axial * hand_->along[k];
+    const Reaction* const reaction = reaction_of_stop(equilibrium_.check.reactions, scene_.stops.size() + k);
+    if (reaction != nullptr) sum += -reaction->axial * hand_->along[k];
   }
   return sum;
 }

@@ -72,14 +72,14 @@ class TrackedEquilibrium {
   /// The scene, without the hand, with the present position as its start.
   const Scene& scene() const { return scene_; }
   /// The same with the stops of the hand, where it holds a point.
-  const Scene& held_scene() const { return model_->scene(); }
+  const Scene& scene_with_hand() const { return model_->scene(); }
   const StaticModel& model() const { return *model_; }
   /// Of model(). Where its status is not confirmed, nothing was found there.
   const Equilibrium& equilibrium() const { return equilibrium_; }
   BodyPoses poses() const { return model_->poses(equilibrium_.x); }
-  /// The point that is held.
+  /// The point that the hand holds.
   std::optional<PointRef> hand() const { return hand_ ? std::optional(hand_->at) : std::nullopt; }
-  /// How many stops of held_scene() are the hand: its last ones.
+  /// How many stops of scene_with_hand() are the hand: its last ones.
   std::size_t hand_stops() const { return hand_ ? hand_->along.size() : 0; }
 
   /// What the hand exerts on the body whose point it holds, N in the world; zero where none is found.
@@ -102,7 +102,7 @@ class TrackedEquilibrium {
  private:
   struct Hand {
     PointRef at;
-    std::vector<Vec2> along;  ///< unit vectors, m in the world: the directions that are held
+    std::vector<Vec2> along;  ///< unit vectors, m in the world: the directions in which the hand holds it
   };
   struct Found {
     std::shared_ptr<const StaticModel> model;
@@ -118,8 +118,8 @@ class TrackedEquilibrium {
   };
 
   static Position position_of(const StaticModel& model, const Equilibrium& equilibrium);
-  Found found_at(Scene held, const BodyPoses& poses, double within) const;
-  Found settled_from(Scene held, std::vector<BodyPoses> carried, bool falls, const std::string& why,
+  Found found_at(Scene scene, const BodyPoses& poses, double within) const;
+  Found settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls, const std::string& why,
                      Transition& transition) const;
   Found moved(const Position& at, const Scene& after, const std::string& why, Transition& transition) const;
   Transition drag_in_equilibrium(PointRef point, Vec2 place);

@@ -137,7 +137,7 @@ std::vector<PointRef> used_of_ground(const Scene& scene) {
 /// The stops of the hand as a scene file has them: with them at its end the scene has the position shown as one of its
 /// equilibria.
 std::string toml_of_hand(const TrackedEquilibrium& tracked) {
-  const Scene& scene = tracked.held_scene();
+  const Scene& scene = tracked.scene_with_hand();
   const std::string point = toml_string(scene.name_of(*tracked.hand()));
   std::string out;
   for (std::size_t k = scene.stops.size() - tracked.hand_stops(); k < scene.stops.size(); ++k) {

@@ -117,7 +117,7 @@ class Run {
 
   // What the library does, timed; empty where it throws InputError, which must change nothing.
   std::optional<Transition> act(char action, const std::function<Transition()>& call) {
-    const Scene scene = live_.scene(), held = live_.held_scene();
+    const Scene scene = live_.scene(), held = live_.scene_with_hand();
     const BodyPoses poses = poses_now();
     const Status status = live_.equilibrium().status;
     if (trial_.print) before_ = test::scene_text(held);
@@ -148,7 +148,7 @@ class Run {
     }
     ++out_.errors;
     if (trial_.print) fmt::print("{} {}: {}\n", out_.steps, doing_, error);
-    const bool unchanged = same_numbers(scene, live_.scene()) && same_numbers(held, live_.held_scene()) &&
+    const bool unchanged = same_numbers(scene, live_.scene()) && same_numbers(held, live_.scene_with_hand()) &&
                            apart(poses, poses_now(), size_) == 0.0 && status == live_.equilibrium().status;
     if (!unchanged) contradict(Fault::other, "threw, but something has changed: " + error);
     return out;
@@ -172,7 +172,7 @@ class Run {
 
   Before before() const {
     const Equilibrium& e = live_.equilibrium();
-    return {live_.scene(), live_.held_scene(),      poses_now(),
+    return {live_.scene(), live_.scene_with_hand(), poses_now(),
             e.found(),     e.certificate.stability, e.certificate.outcome == Outcome::proved,
             live_.hand()};
   }
@@ -404,7 +404,7 @@ class Run {
     if (!e.found()) return;
     ++out_.confirmed;
     if (places_.size() < 20) places_.push_back(poses);
-    const StaticModel fresh(started_at(live_.held_scene(), poses));
+    const StaticModel fresh(started_at(live_.scene_with_hand(), poses));
     const auto x = coordinates_at(fresh, poses);
     if (!x) return contradict(Fault::unconfirmed, "the loops are open there");
     Certificate certificate = certify(fresh, *x);
@@ -477,7 +477,7 @@ class Run {
     }
     if (way.courses.empty() || !live_.equilibrium().found()) return;
     // Loops that a change has opened are closed first.
-    const Scene& held = live_.held_scene();
+    const Scene& held = live_.scene_with_hand();
     const Readings readings = readings_of(held, was.poses);
     bool keeps_stops = true;
     for (std::size_t s = 0; s < held.stops.size(); ++s) {
@@ -522,7 +522,7 @@ class Run {
         way.kind == TransitionKind::followed || way.kind == TransitionKind::none || way.kind == TransitionKind::blocked;
     std::optional<VariedScene> varied;
     try {
-      varied.emplace(held, live_.held_scene());
+      varied.emplace(held, live_.scene_with_hand());
     } catch (const InputError& error) {
       if (moved && apart(from, poses_now(), size_) > same) leave_undecided(error.what());
       return;
@@ -590,7 +590,7 @@ class Run {
       contradict(Fault::other, "it can only settle, but " + to_string(way.kind));
     if (!live_.equilibrium().found()) return;
     Equilibrium e;
-    const StaticModel fresh(started_at(live_.held_scene(), was.poses));
+    const StaticModel fresh(started_at(live_.scene_with_hand(), was.poses));
     try {
       e = solve(fresh);
     } catch (const InputError& error) {
@@ -607,7 +607,7 @@ class Run {
 
   int freedoms() const {
     try {
-      return analyse_mobility(StaticModel(live_.held_scene())).freedoms;
+      return analyse_mobility(StaticModel(live_.scene_with_hand())).freedoms;
     } catch (const InputError&) {
       return 0;
     }
@@ -643,9 +643,9 @@ class Run {
       contradict(Fault::short_way,
                  fmt::format("{}: {:.6g} from the place, {:.6g} before", to_string(way.kind), now, before_it));
     }
-    const int held = static_cast<int>(live_.held_scene().stops.size() - live_.scene().stops.size());
+    const int held = static_cast<int>(live_.scene_with_hand().stops.size() - live_.scene().stops.size());
     if (held == 0) return contradict(Fault::other, "nothing holds the point");
-    const CurveOfPoses curve(live_.held_scene(), held, was.poses);
+    const CurveOfPoses curve(live_.scene_with_hand(), held, was.poses);
     if (curve.is_curve()) {
       if (jumped) {
         if (was.found) contradict(Fault::flip, fmt::format("{} with one freedom", to_string(way.kind)));
@@ -677,8 +677,8 @@ class Run {
     }
     // Several freedoms: the hand on a straight way, the others in equilibrium. On a curve that turns far it is not.
     if (held == 1) {
-      const double straight = std::abs(readings_of(live_.held_scene(), poses_now()).stops.back() -
-                                       readings_of(live_.held_scene(), was.poses).stops.back());
+      const double straight = std::abs(readings_of(live_.scene_with_hand(), poses_now()).stops.back() -
+                                       readings_of(live_.scene_with_hand(), was.poses).stops.back());
       if (straight < 0.95 * norm(end - start)) return leave_undecided("a way on a curve that turns");
       // At the end of its reach a point that came there straight is held in one direction.
       if (was.stability == Stability::stable && came_straight(was, point, start, end)) {
@@ -686,7 +686,7 @@ class Run {
         return;
       }
     }
-    const Scene there = live_.held_scene();
+    const Scene there = live_.scene_with_hand();
     const Readings at_start = readings_of(there, was.poses);
     Scene from = started_at(there, was.poses);
     for (std::size_t k = there.stops.size() - static_cast<std::size_t>(held); k < there.stops.size(); ++k) {

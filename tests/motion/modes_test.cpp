@@ -261,7 +261,7 @@ TEST(Modes, PressingStopHolds) {
   scene.start.travel[1] = 1.4;
   const Modes modes = modes_at_equilibrium(scene);
   ASSERT_TRUE(modes.known) << modes.why;
-  EXPECT_EQ(modes.held, 1);
+  EXPECT_EQ(modes.active_stops, 1);
   ASSERT_EQ(modes.vibrations.size(), 1u);
   EXPECT_NEAR(modes.vibrations[0].frequency, std::sqrt(40.0) / (2 * M_PI), 1e-12);
 }

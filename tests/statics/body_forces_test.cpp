@@ -65,11 +65,11 @@ struct State {
 State state_of(const Scene& given, std::uint64_t seed) {
   const StaticModel model(given);
   const Scene scene = model.scaled_scene();
-  std::vector<HeldStop> held;
+  std::vector<ActingStop> acting;
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
-    held.push_back({static_cast<int>(s), std::isfinite(scene.stops[s].max)});
+    acting.push_back({static_cast<int>(s), std::isfinite(scene.stops[s].max)});
   }
-  State out{{scene, held}, poses_of(model, model.start())};
+  State out{{scene, acting}, poses_of(model, model.start())};
   test::Random random(seed);
   for (double& pose : out.z) pose += random.uniform(-0.01, 0.01);
   out.equations.count_turns(out.z.data());
@@ -213,9 +213,9 @@ TEST(BodyForces, OfVariableNumbersAreThoseOfTheScene) {
       free.push_loads(push);
       free.push_elements(push);
       free.add_joints();
-      for (std::size_t h = 0; h < equations.held().size(); ++h) {
+      for (std::size_t h = 0; h < equations.acting().size(); ++h) {
         const double effort = state.z[static_cast<std::size_t>(equations.multiplier_of_stop(static_cast<int>(h)))];
-        free.add_stop(equations.held()[h].stop, 2, effort < 0 ? -1.0 : 1.0);
+        free.add_stop(equations.acting()[h].stop, 2, effort < 0 ? -1.0 : 1.0);
       }
       for (std::size_t u = 0; u < free.unknowns().size(); ++u) {
         const double effort = state.z[static_cast<std::size_t>(equations.poses()) + u];

@@ -109,8 +109,8 @@ int expect_differences(const Scene& given, const std::string& name) {
   // The same equations, whose stops are those of the certificate.
   const Scene scene = model.scaled_scene();
   const std::vector<double> poses = poses_of(model, found.equilibrium.x);
-  const std::vector<HeldStop> held = held_at(scene, poses, found.equilibrium.certificate.active_stops);
-  const LinearResponse response(NumberedEquations(scene, held), poses, 1e-10);
+  const std::vector<ActingStop> acting = acting_at(scene, poses, found.equilibrium.certificate.active_stops);
+  const LinearResponse response(NumberedEquations(scene, acting), poses, 1e-10);
   const NumberedEquations& equations = response.equations();
   const Eigen::FullPivLU<Eigen::MatrixXd> factors(response.by_unknowns());
   if (!factors.isInvertible()) return 0;

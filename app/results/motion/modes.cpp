@@ -97,7 +97,7 @@ void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
   if (modes.known && modes.massless > 0)
     mobility += fmt::format("; {} without inertia follow the others", modes.massless);
-  if (modes.held > 0) mobility += "; held by " + count(modes.held, "active stop", "active stops");
+  if (modes.active_stops > 0) mobility += "; held by " + count(modes.active_stops, "active stop", "active stops");
   group.fact("mobility", mobility);
   if (modes.known && !model.scene().drives.empty()) {
     group.fact("left out", "drives: what they move is free here");
@@ -138,7 +138,7 @@ void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer)
   group.data("stability", to_string(answer.equilibrium.certificate.stability));
   group.data("degrees_of_freedom", modes.freedoms);
   group.data("massless", modes.massless);
-  group.data("held", modes.held);
+  group.data("held", modes.active_stops);
   group.data("known", modes.known);
   group.data("why_unknown", modes.why);
   const std::vector<double> q = answer.x.empty() ? answer.x : model.to_si(answer.x);
