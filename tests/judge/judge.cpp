@@ -604,13 +604,19 @@ class ClaimSearch {
 
   // --- kind of an equilibrium ---------------------------------------------------------------------------------------
 
-  void find_kind(const Solution& solution, const Piece& piece, const Real& tolerance, Truth& truth) {
+  // What an equilibrium is at the limit of: stops in contact without force and springs at their free length, which
+  // leave a choice of pieces.
+  struct Limits {
+    Piece strict;                    // with the contacts that push alone
+    std::vector<Contact> weak;       // those that do not
+    std::vector<std::size_t> kinks;  // springs
+  };
+
+  Limits limits_of(const Solution& solution, const Piece& piece, const Real& tolerance) const {
     const Vector& q = solution.at.q;
-    // Stops in contact without force and springs at their free length leave a choice of pieces.
-    std::vector<Contact> weak;
-    Piece strict = piece;
+    Limits out{piece, {}, {}};
     // The multipliers stand in the order of the piece's contacts, of which those that hold their measure come first.
-    strict.contacts = base_.contacts;
+    out.strict.contacts = base_.contacts;
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       const Stop& stop = scene_.stops[s];
       if (stop.min == stop.max) continue;
@@ -621,21 +627,62 @@ class ClaimSearch {
         const bool pushes =
             in != piece.contacts.end() &&
             abs(push(solution, piece, static_cast<std::size_t>(in - piece.contacts.begin()))) > tolerance * scale_;
-        (pushes ? strict.contacts : weak).push_back(c);
+        (pushes ? out.strict.contacts : out.weak).push_back(c);
       }
     }
-    std::vector<std::size_t> kinks;
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
       if (acts(scene_.elements[e]) != LinearSpring::Acts::both && abs(pull(e, q)) <= tolerance &&
           std::get<LinearSpring>(scene_.elements[e].law).stiffness != 0.0) {
-        kinks.push_back(e);
+        out.kinks.push_back(e);
       }
     }
-    truth.strict = weak.empty() && kinks.empty();
-    truth.at_free_length = weak.empty() && !kinks.empty();
+    return out;
+  }
+
+  // Directions that weak stops and kinks tell apart, by freedom: rows of the former, then of the latter.
+  Matrix directions_of(const Limits& limits, const Vector& q, const Matrix& N) const {
+    const std::vector<Contact>& weak = limits.weak;
+    Matrix G(static_cast<Index>(weak.size() + limits.kinks.size()), N.cols());
+    for (std::size_t i = 0; i < weak.size(); ++i) {
+      G.row(static_cast<Index>(i)) =
+          -weak[i].side * (mechanics_.measure(scene_.stops[weak[i].stop].on, q).grad.transpose() * N);
+    }
+    for (std::size_t i = 0; i < limits.kinks.size(); ++i) {
+      G.row(static_cast<Index>(weak.size() + i)) =
+          mechanics_.measure(scene_.elements[limits.kinks[i]].on, q).grad.transpose() * N;
+    }
+    return G;
+  }
+
+  // The least curvature over all pieces next to the equilibrium, each on its cone of directions.
+  Least least_curvature(const Limits& limits, const Vector& q, const Solution& solution, const Matrix& G) const {
+    const Matrix& N = solution.kernel;
+    Least least;
+    for (unsigned side = 0; side < (1U << limits.kinks.size()); ++side) {
+      Piece adjacent = limits.strict;
+      Matrix cone = G;
+      for (std::size_t i = 0; i < limits.kinks.size(); ++i) {
+        const bool slack = (side >> i & 1U) != 0;
+        adjacent.slack[limits.kinks[i]] = slack;
+        const bool tension = acts(scene_.elements[limits.kinks[i]]) == LinearSpring::Acts::tension;
+        if (slack == tension) cone.row(static_cast<Index>(limits.weak.size() + i)) *= Real(-1);
+      }
+      const Forces forces = mechanics_.at(q, adjacent);
+      const Least here = least_on_cone(N.transpose() * tangent(forces, solution.multipliers) * N, cone);
+      if (here.value < least.value) least = here;
+    }
+    return least;
+  }
+
+  void find_kind(const Solution& solution, const Piece& piece, const Real& tolerance, Truth& truth) {
+    const Vector& q = solution.at.q;
+    const Limits limits = limits_of(solution, piece, tolerance);
+    const Piece& strict = limits.strict;
+    truth.strict = limits.weak.empty() && limits.kinks.empty();
+    truth.at_free_length = limits.weak.empty() && !limits.kinks.empty();
 
     Solution held = solution;
-    if (!weak.empty()) {
+    if (!limits.weak.empty()) {
       held.at = close(mechanics_, q, strict, nullptr, false);
       measure(mechanics_, strict, nullptr, held);
     }
@@ -655,34 +702,13 @@ class ClaimSearch {
       judge_followers(held, stiffest, truth);
       return;
     }
-    Matrix G(static_cast<Index>(weak.size() + kinks.size()), N.cols());
-    for (std::size_t i = 0; i < weak.size(); ++i) {
-      G.row(static_cast<Index>(i)) =
-          -weak[i].side * (mechanics_.measure(scene_.stops[weak[i].stop].on, q).grad.transpose() * N);
-    }
-    for (std::size_t i = 0; i < kinks.size(); ++i) {
-      G.row(static_cast<Index>(weak.size() + i)) =
-          mechanics_.measure(scene_.elements[kinks[i]].on, q).grad.transpose() * N;
-    }
+    const Matrix G = directions_of(limits, q, N);
     if (G.rows() > most_candidates) {
       truth.decided = false;
       truth.note = "too many stops and springs without force";
       return;
     }
-    Least least;
-    for (unsigned side = 0; side < (1U << kinks.size()); ++side) {
-      Piece adjacent = strict;
-      Matrix cone = G;
-      for (std::size_t i = 0; i < kinks.size(); ++i) {
-        const bool slack = (side >> i & 1U) != 0;
-        adjacent.slack[kinks[i]] = slack;
-        const bool tension = acts(scene_.elements[kinks[i]]) == LinearSpring::Acts::tension;
-        if (slack == tension) cone.row(static_cast<Index>(weak.size() + i)) *= Real(-1);
-      }
-      const Forces forces = mechanics_.at(q, adjacent);
-      const Least here = least_on_cone(N.transpose() * tangent(forces, held.multipliers) * N, cone);
-      if (here.value < least.value) least = here;
-    }
+    const Least least = least_curvature(limits, q, held, G);
     const Matrix sum = held.reduced + held.reduced.transpose();
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(sum / Real(2));
     Real smallest = abs(Real(eigen.eigenvalues()[0]));

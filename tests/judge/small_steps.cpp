@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -215,128 +219,182 @@ std::optional<std::vector<double>> coordinates_at(const StaticModel& model, cons
   return x;
 }
 
-SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, bool with_care) {
-  SmallSteps out;
-  out.poses = poses;
-  const auto begin = varied.model_at(0.0);
-  const Mechanism<double>& m = begin->mechanism();
-  const auto undecided = [&](const std::string& why) {
-    out.why = why;
-    return out;
-  };
-  if (m.has_follower_loads()) return undecided("loads follow bodies");
-  const auto start = coordinates_at(*begin, poses);
-  if (!start) return undecided("the loops do not close at the start");
-  const std::vector<int> closures = independent_closures(m, *start);
-  std::vector<signed char> side(m.stops(), 0);
-  const Values values = values_at(m, *start);
-  for (int s = 0; s < m.stops(); ++s) {
-    if (values.lower(m, s) < 1e-8) side[s] = -1;
-    if (values.upper(m, s) < 1e-8) side[s] = 1;
+namespace {
+
+// Follows an equilibrium while a number of the scene goes from 0 to 1, in steps of which each is looked at.
+class NumberSteps {
+ public:
+  NumberSteps(const VariedScene& varied, const BodyPoses& poses, bool with_care)
+      : varied_(varied), step_size_(with_care ? shorter : longest), with_care_(with_care) {
+    out_.poses = poses;
   }
-  // What a stop would share with others these carry alone.
-  for (int s = 0; s < m.stops(); ++s) {
-    if (side[s] == 0 || m.lower()[s] == m.upper()[s]) continue;
-    const std::vector<int> rows = rows_of(m, closures, side);
-    if (independent(m, *start, rows).size() < rows.size()) side[s] = 0;
+
+  SmallSteps run() {
+    out_.why = find_start();
+    if (!out_.why.empty()) return out_;
+    for (int k = 0; s_ < 1.0; ++k) {
+      if (k == most_small_steps) {
+        out_.why = fmt::format("{} steps came to {:.6g}", most_small_steps, s_);
+        return out_;
+      }
+      const double to = std::min(1.0, s_ + h_);
+      const auto model = varied_.model_at(to);
+      next_ = newton(*model, here_->x, closures_, here_->side);
+      if (is_good() && !set_stops(*model)) {
+        h_ *= 0.5;
+        continue;
+      }
+      if (why_.empty()) {
+        go_on(to);
+      } else if (h_ > shortest) {
+        h_ *= 0.5;
+      } else if (!passes_invisible_snap()) {
+        return lost();
+      }
+    }
+    out_.end = SmallSteps::End::arrived;
+    out_.part = 1.0;
+    out_.poses = varied_.model_at(1.0)->poses(here_->x);
+    return out_;
   }
-  std::optional<Rest> here;
-  for (int k = 0; k <= m.stops(); ++k) {
-    here = newton(*begin, *start, closures, side);
-    if (!here) return undecided("no equilibrium at the start");
-    const int broken = broken_stop(*begin, *here);
-    if (broken < 0) break;
-    if (side[broken] == 0) return undecided("a stop is overrun at the start");
-    side[broken] = 0;
-  }
-  if (apart(begin->poses(here->x), poses, begin->scales().length) > 1e-6) return undecided("it does not rest there");
-  if (here->least < flat) return undecided("not stable at the start");
-  if (here->sign == 0 || here->weakest < 1e-6) return undecided("singular at the start");
-  double s = 0.0, h = 0.02;
-  double rate = 0.0, rate_before = 1e300;  // of motion, in the last step, and in the last of some length
-  const auto distance = [](const std::vector<double>& a, const std::vector<double>& b) {
+
+ private:
+  static double distance(const std::vector<double>& a, const std::vector<double>& b) {
     double far = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) far = std::max(far, std::abs(a[i] - b[i]));
     return far;
-  };
-  for (int k = 0; s < 1.0; ++k) {
-    if (k == most_small_steps) return undecided(fmt::format("{} steps came to {:.6g}", most_small_steps, s));
-    const double to = std::min(1.0, s + h);
-    const auto model = varied.model_at(to);
-    std::optional<Rest> next = newton(*model, here->x, closures, here->side);
-    std::string why;
-    bool is_singular = false;
-    const auto judge = [&] {
-      if (!next) {
-        why = "no equilibrium near";
-      } else if (distance(next->x, here->x) > (with_care ? shorter : longest)) {
-        why = "it moves too far";
-      } else if (with_care && next->side == here->side && !change_little(here->equations, next->equations)) {
-        why = "the equations change too far";
-      } else if (next->least < -flat) {
-        why = "it turns unstable";
-        is_singular = true;
-      } else if (next->sign * here->sign < 0 && next->side == here->side) {
-        why = "the equations turn singular";
-        is_singular = true;
-      }
-      return why.empty();
-    };
-    if (judge()) {
-      int broken = broken_stop(*model, *next);
-      if (broken >= 0 && h > shortest_change) {
-        h *= 0.5;
-        continue;
-      }
-      for (int turn = 0; broken >= 0 && turn < 2 * m.stops(); ++turn) {
-        std::vector<signed char> other = next->side;
-        const Values at = values_at(m, next->x);
-        other[broken] = other[broken] != 0 ? 0 : at.c[m.stop_row(broken)] < model->mechanism().lower()[broken] ? -1 : 1;
-        next = newton(*model, here->x, closures, other);
-        if (!judge()) break;
-        broken = broken_stop(*model, *next);
-      }
-      if (why.empty() && broken >= 0) why = "no set of stops is consistent";
-    }
-    if (!why.empty()) {
-      if (h > shortest) {
-        h *= 0.5;
-        continue;
-      }
-      // A snap that nobody can see, and on.
-      bool goes_on = false;
-      for (double beyond = 1e-9; !goes_on && beyond < 1e-4 && s + beyond < 1.0; beyond *= 10.0) {
-        const auto there = varied.model_at(s + beyond);
-        const Settling rest = settle(*there, here->x);
-        if (rest.end != Settling::End::settled || distance(rest.x, here->x) > invisible) continue;
-        next = newton(*there, rest.x, closures, here->side);
-        goes_on =
-            next && distance(next->x, here->x) < invisible && next->least >= flat && broken_stop(*there, *next) < 0;
-        if (goes_on) s += beyond;
-      }
-      if (goes_on) {
-        here = std::move(next);
-        continue;
-      }
-      out.part = s;
-      out.why = why;
-      out.poses = varied.model_at(s)->poses(here->x);
-      // Towards a fold it moves faster and faster, as one over the square root of the way to it; otherwise rounding has
-      // ended the steps.
-      out.end = is_singular || rate > faster * rate_before ? SmallSteps::End::lost : SmallSteps::End::undecided;
-      return out;
-    }
-    const double moved = distance(next->x, here->x);
-    rate = moved / (to - s);
-    if (to - s > next_to_a_fold) rate_before = rate;
-    here = std::move(next);
-    s = to;
-    h *= moved < 0.3 * (with_care ? shorter : longest) ? 2.0 : 1.0;
   }
-  out.end = SmallSteps::End::arrived;
-  out.part = 1.0;
-  out.poses = varied.model_at(1.0)->poses(here->x);
-  return out;
+
+  // Finds the equilibrium at the start; says why not where there is none to be followed.
+  std::string find_start() {
+    begin_ = varied_.model_at(0.0);
+    const StaticModel* const begin = begin_.get();
+    const Mechanism<double>& m = begin->mechanism();
+    if (m.has_follower_loads()) return "loads follow bodies";
+    const auto start = coordinates_at(*begin, out_.poses);
+    if (!start) return "the loops do not close at the start";
+    closures_ = independent_closures(m, *start);
+    std::vector<signed char> side = stops_in_contact(m, *start);
+    for (int k = 0; k <= m.stops(); ++k) {
+      here_ = newton(*begin, *start, closures_, side);
+      if (!here_) return "no equilibrium at the start";
+      const int broken = broken_stop(*begin, *here_);
+      if (broken < 0) break;
+      if (side[broken] == 0) return "a stop is overrun at the start";
+      side[broken] = 0;
+    }
+    if (apart(begin->poses(here_->x), out_.poses, begin->scales().length) > 1e-6) return "it does not rest there";
+    if (here_->least < flat) return "not stable at the start";
+    if (here_->sign == 0 || here_->weakest < 1e-6) return "singular at the start";
+    return "";
+  }
+
+  // Stops in contact, but for those that would share their force with others, which carry it alone.
+  std::vector<signed char> stops_in_contact(const Mechanism<double>& m, const std::vector<double>& x) const {
+    std::vector<signed char> side(m.stops(), 0);
+    const Values values = values_at(m, x);
+    for (int s = 0; s < m.stops(); ++s) {
+      if (values.lower(m, s) < 1e-8) side[s] = -1;
+      if (values.upper(m, s) < 1e-8) side[s] = 1;
+    }
+    for (int s = 0; s < m.stops(); ++s) {
+      if (side[s] == 0 || m.lower()[s] == m.upper()[s]) continue;
+      const std::vector<int> rows = rows_of(m, closures_, side);
+      if (independent(m, x, rows).size() < rows.size()) side[s] = 0;
+    }
+    return side;
+  }
+
+  // Judges the step in hand.
+  bool is_good() {
+    why_.clear();
+    is_singular_ = false;
+    if (!next_) {
+      why_ = "no equilibrium near";
+    } else if (distance(next_->x, here_->x) > step_size_) {
+      why_ = "it moves too far";
+    } else if (with_care_ && next_->side == here_->side && !change_little(here_->equations, next_->equations)) {
+      why_ = "the equations change too far";
+    } else if (next_->least < -flat) {
+      why_ = "it turns unstable";
+      is_singular_ = true;
+    } else if (next_->sign * here_->sign < 0 && next_->side == here_->side) {
+      why_ = "the equations turn singular";
+      is_singular_ = true;
+    }
+    return why_.empty();
+  }
+
+  // Finds the stops that act at the end of a good step. False where a shorter step should be made first.
+  bool set_stops(const StaticModel& model) {
+    const Mechanism<double>& m = begin_->mechanism();
+    int broken = broken_stop(model, *next_);
+    if (broken >= 0 && h_ > shortest_change) return false;
+    for (int turn = 0; broken >= 0 && turn < 2 * m.stops(); ++turn) {
+      std::vector<signed char> other = next_->side;
+      const Values at = values_at(m, next_->x);
+      other[broken] = other[broken] != 0 ? 0 : at.c[m.stop_row(broken)] < model.mechanism().lower()[broken] ? -1 : 1;
+      next_ = newton(model, here_->x, closures_, other);
+      if (!is_good()) break;
+      broken = broken_stop(model, *next_);
+    }
+    if (why_.empty() && broken >= 0) why_ = "no set of stops is consistent";
+    return true;
+  }
+
+  void go_on(double to) {
+    const double moved = distance(next_->x, here_->x);
+    rate_ = moved / (to - s_);
+    if (to - s_ > next_to_a_fold) rate_before_ = rate_;
+    here_ = std::move(next_);
+    s_ = to;
+    h_ *= moved < 0.3 * step_size_ ? 2.0 : 1.0;
+  }
+
+  // Whether a snap that nobody can see leads on.
+  bool passes_invisible_snap() {
+    for (double beyond = 1e-9; beyond < 1e-4 && s_ + beyond < 1.0; beyond *= 10.0) {
+      const auto there = varied_.model_at(s_ + beyond);
+      const Settling rest = settle(*there, here_->x);
+      if (rest.end != Settling::End::settled || distance(rest.x, here_->x) > invisible) continue;
+      next_ = newton(*there, rest.x, closures_, here_->side);
+      if (!next_ || !(distance(next_->x, here_->x) < invisible) || !(next_->least >= flat)) continue;
+      if (broken_stop(*there, *next_) >= 0) continue;
+      s_ += beyond;
+      here_ = std::move(next_);
+      return true;
+    }
+    return false;
+  }
+
+  SmallSteps lost() {
+    out_.part = s_;
+    out_.why = why_;
+    out_.poses = varied_.model_at(s_)->poses(here_->x);
+    // Towards a fold it moves faster and faster, as one over the square root of the way to it; otherwise rounding has
+    // ended the steps.
+    const bool is_lost = is_singular_ || rate_ > faster * rate_before_;
+    out_.end = is_lost ? SmallSteps::End::lost : SmallSteps::End::undecided;
+    return out_;
+  }
+
+  const VariedScene& varied_;
+  const double step_size_;
+  const bool with_care_;
+  SmallSteps out_;
+  std::unique_ptr<const StaticModel> begin_;
+  std::vector<int> closures_;
+  std::optional<Rest> here_, next_;
+  double s_ = 0.0, h_ = 0.02;
+  double rate_ = 0.0, rate_before_ = 1e300;  // of motion, in the last step, and in the last of some length
+  std::string why_;                          // the step in hand is no good
+  bool is_singular_ = false;
+};
+
+}  // namespace
+
+SmallSteps follow_numbers(const VariedScene& varied, const BodyPoses& poses, bool with_care) {
+  return NumberSteps(varied, poses, with_care).run();
 }
 
 // --- one freedom ----------------------------------------------------------------------------------------------------
