@@ -26,7 +26,7 @@ class BearingLoads {
     ContactPlace place;
   };
 
-  /// Of the couplings that load one of these joints. Both must outlive this.
+  /// Takes the couplings that load one of these joints. Scene and mechanism must outlive this.
   BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints);
 
   const std::vector<Contact>& contacts() const { return contacts_; }

@@ -178,7 +178,7 @@ class ReducedMotion {
   FrictionForces& friction_forces() { return grip_forces_; }
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
   void linearize();
-  /// Those that influences refer to; must outlive this. After set_inputs().
+  /// Sets the variations that influences refer to, which must outlive this. Call it after set_inputs().
   void set_variations(const std::vector<Variation>& variations);
   /// The derivative of alpha by a number of the scene, f values. After linearize() where the influence moves().
   void influence(const Influence& influence, T* alpha);
@@ -214,8 +214,8 @@ class ReducedMotion {
   const T* alpha_z(int k) const { return alpha_z_.data() + static_cast<std::size_t>(k) * freedoms(); }
   const T* alpha_w(int k) const { return alpha_w_.data() + static_cast<std::size_t>(k) * freedoms(); }
 
-  /// By how much the bound of friction that sticks exceeds that of its law: of an element of the scene, c |R|. After
-  /// accelerate().
+  /// Gives the size c |R| by which the bound of friction that sticks exceeds that of its law, of an element of the
+  /// scene. Call it after accelerate().
   T load_bound(int element) const;
   /// Teeth that push their wheels apart onto joints with friction, by |Q|: in load_bound(), turn_branch() and
   /// branch_margin() each counts as one more element, behind those of the scene.
@@ -373,7 +373,7 @@ class ReducedMotion {
   std::vector<T> q_, v_, a_, alpha_, c_, J_, values_, B_, drift_, force_, full_force_, mass_, inverse_diagonal_,
       multipliers_;
   std::vector<int> sliding_, held_;  // see set_sliding()
-  std::vector<T> resistances_;      // at q, v
+  std::vector<T> resistances_;       // at q, v
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;

@@ -26,7 +26,7 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
   }
 }
 
-// The same for derivatives, by the reciprocals of the factors' diagonal, which round once more.
+// Divides derivatives by the mass, with the reciprocals of the factors' diagonal, which round once more.
 template <class T>
 void ReducedMotion<T>::divide_change_by_mass(T* b) const {
   const int f = freedoms();

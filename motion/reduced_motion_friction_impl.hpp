@@ -10,26 +10,26 @@
 
 namespace poise {
 
-// Across the line of a slide or slot, in the world.
+// Gives the direction across the line of a slide or slot, in the world.
 template <class T>
 Planar<T> ReducedMotion<T>::normal_of(const Grip& grip) const {
   return quarter_turn(grip.axis * mechanism_.phasors().line_direction(pose_.data(), grip.travel));
 }
 
-// In drives_, of the stop that a contact is of.
+// Gives the place in drives_ of the stop that a contact is of.
 template <class T>
 std::size_t ReducedMotion<T>::stop_row(int contact) const {
   return first_stop_ + static_cast<std::size_t>(bearing_loads_.contacts()[static_cast<std::size_t>(contact)].holding);
 }
 
-// Q, from the multipliers of the used rows in small_rows_.
+// Reads Q from the multipliers of the used rows in small_rows_.
 template <class T>
 T ReducedMotion<T>::effort_in(int contact) const {
   const int place = place_of_row_[static_cast<std::size_t>(mechanism_.equalities()) + stop_row(contact)];
   return place < 0 ? T(0) : T(-small_rows_[place]);
 }
 
-// From these.
+// Reads the multipliers of a joint's closures from these.
 template <class T>
 typename ReducedMotion<T>::Hold ReducedMotion<T>::multipliers_of(const Grip& grip) const {
   const auto multiplier = [&](int row) { return place_of_row_[row] < 0 ? T(0) : small_rows_[place_of_row_[row]]; };
@@ -38,7 +38,7 @@ typename ReducedMotion<T>::Hold ReducedMotion<T>::multipliers_of(const Grip& gri
   return out;
 }
 
-// With the parts of contacts.
+// Adds to the multipliers of a joint the parts of contacts.
 template <class T>
 typename ReducedMotion<T>::Hold ReducedMotion<T>::hold_of(std::size_t i) const {
   if (grips_[i].is_teeth()) return {{effort_in(grips_[i].contact), T(0)}, {}};
@@ -275,7 +275,7 @@ void ReducedMotion<T>::find_grip_responses() {
 template <class T>
 void ReducedMotion<T>::state_grip_forces() {
   const std::size_t k = grips_.size();
-  // Of a carriage |R| is the greater of the whole normal force and that of its end.
+  // The |R| of a carriage is the greater of the whole normal force and that of its end.
   const auto components = [&](std::size_t i, const Hold& hold) {
     if (grips_[i].is_pin()) return planar_cast<double>(hold.at);
     const T end = dot(normals_[i], hold.end);

@@ -19,7 +19,7 @@ constexpr double small_pivot = 0.05;
 
 }  // namespace
 
-/// The same motion in long double.
+/// Computes the same motion in long double.
 class ReducedSystem::Fine {
  public:
   Fine(const Scene& scene, const ReducedMotion<double>& reduced, const std::vector<Variation>& variations)

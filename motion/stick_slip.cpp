@@ -254,7 +254,7 @@ double StickSlip::worst_after(Reduced& motion, const Node& node, const std::vect
   return worst;
 }
 
-/// Of choices that agree at the node the one that does shortly after.
+/// Finds among choices that agree at the node the one that does shortly after.
 const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node, std::vector<const Trial*> trials,
                                               double ahead) {
   for (const double part : parts_ahead) {
@@ -281,7 +281,7 @@ const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node,
   return trials.front();
 }
 
-/// By how much the rate of the k-th contact without rate has changed since the node, 0 where that is rounding.
+/// Gives the change since the node of the rate of the k-th contact without rate, 0 where that is rounding.
 double StickSlip::gain(const Contact& contact, const Reduced& motion, const Node& node, std::size_t k) {
   const double out = rate(contact, motion) - node.rate[k];
   return std::abs(out) > rounding_of_rate * node.fastest ? out : 0.0;

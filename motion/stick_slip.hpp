@@ -99,7 +99,7 @@ class StickSlip {
     std::vector<double> rate, largest;  // rates of these, and the largest of their accelerations
     double fastest = 0.0;               // rate of a coordinate
   };
-  /// By one step of Runge and Kutta's formula of order 4, as the motion is set.
+  /// Makes one step by Runge and Kutta's formula of order 4, as the motion is set.
   ReducedMotion<double>::Status advance(ReducedMotion<double>& motion, double t, double h);
   double gain(const Contact& contact, const ReducedMotion<double>& motion, const Node& node, std::size_t k);
   double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& sliding, double h);

@@ -223,7 +223,7 @@ class CurveMotion::Tracer {
     return true;
   }
 
-  // Of the interpolants between the ends, in the middle.
+  // Measures the errors of the interpolants between the ends, in the middle.
   void measure_errors() {
     const double h = right_->sigma;
     for (int f = 0; f < curve_.functions(); ++f) {

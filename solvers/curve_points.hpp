@@ -42,7 +42,7 @@ class CurvePoints {
   /// Corrects p, with p.at.x near it, to the point of the curve at sigma in the frame of `left`, with its functions.
   /// False where that fails, or leads to where the curve turns far or to another branch of it.
   bool reach(const Point& left, double sigma, Point& p);
-  /// The same between two points of the curve, from the cubic through both.
+  /// Reaches a point between two points of the curve likewise, from the cubic through both.
   bool reach_between(const Point& left, const Point& a, const Point& b, double sigma, Point& p);
   /// From p on, branches are told apart by the rows that are independent there.
   void choose_rows_at(const Point& p);

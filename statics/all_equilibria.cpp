@@ -331,7 +331,7 @@ class Finder {
     return solve(model_, x, solving);
   }
 
-  // The same; none where the search from x leaves it, as it can near singular poses.
+  // Examines x; there is none where the search from x leaves it, as it can near singular poses.
   Equilibrium examine_at(const std::vector<double>& x) const {
     Equilibrium out = examine(turns_.reduced(x));
     return turns_.distance(out.x, x) <= same_search ? out : Equilibrium();
@@ -424,7 +424,7 @@ class Finder {
 
   // --- the answer ------------------------------------------------------------------------------------------
 
-  // By energy, those of one energy by their coordinates, and the indices with them.
+  // Orders equilibria by energy, those of one energy by their coordinates, and the indices with them.
   void order(const std::vector<Release>& releases) {
     std::vector<Equilibrium>& all = out_.equilibria;
     const auto rank = [&](int k) {

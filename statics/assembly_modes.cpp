@@ -91,7 +91,7 @@ RigidPoses find_rigid_poses(const StaticModel& model, int repeated, const LoopTu
     const std::vector<double> pose = loops.closed(middle);
     const double away = pose.empty() ? std::numeric_limits<double>::infinity() : loops.distance(pose, middle);
     if (is_regular && away <= 0.5 * wide) {
-      // Those on a face of two boxes are met twice.
+      // A pose on a face of two boxes is met twice.
       const bool is_new = std::none_of(out.poses.begin(), out.poses.end(), [&](const std::vector<double>& known) {
         return loops.distance(known, pose) < same_assembly;
       });

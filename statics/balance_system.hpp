@@ -131,7 +131,7 @@ class BalanceSystem {
   };
   Point place(const std::vector<Ball>& x) const;
   std::vector<solvers::RegularSet::Entry> entries(const std::vector<Ball>& x, const std::vector<Ball>& y) const;
-  // Of the kept rows and of coordinates that are not fixed: [0 J^T; J 0].
+  // Gives [0 J^T; J 0] of the kept rows and of the coordinates that are not fixed.
   std::vector<solvers::RegularSet::Entry> derivatives(const std::vector<Ball>& x) const;
   std::vector<Ball> left_of_rows(const std::vector<Ball>& x) const;
 

@@ -1351,7 +1351,7 @@ void BoxProver::split(const CoordinateBox& box, Verdict& verdict) const {
   if (driver >= 0 && box[most].width() > wide && box[driver].width() > narrower * box[most].width()) most = driver;
   if (loose_ >= 0) most = loose_;
   verdict.split = most;
-  // Off the middle, where symmetric mechanisms have their equilibria.
+  // It is split off the middle, where symmetric mechanisms have their equilibria.
   verdict.split_at = box[most].lower() + 0.4871 * box[most].width();
   if (gap_.coordinate < 0) return;
   const Interval& other = box[gap_.coordinate];

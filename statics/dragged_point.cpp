@@ -324,7 +324,7 @@ int DraggedPoint::first_blocked(const VectorXd& step, const std::vector<int>& bl
   return -1;
 }
 
-// By more than before.
+// Tells whether a stop is passed by more than before.
 bool DraggedPoint::overruns(const std::vector<double>& x, const std::vector<double>& before) const {
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(m.pose_size());

@@ -23,7 +23,7 @@ class DraggedPoint {
   /// From where the scene starts, loops closed.
   DraggedPoint(Scene scene, PointRef point);
 
-  /// Of the mechanism, stops not counted.
+  /// Counts the freedoms of the mechanism without its stops.
   int freedoms() const { return static_cast<int>(motions({}).basis.cols()); }
   /// The directions in which the point can move, m in the world: none, that of its way, or both axes.
   std::vector<Vec2> directions() const;
@@ -52,7 +52,7 @@ class DraggedPoint {
     bool runs_on_a_curve() const;
   };
 
-  // Of the direction in which it moves least, of those in which it moves.
+  // Gives the rate in the direction in which the point moves least, of those in which it moves.
   double least_rate(const Motions& there) const { return moves_in_an_area_ ? there.rate.y : there.rate.x; }
   bool holds_at(const Motions& there) const;
   bool go_straight(Vec2 target);

@@ -34,7 +34,7 @@ class FrictionProblem {
     std::vector<std::pair<int, Ball>> pieces;  ///< column and factor: each counts with both signs
     int pin = -1;                              ///< first of two columns of R, or -1
     Ball circle, constant;
-    /// Of a rope on a rim: columns whose sum is u, minus the tension before the pulley, and mu times the wrap; behind
+    /// A rope on a rim has columns whose sum is u, minus the tension before the pulley, and mu times the wrap; behind
     /// it the tension is -(u + f).  (e - 1) u - f <= 0,  (e - 1) u + e f <= 0  with e = exp(k mu w).
     std::vector<int> tension;
     Ball wrap;

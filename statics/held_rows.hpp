@@ -17,11 +17,11 @@ namespace poise {
 /// hold their measure.
 std::vector<int> permanent_rows(const Mechanism<double>& mechanism);
 
-/// What is left open of these rows, from all constraints.
+/// Gives what is left open of these rows, from all constraints.
 Eigen::VectorXd gaps_of(const Mechanism<double>& mechanism, const std::vector<int>& rows,
                         const std::vector<double>& constraint);
 
-/// By how much a stop is passed, rad or mechanism sizes, from all constraints: 0 between its limits.
+/// Gives how far a stop is passed, rad or mechanism sizes, from all constraints: 0 between its limits.
 double passed_by(const Mechanism<double>& mechanism, int stop, const std::vector<double>& constraint);
 
 /// Degrees of freedom that these rows leave in the closed pose x, known to `tolerance` (solvers::known_to).

@@ -99,7 +99,7 @@ class LinearResponse {
   double rank_tolerance_;
 };
 
-/// The same where a model is in equilibrium at scaled coordinates x, the stops `active` holding.
+/// Gives the response where a model is in equilibrium at scaled coordinates x, the stops `active` holding.
 LinearResponse response_at(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
                            double rank_tolerance);
 

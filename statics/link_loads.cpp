@@ -556,7 +556,7 @@ LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& po
   return out;
 }
 
-/// By the three points of Gauss.
+/// Integrates by the three points of Gauss.
 template <class F>
 auto integral(double from, double to, F f) {
   decltype(f(from)) sum{};
@@ -599,7 +599,7 @@ class BentElement {
     out.state.at = begins_ + length_ * integral(0.0, x, [&](double y) { return direction_ * unit(turn(y)); });
     return out;
   }
-  /// Of the moment from one place to another: dM/ds = V.
+  /// Gives the growth of the moment from one place to another: dM/ds = V.
   double growth(double from, double to) const {
     return length_ * integral(from, to, [&](double y) { return shear(y); });
   }

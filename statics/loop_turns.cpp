@@ -143,9 +143,9 @@ void LoopTurns::add(const std::vector<double>& x) {
   courses_.push_back(std::move(course));
 }
 
-// The same pose with its angles turned fully, one or two at a time, as long as that winds springs less, or passes stops
-// less: of two bodies with a spring between them one alone can wind it up where both together unwind another. A law
-// whose energy has no least value ends at `most_rounds`.
+// Gives the pose with its angles turned fully, one or two at a time, as long as that winds springs less, or passes
+// stops less: of two bodies with a spring between them one alone can wind it up where both together unwind another. A
+// law whose energy has no least value ends at `most_rounds`.
 std::pair<std::vector<double>, double> LoopTurns::least_wound(std::vector<double> x, WoundSprings& wound) const {
   std::vector<std::size_t> told;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -266,7 +266,7 @@ std::vector<LoopTurns::Range> LoopTurns::ranges() const {
   return out;
 }
 
-// By bisection, as long as the loops close between.
+// Finds the change by bisection, as long as the loops close between.
 std::vector<double> LoopTurns::change_between(std::vector<double> a, std::vector<double> b,
                                               const std::vector<double>& way) const {
   const double before = force_along(a, way);
@@ -373,7 +373,7 @@ std::vector<double> LoopTurns::closed(std::vector<double> x) const {
   return {};
 }
 
-// Of length 1, forwards as seen from `like`; empty where nothing moves and nothing is forwards.
+// Gives the tangent of length 1, forwards as seen from `like`; empty where nothing moves and nothing is forwards.
 std::vector<double> LoopTurns::tangent(const std::vector<double>& x, const std::vector<double>& like) const {
   const DensePoint<double> point(model_.mechanism(), x, rows_);
   const solvers::DenseMatrix<double> basis =

@@ -187,7 +187,7 @@ class NeutralSearch {
     return value > m.lower()[static_cast<std::size_t>(stop)] && value < m.upper()[static_cast<std::size_t>(stop)];
   }
 
-  // Of the group whose first is i.
+  // Finds the motion of the group whose first coordinate is `first`.
   std::optional<NeutralMotions::Motion> motion_of(int first) const {
     NeutralMotions::Motion out;
     for (int i = 0; i < n_; ++i) {

@@ -71,7 +71,7 @@ bool OffBranch::place(const std::vector<Interval>& box) {
   return true;
 }
 
-// By elimination of A with full pivoting: u, one component 1. `none`: A u = 0 has no solution but zero.
+// Finds u, one component 1, by elimination of A with full pivoting. `none`: A u = 0 has no solution but zero.
 OffBranch::Direction OffBranch::find_direction() {
   const std::size_t d = across_.size();
   const std::size_t loops = branch_.loops.size();

@@ -105,7 +105,7 @@ class PathFinder {
   }
 
  private:
-  // By bisection of the parameter.
+  // Finds the event by bisection of the parameter.
   void add_flutter(int branch, PathPoint before, PathPoint after) {
     PathEvent event;
     event.kind = PathEvent::Kind::flutter;

@@ -69,8 +69,8 @@ class PathPieces {
   /// The unknowns of one piece as those of another: multipliers of rows that are not active there are left out, those
   /// of rows that come on are zero.
   Eigen::VectorXd mapped(const Eigen::VectorXd& z, const PathPiece& from, const PathPiece& to);
-  /// The same point on the piece beyond the one that `watched` bounds, with the tangent that leads into it; empty where
-  /// several curves leave it.
+  /// Gives the point on the piece beyond the one that `watched` bounds, with the tangent that leads into it; empty
+  /// where several curves leave it.
   std::optional<PathSpot> switched(const PathSpot& spot, int watched);
 
   /// Whether forces, closures or limits change with the parameter beside a spot, in the first derivative.

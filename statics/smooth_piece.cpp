@@ -209,9 +209,9 @@ SmoothPiece::Repeated SmoothPiece::repeated(const KeptEquations& kept, const std
   return out;
 }
 
-// The same there and at other places of the mechanism, with the largest of the gaps and of their growths: only rows
-// that repeat others hold at all of them. Closures must do so without stops, which may leave no motion in which they
-// could fail.
+// Finds the repeated rows there and at other places of the mechanism, with the largest of the gaps and of their
+// growths: only rows that repeat others hold at all of them. Closures must do so without stops, which may leave no
+// motion in which they could fail.
 SmoothPiece::Repeated SmoothPiece::repeated_everywhere(const Repeated& here, const KeptEquations& kept,
                                                        const Solution& at, const KeptEquations& all) const {
   const KeptEquations closures = without_stops(kept);

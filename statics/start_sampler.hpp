@@ -22,7 +22,7 @@ class StartSampler {
 
   /// Where the search from a start ended, scaled coordinates; empty where it found nothing.
   std::vector<double> run(std::size_t start) const;
-  /// The same from a pose, which need not be closed.
+  /// Searches likewise from a pose, which need not be closed.
   std::vector<double> from(const std::vector<double>& pose, bool descends) const;
 
  private:

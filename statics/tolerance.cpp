@@ -41,8 +41,8 @@ struct State {
 /// Largest change of the unknowns.
 double size_of(const Eigen::VectorXd& dz) { return dz.size() > 0 ? dz.cwiseAbs().maxCoeff() : 0.0; }
 
-/// By how much a relative error of a unit roundoff in every number and every unknown moves the solution of R = 0, at
-/// most: |A^-1| (|A| |z| + |dR/dp| |p|) eps with A = dR/dz; four times that, since terms of R take several operations.
+/// Bounds how far a relative error of a unit roundoff in every number and every unknown moves the solution of R = 0:
+/// |A^-1| (|A| |z| + |dR/dp| |p|) eps with A = dR/dz; four times that, since terms of R take several operations.
 /// Newton's method comes no closer.
 double rounding_of(const ResidualDerivatives& at, const Eigen::MatrixXd& inverse, const std::vector<double>& numbers,
                    const std::vector<double>& z) {
@@ -349,7 +349,7 @@ class Sampler {
     return true;
   }
 
-  /// By how much a quantity differs where Newton's steps and chords end, SI.
+  /// Gives how far a quantity differs where Newton's steps and chords end, SI.
   double rounding_of_value(std::size_t q) const {
     const QuantityGradient gradient = gradient_of(of_[q], equations(), equations().numbers(), nominal_.z);
     return std::max(converged_sample, rounding_) * gradient.by_unknowns.lpNorm<1>() /
@@ -389,7 +389,7 @@ class Sampler {
     return out;
   }
 
-  /// Those that differ by work.by, with what follows from them; false where an expression has no value.
+  /// Sets the numbers that differ by work.by, and what follows from them; false where an expression has no value.
   bool set_numbers(Work& work) const {
     if (leaders_vary_) work.numbers = equations().numbers();
     for (std::size_t t = 0; t < rows_.size(); ++t) {

@@ -47,7 +47,7 @@ Scene with_hand(Scene scene, PointRef point, const std::vector<Vec2>& directions
   return scene;
 }
 
-// Of the bodies of a scene. Poses of bars follow from theirs, but for whole turns.
+// Compares the bodies of a scene. Poses of bars follow from theirs, but for whole turns.
 double largest_difference(const Scene& scene, const BodyPoses& a, const BodyPoses& b, double length) {
   double most = 0.0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -191,7 +191,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene scene, const BodyPo
   };
   equilibrium = poise::solve(*out.model, out.model->start(), solving);
   if (equilibrium.found() && equilibrium.certificate.outcome == Outcome::neutral && distance() > expected_place) {
-    // Of all that are as good, the one there.
+    // The one there is sought of all that are as good.
     solving.tolerance = expected_place;
     Equilibrium nearer = poise::solve(*out.model, out.model->start(), solving);
     if (nearer.found()) equilibrium = std::move(nearer);

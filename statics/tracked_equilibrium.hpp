@@ -30,7 +30,7 @@ struct Transition {
   Kind kind = Kind::none;
   std::string why;                  ///< one sentence; empty where it was simply followed
   std::vector<std::string> passed;  ///< what happened on the way: `stop "open" comes off`, in words
-  /// Of each snap or settling: the positions that it passes with heavy damping, from where it leaves to where it rests.
+  /// A snap or settling has the positions that it passes with heavy damping, from where it leaves to where it rests.
   /// They are no equilibria.
   struct Course {
     std::string why;  ///< one sentence
@@ -71,10 +71,10 @@ class TrackedEquilibrium {
 
   /// The scene, without the hand, with the present position as its start.
   const Scene& scene() const { return scene_; }
-  /// The same with the stops of the hand, where it holds a point.
+  /// Has the stops of the hand besides, where it holds a point.
   const Scene& scene_with_hand() const { return model_->scene(); }
   const StaticModel& model() const { return *model_; }
-  /// Of model(). Where its status is not confirmed, nothing was found there.
+  /// Belongs to model(). Where its status is not confirmed, nothing was found there.
   const Equilibrium& equilibrium() const { return equilibrium_; }
   BodyPoses poses() const { return model_->poses(equilibrium_.x); }
   /// The point that the hand holds.
