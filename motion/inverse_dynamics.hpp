@@ -6,8 +6,8 @@
 #include "motion/body_motion.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/sliding_friction.hpp"
-#include "statics/check.hpp"
 #include "statics/forces_on_bodies.hpp"
+#include "statics/reaction.hpp"
 
 namespace poise {
 

@@ -9,7 +9,7 @@
 #include "model/cam_geometry.hpp"
 #include "model/meshing.hpp"
 #include "statics/body_forces.hpp"
-#include "statics/check.hpp"
+#include "statics/reaction.hpp"
 
 namespace poise {
 

@@ -4,7 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "statics/check.hpp"
+#include "model/mechanism.hpp"
+#include "model/scene.hpp"
+#include "statics/reaction.hpp"
 
 namespace poise {
 

@@ -5,7 +5,7 @@
 
 #include "model/layout.hpp"
 #include "model/mechanism.hpp"
-#include "statics/check.hpp"
+#include "statics/reaction.hpp"
 
 namespace poise {
 
