@@ -5,19 +5,12 @@
 #include <iterator>
 #include <utility>
 
-#include "statics/closure_rounding.hpp"
-
 namespace poise {
 namespace {
 
 constexpr int most_proof_steps = 25;
 constexpr int most_follow_steps = 12;
 constexpr double most_way = 1e3;  // of other coordinates, for one of those that are fixed
-
-Mechanism<Ball> compiled(const StaticModel& model, const Layout& layout, bool rounding) {
-  const Ball::InputRounding guard(rounding);
-  return {model.scaled_scene(), layout, Purpose::statics};
-}
 
 std::vector<solvers::BallFactors::Entry> centers_of(std::vector<solvers::BallFactors::Entry> entries) {
   for (auto& entry : entries) entry.value = entry.value.midpoint();
@@ -30,12 +23,6 @@ std::vector<Ball> widened(std::vector<Ball> values, const std::vector<double>& b
 }
 
 }  // namespace
-
-BallMechanism::BallMechanism(const StaticModel& model, const Layout& layout)
-    : exact(compiled(model, layout, false)),
-      rounded(compiled(model, layout, true)),
-      plain(model.mechanism()),
-      row_rounding(poise::row_rounding(model)) {}
 
 BalanceSystem::BalanceSystem(const BallMechanism& mechanism, KeptEquations kept, bool rounding)
     : mechanism_(mechanism.of(rounding)),

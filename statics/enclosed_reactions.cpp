@@ -13,8 +13,8 @@
 #include "solvers/ball_factors.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/regular_set.hpp"
-#include "statics/balance_system.hpp"
 #include "statics/ball_measures.hpp"
+#include "statics/ball_mechanism.hpp"
 #include "statics/free_body_equations.hpp"
 #include "statics/minimum_norm.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "statics/balance_system.hpp"
 #include "statics/ball_measures.hpp"
+#include "statics/ball_mechanism.hpp"
 #include "statics/contact_loads.hpp"
 
 namespace poise {

@@ -9,8 +9,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "statics/balance_system.hpp"
 #include "statics/ball_measures.hpp"
+#include "statics/ball_mechanism.hpp"
 #include "statics/check.hpp"
 #include "statics/free_body_equations.hpp"
 

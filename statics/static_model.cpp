@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "statics/balance_system.hpp"
+#include "statics/ball_mechanism.hpp"
 
 namespace poise {
 

@@ -15,7 +15,7 @@
 #include "model/mechanism_impl.hpp"
 #include "solvers/interval.hpp"
 #include "solvers/real50.hpp"
-#include "statics/balance_system.hpp"
+#include "statics/ball_mechanism.hpp"
 #include "statics/interval_mechanism.hpp"
 
 namespace poise::model_rolling_profile_test {

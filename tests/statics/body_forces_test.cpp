@@ -14,8 +14,8 @@
 
 #include "model/couplings.hpp"
 #include "solvers/real50.hpp"
-#include "statics/balance_system.hpp"
 #include "statics/ball_measures.hpp"
+#include "statics/ball_mechanism.hpp"
 #include "statics/free_body_equations.hpp"
 #include "statics/interval_mechanism.hpp"
 #include "statics/linear_response.hpp"
