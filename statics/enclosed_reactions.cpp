@@ -15,51 +15,15 @@
 #include "solvers/regular_set.hpp"
 #include "statics/ball_measures.hpp"
 #include "statics/ball_mechanism.hpp"
+#include "statics/enclosed_bodies.hpp"
 #include "statics/free_body_equations.hpp"
 #include "statics/minimum_norm.hpp"
 
 namespace poise {
-
-template <>
-Ball body_forces::length_of(const Planar<Ball>& d) {
-  return hypot(d.x, d.y);
-}
-
-template <>
-Planar<Ball> body_forces::in_any_direction() {
-  return {Ball(0).widened(1.0), Ball(0).widened(1.0)};
-}
-
 namespace {
 
 // At least the exact result of a sum of non-negative doubles, or of a few operations on them, that was rounded to v.
 double above(double v) { return v == 0.0 ? 0.0 : v * (1.0 + 1e-6) + std::numeric_limits<double>::min(); }
-
-}  // namespace
-
-std::vector<PlacedBody<Ball>> enclosed_bodies(const StaticModel& model, const Certificate& certificate) {
-  std::vector<Ball> q;
-  for (std::size_t i = 0; i < certificate.x.size(); ++i) {
-    q.push_back(certificate.rest.empty()
-                    ? Ball(certificate.x[i]).widened(certificate.radius)
-                    : (Ball(certificate.x[i]) + Ball(certificate.rest[i])).widened(certificate.rest_radius));
-  }
-  std::vector<BodyPose<Ball>> poses = model.balls().exact.poses(q.data(), model.layout().anchor);
-  std::vector<PlacedBody<Ball>> out;
-  out.reserve(poses.size());
-  const Ball unit_length(model.scales().length);
-  // Every arm on the way to a body may be open in both components.
-  std::size_t arms = 0;
-  for (const Link& link : model.layout().links) arms += 1 + link.arms.size();
-  const double open = above(2.0 * static_cast<double>(arms) * certificate.gap);
-  for (BodyPose<Ball>& pose : poses) {
-    pose.origin = {unit_length * pose.origin.x.widened(open), unit_length * pose.origin.y.widened(open)};
-    out.emplace_back(pose);
-  }
-  return out;
-}
-
-namespace {
 
 using BallBody = PlacedBody<Ball>;
 using BallEquations = FreeBodyEquations<BallBody>;

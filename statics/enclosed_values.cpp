@@ -7,6 +7,7 @@
 #include "statics/ball_measures.hpp"
 #include "statics/ball_mechanism.hpp"
 #include "statics/contact_loads.hpp"
+#include "statics/enclosed_bodies.hpp"
 
 namespace poise {
 namespace {
