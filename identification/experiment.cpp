@@ -29,6 +29,14 @@ std::vector<std::string> measured_inputs(const Experiment& experiment) {
   return paths;
 }
 
+std::string group_of(const std::string& per, const Run& run) {
+  if (per.empty()) return "";
+  for (const auto& [label, value] : run.labels) {
+    if (label == per) return value;
+  }
+  return run.name;
+}
+
 bool is_held(const Experiment& experiment, const Run& run) {
   const auto moves = [](const Release& release) { return release.rate && release.value != 0; };
   // Rates may also be those of the first readings.

@@ -79,14 +79,6 @@ Prediction predict(const RunModel& model, const std::vector<double>& unknowns, c
 
 }  // namespace
 
-std::string group_of(const std::string& per, const Run& run) {
-  if (per.empty()) return "";
-  for (const auto& [label, value] : run.labels) {
-    if (label == per) return value;
-  }
-  return run.name;
-}
-
 FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   std::map<std::pair<std::string, std::string>, int> known;  // by name and group
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
