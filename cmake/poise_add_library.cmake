@@ -1,14 +1,17 @@
 # poise_add_library(FOLDER HEADERS header... SOURCES source...)
-# adds the library poise_FOLDER with the alias poise::FOLDER, which find_package(poise) provides too. HEADERS are the
-# public headers, which are installed, and SOURCES all sources. Inside the project headers are included from its root
-# ("model/scene.hpp"). Users of an installed Poise write <poise/model/scene.hpp>; the include folder include/poise lets
-# the headers find each other there.
+# adds the library poise_FOLDER with the alias poise::FOLDER, which find_package(poise) provides too; of a folder in another,
+# statics/proof, they are poise_statics_proof and poise::statics_proof. HEADERS are the public headers, which are installed,
+# and SOURCES all sources. Inside the project headers are included from its root ("model/scene.hpp"). Users of an installed
+# Poise write <poise/model/scene.hpp>; the include folder include/poise lets the headers find each other there.
+# The test includes_look_down holds the includes of FOLDER to what the library links.
 function(poise_add_library folder)
   cmake_parse_arguments(arg "" "" "HEADERS;SOURCES" ${ARGN})
-  set(library poise_${folder})
+  string(REPLACE "/" "_" name "${folder}")
+  set(library poise_${name})
   add_library(${library} ${arg_SOURCES})
-  add_library(poise::${folder} ALIAS ${library})
-  set_target_properties(${library} PROPERTIES EXPORT_NAME ${folder})
+  add_library(poise::${name} ALIAS ${library})
+  set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY poise_folders "${folder}")
   target_compile_features(${library} PUBLIC cxx_std_20)
   target_sources(${library} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${arg_HEADERS})
   target_include_directories(${library} INTERFACE
@@ -18,6 +21,21 @@ function(poise_add_library folder)
   target_precompile_headers(${library} REUSE_FROM poise_common_headers)
   install(TARGETS ${library} EXPORT poiseTargets
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/poise")
+endfunction()
+
+# poise_add_wings(FOLDER WING...)
+# adds the libraries of the subfolders WING..., each of which may use those before it, and poise::FOLDER, which stands for
+# all of them.
+function(poise_add_wings folder)
+  set(library poise_${folder})
+  add_library(${library} INTERFACE)
+  add_library(poise::${folder} ALIAS ${library})
+  set_target_properties(${library} PROPERTIES EXPORT_NAME ${folder})
+  foreach(wing ${ARGN})
+    add_subdirectory(${wing})
+    target_link_libraries(${library} INTERFACE poise::${folder}_${wing})
+  endforeach()
+  install(TARGETS ${library} EXPORT poiseTargets)
 endfunction()
 
 # poise_compile_apart(LIBRARY PART OPTIONS option... SOURCES source...)
