@@ -2,8 +2,6 @@
 
 namespace poise {
 
-using solvers::Ball;
-
 template <>
 Ball body_forces::length_of(const Planar<Ball>& d) {
   return hypot(d.x, d.y);

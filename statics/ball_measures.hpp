@@ -2,15 +2,15 @@
 
 // Measures of bodies whose places are balls (statics/body_forces.hpp). Private to statics/.
 
-#include "solvers/ball.hpp"
+#include "statics/ball_scalar.hpp"
 #include "statics/body_forces.hpp"
 
 namespace poise {
 
 template <>
-solvers::Ball body_forces::length_of(const Planar<solvers::Ball>& d);
+Ball body_forces::length_of(const Planar<Ball>& d);
 
 template <>
-Planar<solvers::Ball> body_forces::in_any_direction();
+Planar<Ball> body_forces::in_any_direction();
 
 }  // namespace poise

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "solvers/ball.hpp"
+#include "statics/ball_scalar.hpp"
 #include "statics/body_measures.hpp"
 #include "statics/certificate.hpp"
 #include "statics/static_model.hpp"
@@ -11,6 +11,6 @@ namespace poise {
 
 /// The places of all bodies, SI, from the anchor of the layout, at the equilibrium that a confirmed certificate
 /// encloses.
-std::vector<PlacedBody<solvers::Ball>> enclosed_bodies(const StaticModel& model, const Certificate& certificate);
+std::vector<PlacedBody<Ball>> enclosed_bodies(const StaticModel& model, const Certificate& certificate);
 
 }  // namespace poise
