@@ -5,11 +5,21 @@
 set(POISE_COMMON_HEADERS
   <algorithm> <array> <cmath> <filesystem> <functional> <limits> <map> <memory> <optional> <string> <string_view>
   <utility> <vector> <fmt/format.h>)
-foreach(headers poise_common_headers poise_quick_headers)
+# What sources about mechanisms include besides: as long to parse as many of them are to compile.
+set(POISE_MECHANICS_HEADERS <Eigen/Dense> <Eigen/SparseCore> <ceres/jet.h> "${PROJECT_SOURCE_DIR}/model/mechanism.hpp")
+foreach(headers poise_common_headers poise_mechanics_headers poise_quick_headers)
   add_library(${headers} OBJECT cmake/common_headers.cpp)
   target_link_libraries(${headers} PRIVATE fmt::fmt)
   target_precompile_headers(${headers} PRIVATE ${POISE_COMMON_HEADERS})
 endforeach()
+foreach(headers poise_mechanics_headers poise_quick_headers)
+  target_link_libraries(${headers} PRIVATE Eigen3::Eigen)
+  target_include_directories(${headers} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_include_directories(${headers} SYSTEM PRIVATE $<TARGET_PROPERTY:Ceres::ceres,INTERFACE_INCLUDE_DIRECTORIES>)
+  target_precompile_headers(${headers} PRIVATE ${POISE_MECHANICS_HEADERS})
+endforeach()
+# Those of the libraries that are added from here on.
+set(POISE_PRECOMPILED poise_common_headers)
 
 # For targets that spend their run time in libraries: fast compilation matters more than fast code. At this level GCC
 # takes numbers of Eigen's for uninitialized that are not.

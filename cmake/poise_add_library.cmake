@@ -18,7 +18,7 @@ function(poise_add_library folder)
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/poise>")
   target_link_libraries(${library} PRIVATE fmt::fmt)
-  target_precompile_headers(${library} REUSE_FROM poise_common_headers)
+  target_precompile_headers(${library} REUSE_FROM ${POISE_PRECOMPILED})
   install(TARGETS ${library} EXPORT poiseTargets
     FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/poise")
 endfunction()
