@@ -9,10 +9,10 @@
 #include "model/scene_builder.hpp"
 
 // Statics: equilibria, their stability and forces, and how they change with a number of the scene
-#include "statics/all_equilibria.hpp"
-#include "statics/mobility.hpp"
-#include "statics/named_equilibrium.hpp"
-#include "statics/path_measures.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
+#include "statics/equilibrium/named_equilibrium.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/paths/path_measures.hpp"
 
 // Motion: kinematics, inverse dynamics, free motion, small oscillations, synthesis
 #include "motion/design.hpp"
@@ -22,14 +22,14 @@
 #include "motion/simulate.hpp"
 
 // Identification: parameters from measured or simulated motion, how well they are known, models compared, runs planned
-#include "identification/bootstrap.hpp"
-#include "identification/compare_models.hpp"
-#include "identification/experiment.hpp"
-#include "identification/fit.hpp"
-#include "identification/identify.hpp"
-#include "identification/input_readings.hpp"
-#include "identification/known_numbers.hpp"
-#include "identification/monte_carlo.hpp"
-#include "identification/plan.hpp"
-#include "identification/profile.hpp"
-#include "identification/validation.hpp"
+#include "identification/assessment/bootstrap.hpp"
+#include "identification/assessment/compare_models.hpp"
+#include "identification/assessment/identify.hpp"
+#include "identification/assessment/input_readings.hpp"
+#include "identification/assessment/known_numbers.hpp"
+#include "identification/assessment/monte_carlo.hpp"
+#include "identification/assessment/plan.hpp"
+#include "identification/assessment/profile.hpp"
+#include "identification/assessment/validation.hpp"
+#include "identification/experiment/experiment.hpp"
+#include "identification/fit/fit.hpp"

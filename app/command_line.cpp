@@ -19,12 +19,12 @@
 #include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/terminal/poise_folder.hpp"
 #include "app/terminal/standard_streams.hpp"
 #include "model/nearest_name.hpp"
 #include "model/one_line.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "benchmarks/baseline_scenes.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace {
 

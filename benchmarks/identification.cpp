@@ -18,8 +18,8 @@
 #include "benchmarks/ratio_table.hpp"
 #include "benchmarks/timing.hpp"
 #include "benchmarks/yardstick_inputs.hpp"
-#include "identification/fit.hpp"
-#include "identification/oscillation_start.hpp"
+#include "identification/fit/fit.hpp"
+#include "identification/fit/oscillation_start.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -18,7 +18,7 @@
 #include "motion/equilibrium_pose.hpp"
 #include "motion/reduced_system.hpp"
 #include "motion/simulate.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "identification/fit_problem.hpp"
-#include "identification/record.hpp"
+#include "identification/experiment/record.hpp"
+#include "identification/prediction/fit_problem.hpp"
 
 namespace poise::benchmarks {
 

@@ -10,10 +10,10 @@
 #include "benchmarks/yardstick_inputs.hpp"
 #include "comparison/series.hpp"
 #include "solvers/newton.hpp"
-#include "statics/certificate.hpp"
-#include "statics/check.hpp"
-#include "statics/enclosed_reactions.hpp"
-#include "statics/reference.hpp"
+#include "statics/model/check.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/proof/certificate.hpp"
+#include "statics/proof/enclosed_reactions.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -20,9 +20,9 @@
 #include "benchmarks/yardstick_inputs.hpp"
 #include "model/scene_builder.hpp"
 #include "solvers/newton.hpp"
-#include "statics/path.hpp"
-#include "statics/reference.hpp"
-#include "statics/settle.hpp"
+#include "statics/equilibrium/settle.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/paths/path.hpp"
 
 namespace poise::benchmarks {
 namespace {

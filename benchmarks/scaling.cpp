@@ -23,7 +23,7 @@
 #include "comparison/series.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -16,8 +16,8 @@
 #include "benchmarks/timing.hpp"
 #include "solvers/ipopt.hpp"
 #include "solvers/newton.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/reference.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/reference.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "benchmarks/external_solver.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::benchmarks {
 

@@ -13,7 +13,7 @@
 
 #include "benchmarks/baseline_scenes.hpp"
 #include "benchmarks/simbody_solver.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::benchmarks {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "benchmarks/bare_ipopt.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::benchmarks {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "statics/answer.hpp"
-#include "statics/static_model.hpp"
+#include "statics/equilibrium/answer.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::comparison {
 

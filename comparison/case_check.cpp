@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "model/nearest_name.hpp"
-#include "statics/reference.hpp"
+#include "statics/model/reference.hpp"
 
 namespace poise::comparison {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "model/parameter_change.hpp"
 #include "model/scene.hpp"
-#include "statics/check.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/check.hpp"
 
 namespace poise::comparison {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "statics/turns.hpp"
+#include "statics/all_equilibria/turns.hpp"
 
 namespace poise::comparison {
 

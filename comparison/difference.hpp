@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::comparison {
 

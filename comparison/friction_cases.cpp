@@ -9,7 +9,7 @@
 #include "model/scene_names.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::comparison {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "model/parameter_change.hpp"
 #include "model/scene.hpp"
-#include "statics/held.hpp"
+#include "statics/friction/held.hpp"
 
 namespace poise::comparison {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "comparison/difference.hpp"
-#include "statics/reference.hpp"
+#include "statics/model/reference.hpp"
 
 namespace poise::comparison {
 namespace {

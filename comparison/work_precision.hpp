@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::comparison {
 
@@ -42,9 +42,9 @@ struct WorkPrecisionRow {
   Method method{};
   double tolerance = 0.0;
   Ending ending = Ending::not_converged;
-  bool claimed = false;           ///< the solver reports success
-  bool confirmed = false;         ///< by statics/check with its default bounds, independent of the tolerance of the run
-  int equilibrium = -1;           ///< index of the nearest in WorkPrecision::equilibria, -1 if none is within 0.5
+  bool claimed = false;    ///< the solver reports success
+  bool confirmed = false;  ///< by statics/model/check with its default bounds, independent of the tolerance of the run
+  int equilibrium = -1;    ///< index of the nearest in WorkPrecision::equilibria, -1 if none is within 0.5
   std::optional<double> error{};  ///< from that equilibrium; empty if there is none
   double microseconds = 0.0;
   int repeats = 0;  ///< runs the median is taken over
@@ -72,8 +72,8 @@ struct WorkPrecision {
 /// equilibria  The known ones; no run is measured against its own method. The default runs of the methods and of the
 /// two
 ///             independent ones (virtual work, energy) that the check confirms are refined by Newton in 50 digits
-///             (statics/reference.hpp), and each distinct one is kept (differences above 1e-9). A run at some tolerance
-///             that the check confirms far from all of them adds its own refinement.
+///             (statics/model/reference.hpp), and each distinct one is kept (differences above 1e-9). A run at some
+///             tolerance that the check confirms far from all of them adds its own refinement.
 /// error       Largest difference of a scaled coordinate (rad, or length over mechanism size) from the nearest known
 ///             equilibrium, without whole turns if nothing counts them. For a neutral equilibrium, one of a continuum,
 ///             the 50-digit solution next to the run itself is taken, because no other of the continuum is better.

@@ -10,7 +10,7 @@
 namespace poise {
 
 /// The cross-section of a body that is a beam along a polyline of its points, its axis. It has no effect on the
-/// equilibrium of the rigid body; statics/link_loads.hpp finds what is inside of the beam.
+/// equilibrium of the rigid body; statics/equilibrium/link_loads.hpp finds what is inside of the beam.
 struct CrossSection {
   double area = 0.0;           ///< A, m^2
   double second_moment = 0.0;  ///< I for bending in the plane, about the axis, m^4

@@ -36,7 +36,7 @@ struct JointTraits {
 ///   pin_in_slot  force   mu |N| + force
 ///
 /// In motion it resists (model/joint_friction.hpp; where the motion is given motion/sliding_friction.hpp); in statics
-/// it holds poses (statics/held.hpp), and equilibria are those without it.
+/// it holds poses (statics/friction/held.hpp), and equilibria are those without it.
 struct JointFriction {
   double coefficient = 0.0;  ///< mu
   double radius = 0.0;       ///< r of a pin, m

@@ -21,7 +21,7 @@ struct RopeContact {
   int turn = 1;         ///< the rope passes round the pulley counter-clockwise (1) or clockwise (-1)
   /// Coefficient mu with which a rope that does not stretch rubs on the rim: over a wrap by the angle w its tensions on
   /// both sides differ by at most the factor exp(mu w) (L. Euler, 1769; J. Eytelwein, 1808). Statics only: poses that
-  /// it holds (statics/held.hpp).
+  /// it holds (statics/friction/held.hpp).
   std::optional<double> friction{};
 };
 

@@ -7,7 +7,7 @@
 #include <ceres/jet.h>
 
 #include "solvers/real50.hpp"
-#include "statics/contact_loads.hpp"
+#include "statics/bodies/contact_loads.hpp"
 
 namespace poise {
 

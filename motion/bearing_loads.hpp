@@ -10,8 +10,8 @@ namespace poise {
 
 /// The contact forces of teeth and rollers in the coordinates of a mechanism, for joints whose friction grows with
 /// their force. An effort Q on the measure g of a coupling acts by a force Q F at a point of two bodies, and teeth push
-/// their wheels apart by |Q| S (statics/contact_loads.hpp), in place of the generalized force Q Dg: as both do the same
-/// work in every motion that joints allow, only the forces in joints differ.
+/// their wheels apart by |Q| S (statics/bodies/contact_loads.hpp), in place of the generalized force Q Dg: as both do
+/// the same work in every motion that joints allow, only the forces in joints differ.
 ///
 /// Coordinates as those of ReducedMotion: generalized forces g are negative, n values. Compiled for double, long double
 /// and Real50.

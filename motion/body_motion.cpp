@@ -1,6 +1,6 @@
 #include "motion/body_motion.hpp"
 
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 

@@ -7,8 +7,8 @@
 #include "motion/driven_path.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/curvature.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/curvature.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 namespace {

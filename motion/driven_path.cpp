@@ -8,8 +8,8 @@
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/root.hpp"
-#include "statics/curvature.hpp"
-#include "statics/held_rows.hpp"
+#include "statics/model/curvature.hpp"
+#include "statics/model/held_rows.hpp"
 
 namespace poise {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "statics/stability.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
+#include "statics/proof/stability.hpp"
 
 namespace poise {
 

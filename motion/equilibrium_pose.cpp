@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
-#include "statics/equilibrium_problem.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/equilibrium_problem.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "motion/motion_model.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "statics/cam_contact.hpp"
+#include "statics/model/cam_contact.hpp"
 
 namespace poise {
 namespace {

@@ -17,10 +17,10 @@ struct ForceCourse {
 
 /// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME and
 /// the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance;
-/// cam.NAME.pressure_angle, .normal_force, .side_thrust (statics/cam_contact.hpp), not a number without contact; and
-/// overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed. Of joints with friction,
-/// where something moves: effort_without_friction.DRIVE, joint_friction.JOINT (against its rate; 0 where it stands
-/// still) and lost.JOINT (energy per second). What friction leaves without forces is not a number.
+/// cam.NAME.pressure_angle, .normal_force, .side_thrust (statics/model/cam_contact.hpp), not a number without contact;
+/// and overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed. Of joints with
+/// friction, where something moves: effort_without_friction.DRIVE, joint_friction.JOINT (against its rate; 0 where it
+/// stands still) and lost.JOINT (energy per second). What friction leaves without forces is not a number.
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces);
 
 /// Joints with friction, and some pose moves.

@@ -6,7 +6,7 @@
 
 #include "motion/dead_point.hpp"
 #include "motion/simulate.hpp"
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {

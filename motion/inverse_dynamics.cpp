@@ -10,9 +10,9 @@
 #include "model/meshing.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/body_measures.hpp"
-#include "statics/curvature.hpp"
-#include "statics/free_bodies.hpp"
+#include "statics/bodies/body_measures.hpp"
+#include "statics/bodies/free_bodies.hpp"
+#include "statics/model/curvature.hpp"
 
 namespace poise {
 namespace {

@@ -6,8 +6,8 @@
 #include "motion/body_motion.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/sliding_friction.hpp"
-#include "statics/forces_on_bodies.hpp"
-#include "statics/reaction.hpp"
+#include "statics/bodies/forces_on_bodies.hpp"
+#include "statics/bodies/reaction.hpp"
 
 namespace poise {
 
@@ -88,8 +88,8 @@ std::vector<ParallelElement> parallel_elements(const MotionModel& model, const s
 Forces forces_of(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                  const std::vector<double>& a, const std::vector<Drive>& drives);
 
-/// Everything that acts on the bodies, the ground too: that of statics/forces_on_bodies.hpp, with the drives, friction
-/// of joints and inertia, m a and I alpha with the opposite signs. `scene` has the loads of the instant.
+/// Everything that acts on the bodies, the ground too: that of statics/bodies/forces_on_bodies.hpp, with the drives,
+/// friction of joints and inertia, m a and I alpha with the opposite signs. `scene` has the loads of the instant.
 std::vector<SourcedForce> forces_on_bodies(const Scene& scene, const Forces& forces);
 
 }  // namespace poise

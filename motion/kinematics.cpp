@@ -14,8 +14,8 @@
 #include "motion/singular_words.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 namespace {

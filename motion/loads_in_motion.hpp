@@ -5,7 +5,7 @@
 
 #include "motion/inverse_dynamics.hpp"
 #include "motion/simulate.hpp"
-#include "statics/link_loads.hpp"
+#include "statics/equilibrium/link_loads.hpp"
 
 namespace poise {
 

@@ -10,8 +10,8 @@
 
 #include "motion/body_motion.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/body_measures.hpp"
-#include "statics/curvature.hpp"
+#include "statics/bodies/body_measures.hpp"
+#include "statics/model/curvature.hpp"
 
 namespace poise {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "motion/motion_model.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "model/inertia.hpp"
-#include "statics/scaled_model.hpp"
+#include "statics/model/scaled_model.hpp"
 
 namespace poise {
 

@@ -7,7 +7,7 @@
 
 #include "motion/motion_record.hpp"
 #include "motion/simulate.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise {
 

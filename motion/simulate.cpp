@@ -20,7 +20,7 @@
 #include "motion/step_ends.hpp"
 #include "motion/step_error.hpp"
 #include "motion/stick_slip.hpp"
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "model/joint_friction.hpp"
 #include "motion/friction_forces.hpp"
-#include "statics/body_measures.hpp"
-#include "statics/contact_loads.hpp"
-#include "statics/held.hpp"
+#include "statics/bodies/body_measures.hpp"
+#include "statics/bodies/contact_loads.hpp"
+#include "statics/friction/held.hpp"
 
 namespace poise {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "motion/body_motion.hpp"
-#include "statics/free_bodies.hpp"
+#include "statics/bodies/free_bodies.hpp"
 
 namespace poise {
 

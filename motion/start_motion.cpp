@@ -6,7 +6,7 @@
 #include "motion/equilibrium_pose.hpp"
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 namespace {

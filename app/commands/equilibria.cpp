@@ -15,10 +15,10 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/equilibria_picture.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {

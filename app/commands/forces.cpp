@@ -14,9 +14,9 @@
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/motion_pictures.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "identification/motion_import.hpp"
+#include "identification/experiment/motion_import.hpp"
 
 namespace poise::app {
 namespace {

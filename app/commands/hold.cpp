@@ -12,7 +12,7 @@
 #include "app/results/parts.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/parameters.hpp"
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {

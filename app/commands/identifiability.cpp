@@ -5,8 +5,8 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "identification/check_spans.hpp"
-#include "identification/first_readings.hpp"
+#include "identification/assessment/check_spans.hpp"
+#include "identification/fit/first_readings.hpp"
 
 namespace poise::app {
 namespace {

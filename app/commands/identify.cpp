@@ -15,7 +15,7 @@
 #include "app/results/identification/compare_models.hpp"
 #include "app/results/identification/fitted_scene.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "identification/check_spans.hpp"
+#include "identification/assessment/check_spans.hpp"
 
 namespace poise::app {
 namespace {

@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
-#include "identification/fit.hpp"
+#include "app/result/numbers.hpp"
+#include "identification/fit/fit.hpp"
 #include "model/input_error.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"

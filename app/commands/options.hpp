@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "app/commands/command.hpp"
-#include "identification/fit_problem.hpp"
+#include "identification/prediction/fit_problem.hpp"
 #include "motion/kinematics.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/method.hpp"
-#include "statics/sensitivity.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/equilibrium/method.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 
 namespace poise::app {
 

@@ -1,4 +1,4 @@
-#include "statics/path.hpp"
+#include "statics/paths/path.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -15,12 +15,12 @@
 #include "app/commands/session.hpp"
 #include "app/draw/chart/plot.hpp"
 #include "app/draw/path_picture.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "motion/dynamic_stability.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {

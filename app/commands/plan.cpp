@@ -10,7 +10,7 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "identification/check_spans.hpp"
+#include "identification/assessment/check_spans.hpp"
 
 namespace poise::app {
 namespace {

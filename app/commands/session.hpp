@@ -16,7 +16,7 @@
 #include "app/terminal/output_file.hpp"
 #include "app/terminal/palette.hpp"
 #include "app/terminal/progress.hpp"
-#include "statics/answer.hpp"
+#include "statics/equilibrium/answer.hpp"
 
 namespace poise::app {
 

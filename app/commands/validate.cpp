@@ -10,8 +10,8 @@
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/read_fit.hpp"
 #include "app/terminal/interrupt.hpp"
-#include "identification/check_spans.hpp"
-#include "identification/first_readings.hpp"
+#include "identification/assessment/check_spans.hpp"
+#include "identification/fit/first_readings.hpp"
 
 namespace poise::app {
 namespace {

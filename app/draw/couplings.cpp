@@ -7,7 +7,7 @@
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
 #include "model/cam_geometry.hpp"
-#include "statics/body_forces.hpp"
+#include "statics/bodies/body_forces.hpp"
 
 namespace poise::app {
 namespace {

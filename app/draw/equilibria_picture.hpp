@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/draw/figure.hpp"
-#include "statics/all_equilibria.hpp"
-#include "statics/static_model.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::app {
 

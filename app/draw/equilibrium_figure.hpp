@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "app/draw/figure.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 

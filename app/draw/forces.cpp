@@ -10,7 +10,7 @@
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
 #include "model/curved_slots.hpp"
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {

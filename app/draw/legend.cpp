@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "app/draw/symbols.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "model/quantity.hpp"
 
 namespace poise::app {

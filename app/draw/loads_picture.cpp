@@ -9,7 +9,7 @@
 
 #include "app/draw/frames.hpp"
 #include "app/draw/mechanism.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 
 namespace poise::app {
 namespace {

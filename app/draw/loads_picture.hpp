@@ -5,7 +5,7 @@
 
 #include "app/draw/figure.hpp"
 #include "app/draw/mechanism.hpp"
-#include "statics/link_loads.hpp"
+#include "statics/equilibrium/link_loads.hpp"
 
 namespace poise::app {
 

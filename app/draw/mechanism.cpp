@@ -10,7 +10,7 @@
 
 #include "app/draw/sheet.hpp"
 #include "app/draw/stage.hpp"
-#include "statics/answer.hpp"
+#include "statics/equilibrium/answer.hpp"
 
 namespace poise::app {
 namespace {

@@ -8,7 +8,7 @@
 #include "model/mechanism.hpp"
 #include "model/quantity.hpp"
 #include "motion/inverse_dynamics.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::app {
 

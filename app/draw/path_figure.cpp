@@ -11,7 +11,7 @@
 #include "app/draw/chart/path_chart.hpp"
 #include "app/draw/followed.hpp"
 #include "app/draw/path_picture.hpp"
-#include "statics/check.hpp"
+#include "statics/model/check.hpp"
 
 namespace poise::app {
 namespace {

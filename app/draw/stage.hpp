@@ -14,8 +14,8 @@
 #include "app/draw/labels.hpp"
 #include "app/draw/legend.hpp"
 #include "app/draw/mechanism.hpp"
-#include "app/present/numbers.hpp"
-#include "statics/readings.hpp"
+#include "app/result/numbers.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::app {
 

@@ -8,7 +8,7 @@
 #include "app/draw/symbols.hpp"
 #include "model/curved_slots.hpp"
 #include "model/rolling_profile.hpp"
-#include "statics/body_measures.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {

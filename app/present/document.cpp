@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/draw/figure_json.hpp"
-#include "app/present/cells.hpp"
 #include "app/present/json.hpp"
+#include "app/result/cells.hpp"
 #include "model/one_line.hpp"
 
 namespace poise::app {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "app/present/cells.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/cells.hpp"
+#include "app/result/numbers.hpp"
 #include "model/one_line.hpp"
 
 namespace poise::app {

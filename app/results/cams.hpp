@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "app/results/parts.hpp"
-#include "statics/cam_contact.hpp"
+#include "statics/model/cam_contact.hpp"
 
 namespace poise::app {
 

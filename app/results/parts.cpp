@@ -12,13 +12,13 @@
 
 #include <fmt/format.h>
 
-#include "app/present/cells.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/cells.hpp"
+#include "app/result/numbers.hpp"
 #include "model/couplings.hpp"
 #include "model/joint_friction.hpp"
 #include "model/meshing.hpp"
-#include "statics/pose_values.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/pose_values.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::app {
 namespace {

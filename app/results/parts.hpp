@@ -10,9 +10,9 @@
 
 #include "app/result/result.hpp"
 #include "model/quantity.hpp"
-#include "statics/answer.hpp"
-#include "statics/forces_on_bodies.hpp"
-#include "statics/pose_values.hpp"
+#include "statics/bodies/forces_on_bodies.hpp"
+#include "statics/equilibrium/answer.hpp"
+#include "statics/model/pose_values.hpp"
 
 namespace poise::app {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "model/scene.hpp"
-#include "statics/all_equilibria.hpp"
-#include "statics/tracked_equilibrium.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 namespace poise::app {
 

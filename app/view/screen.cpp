@@ -8,7 +8,7 @@
 
 #include "app/draw/followed.hpp"
 #include "app/draw/symbols.hpp"
-#include "statics/answer.hpp"
+#include "statics/equilibrium/answer.hpp"
 
 namespace poise::app {
 namespace {

@@ -5,7 +5,7 @@
 #include "app/draw/figure.hpp"
 #include "app/draw/frames.hpp"
 #include "app/view/other_equilibria.hpp"
-#include "statics/tracked_equilibrium.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 namespace poise::app {
 

@@ -14,7 +14,7 @@
 #include "app/view/other_equilibria.hpp"
 #include "app/view/screen.hpp"
 #include "model/parameters.hpp"
-#include "statics/tracked_equilibrium.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 namespace poise::app {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "statics/path.hpp"
+#include "statics/paths/path.hpp"
 
 namespace poise::app_tests {
 

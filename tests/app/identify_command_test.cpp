@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/draw/chart/gnuplot.hpp"
-#include "identification/record.hpp"
+#include "identification/experiment/record.hpp"
 #include "tests/app/wheel_experiment.hpp"
 
 namespace poise::app_tests::identify_command_test {

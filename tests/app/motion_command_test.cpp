@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "app/draw/chart/gnuplot.hpp"
-#include "identification/record.hpp"
+#include "identification/experiment/record.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/app/scenes.hpp"
 

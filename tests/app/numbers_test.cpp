@@ -1,4 +1,4 @@
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 
 #include <cmath>
 #include <limits>

@@ -14,11 +14,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/present/cells.hpp"
 #include "app/present/csv.hpp"
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
+#include "app/result/cells.hpp"
 
 namespace poise::app::presenters_test {
 namespace {

@@ -24,7 +24,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "model/scene.hpp"
 #include "motion/design.hpp"
 #include "tests/app/run_poise.hpp"

@@ -1,5 +1,5 @@
 // Tables of measurements: read column by column, with and without gaps, and as the data of an experiment.
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "model/csv_table.hpp"
 #include "model/toml_text.hpp"
 #include "tests/app/wheel_experiment.hpp"

@@ -1,5 +1,5 @@
 // Experiment files, with a scene and data beside them that fit.
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "tests/app/wheel_experiment.hpp"
 #include "tests/fuzz/fuzz.hpp"
 

@@ -1,7 +1,7 @@
 // Scene files: whatever is read is compiled, and the text in which its numbers are written anew is read again.
 #include "model/rewritten_scene.hpp"
 #include "model/scene.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "comparison/random.hpp"
-#include "identification/fit.hpp"
-#include "identification/frequencies.hpp"
+#include "identification/fit/fit.hpp"
+#include "identification/identifiability/frequencies.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
 

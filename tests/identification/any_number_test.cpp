@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "model/parameters.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/elements.hpp"

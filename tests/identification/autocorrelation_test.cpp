@@ -1,4 +1,4 @@
-#include "identification/autocorrelation.hpp"
+#include "identification/fit/autocorrelation.hpp"
 
 #include <cmath>
 #include <random>

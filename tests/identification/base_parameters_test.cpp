@@ -1,7 +1,7 @@
 // Which combinations of inertial parameters motion depends on: counts and closed forms of known mechanisms, and the
 // physics behind them.
 
-#include "identification/base_parameters.hpp"
+#include "identification/identifiability/base_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>

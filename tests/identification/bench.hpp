@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "tests/app/run_poise.hpp"
 
 namespace poise::test {

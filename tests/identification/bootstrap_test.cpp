@@ -1,6 +1,6 @@
 // Bootstrap of residuals: against white, correlated and run-wise standard errors.
 
-#include "identification/bootstrap.hpp"
+#include "identification/assessment/bootstrap.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // Records whose time column is not in seconds.
 
-#include "identification/check_spans.hpp"
+#include "identification/assessment/check_spans.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // Models of the same readings: errors on runs held out, tests of nested models and their size under correlation.
 
-#include "identification/compare_models.hpp"
+#include "identification/assessment/compare_models.hpp"
 
 #include <cmath>
 #include <deque>

@@ -1,6 +1,6 @@
 // Intervals where the cost is no parabola, against closed forms.
 
-#include "identification/curvature.hpp"
+#include "identification/fit/curvature.hpp"
 
 #include <cmath>
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
-#include "identification/identifiability.hpp"
+#include "identification/fit/fit.hpp"
+#include "identification/identifiability/identifiability.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
 

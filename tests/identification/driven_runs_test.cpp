@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
-#include "identification/identifiability.hpp"
-#include "identification/input_readings.hpp"
-#include "identification/known_numbers.hpp"
+#include "identification/assessment/input_readings.hpp"
+#include "identification/assessment/known_numbers.hpp"
+#include "identification/fit/fit.hpp"
+#include "identification/identifiability/identifiability.hpp"
 #include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "model/joint_friction.hpp"
 #include "model/read_scene.hpp"
 #include "tests/identification/experiments.hpp"

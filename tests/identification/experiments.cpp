@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::test {

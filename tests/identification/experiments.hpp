@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "identification/fit_problem.hpp"
+#include "identification/prediction/fit_problem.hpp"
 
 namespace poise::test {
 

@@ -1,4 +1,4 @@
-#include "identification/first_readings.hpp"
+#include "identification/fit/first_readings.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "identification/fit_problem.hpp"
+#include "identification/prediction/fit_problem.hpp"
 
 #include <cmath>
 #include <cstdint>

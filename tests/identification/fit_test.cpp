@@ -1,4 +1,4 @@
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 
 #include <atomic>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
-#include "identification/identifiability.hpp"
+#include "identification/fit/fit.hpp"
+#include "identification/identifiability/identifiability.hpp"
 #include "model/parameters.hpp"
 #include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/moving_scenes.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/identifiability.hpp"
+#include "identification/identifiability/identifiability.hpp"
 
 #include <cmath>
 #include <string>
@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"

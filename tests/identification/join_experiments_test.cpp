@@ -1,4 +1,4 @@
-#include "identification/join_experiments.hpp"
+#include "identification/experiment/private/join_experiments.hpp"
 
 #include <cmath>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/app/run_poise.hpp"
 
 namespace poise::join_experiments_test {

@@ -1,6 +1,6 @@
 // What errors of known numbers do to estimates: against fits with these numbers changed.
 
-#include "identification/known_numbers.hpp"
+#include "identification/assessment/known_numbers.hpp"
 
 #include <cmath>
 

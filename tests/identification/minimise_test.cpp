@@ -1,6 +1,6 @@
 // One descent to a minimum of the cost.
 
-#include "identification/minimise.hpp"
+#include "identification/fit/private/minimise.hpp"
 
 #include <atomic>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identification/monte_carlo.hpp"
+#include "identification/assessment/monte_carlo.hpp"
 
 #include <atomic>
 #include <cmath>

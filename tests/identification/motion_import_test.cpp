@@ -1,4 +1,4 @@
-#include "identification/motion_import.hpp"
+#include "identification/experiment/motion_import.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/identification/experiments.hpp"
 
 namespace poise::identification_named_numbers_test {

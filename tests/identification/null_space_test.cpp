@@ -1,4 +1,4 @@
-#include "identification/null_space.hpp"
+#include "identification/identifiability/null_space.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "identification/oscillation_start.hpp"
+#include "identification/fit/oscillation_start.hpp"
 
 #include <cmath>
 #include <random>

@@ -1,6 +1,6 @@
 // Profile likelihood: intervals of linear problems, of bounded parameters, and their coverage.
 
-#include "identification/profile.hpp"
+#include "identification/assessment/profile.hpp"
 
 #include <atomic>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/identification/bench.hpp"
 #include "tests/support/elements.hpp"

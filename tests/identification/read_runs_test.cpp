@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "tests/identification/bench.hpp"
 
 namespace poise::read_runs_test {

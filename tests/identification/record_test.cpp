@@ -1,4 +1,4 @@
-#include "identification/record.hpp"
+#include "identification/experiment/record.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identification/residuals.hpp"
+#include "identification/assessment/residuals.hpp"
 
 #include <cmath>
 #include <vector>

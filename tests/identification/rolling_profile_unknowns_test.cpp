@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "model/parameters.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/known_answers.hpp"

@@ -1,13 +1,13 @@
 // Runs that disagree with the others where the model is far from linear: pendulums that swing up to 2 rad.
 
-#include "identification/run_influence.hpp"
+#include "identification/fit/private/run_influence.hpp"
 
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/identification/experiments.hpp"
 
 namespace poise::run_influence_test {

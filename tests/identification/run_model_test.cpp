@@ -1,6 +1,6 @@
 // Predictions of runs and their Jacobians, their equilibrium poses, and their small oscillations.
 
-#include "identification/run_model.hpp"
+#include "identification/prediction/run_model.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identification/scene_parameter.hpp"
+#include "identification/experiment/scene_parameter.hpp"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // What sensors read, against the places and velocities of the bodies.
 
-#include "identification/sensor_reader.hpp"
+#include "identification/prediction/private/sensor_reader.hpp"
 
 #include <algorithm>
 #include <cmath>

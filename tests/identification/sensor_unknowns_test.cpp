@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "identification/compare_models.hpp"
-#include "identification/fit.hpp"
-#include "identification/known_numbers.hpp"
+#include "identification/assessment/compare_models.hpp"
+#include "identification/assessment/known_numbers.hpp"
+#include "identification/fit/fit.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"

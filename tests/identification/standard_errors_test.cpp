@@ -1,7 +1,7 @@
 // Standard errors under white, correlated and run-wise residuals, tests of the noise, outliers and runs that disagree:
 // against what the estimates of many simulated fits do.
 
-#include "identification/standard_errors.hpp"
+#include "identification/fit/standard_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/fit.hpp"
+#include "identification/fit/fit.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "tests/identification/wheel.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/structural_nulls_50.hpp"
+#include "identification/identifiability/private/structural_nulls_50.hpp"
 
 #include <optional>
 #include <vector>

@@ -1,6 +1,6 @@
 // Other dimensions with which a mechanism moves alike.
 
-#include "identification/twins.hpp"
+#include "identification/fit/private/twins.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // What sizes of residuals say of a fit.
 
-#include "identification/verdict.hpp"
+#include "identification/fit/private/verdict.hpp"
 
 #include <gtest/gtest.h>
 

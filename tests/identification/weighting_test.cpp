@@ -1,6 +1,6 @@
 // Losses: their slopes, weights and the triangles that carry their costs.
 
-#include "identification/weighting.hpp"
+#include "identification/experiment/weighting.hpp"
 
 #include <cmath>
 

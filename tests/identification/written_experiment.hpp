@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 #include "model/input_error.hpp"
 #include "tests/app/run_poise.hpp"
 

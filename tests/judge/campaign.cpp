@@ -5,8 +5,8 @@
 #include <exception>
 
 #include "model/input_error.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/static_model.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/judge/claim.hpp"
 #include "tests/support/random_scenes.hpp"
 

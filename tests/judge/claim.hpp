@@ -1,6 +1,6 @@
 #pragma once
 
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/judge/judge.hpp"
 
 namespace poise::judge {

@@ -12,7 +12,7 @@
 #include "comparison/random.hpp"
 #include "model/dependent_number.hpp"
 #include "model/parameters.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/judge/small_steps.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/mixed_mechanisms.hpp"

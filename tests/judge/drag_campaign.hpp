@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "statics/tracked_equilibrium.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 namespace poise::judge {
 

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "statics/equilibrium.hpp"
-#include "statics/loop_turns.hpp"
-#include "statics/path.hpp"
-#include "statics/turns.hpp"
-#include "statics/varied_scene.hpp"
+#include "statics/all_equilibria/private/loop_turns.hpp"
+#include "statics/all_equilibria/turns.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/varied_scene.hpp"
+#include "statics/paths/path.hpp"
 #include "tests/support/phc.hpp"
 #include "tests/support/random_mechanism.hpp"
 

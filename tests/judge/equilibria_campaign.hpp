@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/scene.hpp"
-#include "statics/all_equilibria.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
 
 namespace poise::judge {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "comparison/random.hpp"
-#include "identification/structural_nulls.hpp"
+#include "identification/identifiability/private/structural_nulls.hpp"
 #include "model/inertia_impl.hpp"
 #include "model/mechanism_impl.hpp"
 #include "motion/motion_model.hpp"

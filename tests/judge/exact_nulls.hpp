@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 
 namespace poise::judge {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "solvers/linear_algebra.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::judge {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/judge/exact_mechanics.hpp"
 
 namespace poise::judge {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/judge/claim.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"

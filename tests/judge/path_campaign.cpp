@@ -8,7 +8,7 @@
 
 #include "comparison/random.hpp"
 #include "model/input_error.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/random_mechanism.hpp"
 
 namespace poise::judge {

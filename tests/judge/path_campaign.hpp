@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "statics/path.hpp"
+#include "statics/paths/path.hpp"
 
 namespace poise::judge {
 

@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "solvers/newton.hpp"
-#include "statics/settle.hpp"
+#include "statics/equilibrium/settle.hpp"
 #include "tests/support/released_scenes.hpp"
 #include "tests/support/slow_motion.hpp"
 

@@ -15,8 +15,8 @@
 #include <fmt/format.h>
 
 #include "solvers/linear_algebra.hpp"
-#include "statics/curvature.hpp"
-#include "statics/settle.hpp"
+#include "statics/equilibrium/settle.hpp"
+#include "statics/model/curvature.hpp"
 
 namespace poise::judge {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <Eigen/Core>
 
-#include "statics/tracked_equilibrium.hpp"
-#include "statics/varied_scene.hpp"
+#include "statics/model/varied_scene.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 namespace poise::judge {
 
-/// Where small steps come to: a way to an equilibrium that owes nothing to statics/path.hpp.
+/// Where small steps come to: a way to an equilibrium that owes nothing to statics/paths/path.hpp.
 struct SmallSteps {
   enum class End {
     arrived,   ///< a stable equilibrium at each step, each near the last

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/curvature.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/curvature.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/every_measure.hpp"
 #include "tests/support/known_answers.hpp"

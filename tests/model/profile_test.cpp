@@ -11,8 +11,8 @@
 
 #include "model/mechanism_impl.hpp"
 #include "solvers/interval.hpp"
-#include "statics/ball_mechanism.hpp"
-#include "statics/interval_mechanism.hpp"
+#include "statics/model/ball_mechanism.hpp"
+#include "statics/model/interval_mechanism.hpp"
 
 namespace poise::model_profile_test {
 namespace {

@@ -15,8 +15,8 @@
 #include "model/mechanism_impl.hpp"
 #include "solvers/interval.hpp"
 #include "solvers/real50.hpp"
-#include "statics/ball_mechanism.hpp"
-#include "statics/interval_mechanism.hpp"
+#include "statics/model/ball_mechanism.hpp"
+#include "statics/model/interval_mechanism.hpp"
 
 namespace poise::model_rolling_profile_test {
 namespace {

@@ -10,7 +10,7 @@
 #include "model/mechanism_impl.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion_impl.hpp"
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/support/random_mechanism.hpp"
 
 namespace poise::test {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "statics/path.hpp"
+#include "statics/paths/path.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::dynamic_stability_test {

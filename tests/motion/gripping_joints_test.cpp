@@ -14,8 +14,8 @@
 
 #include "model/joint_friction.hpp"
 #include "motion/simulate.hpp"
-#include "statics/held.hpp"
-#include "statics/mobility.hpp"
+#include "statics/friction/held.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/seed.hpp"

@@ -7,7 +7,7 @@
 
 #include "motion/equilibrium_pose.hpp"
 #include "motion/kinematics.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "motion/forces_along.hpp"
-#include "statics/body_measures.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/held.hpp"
+#include "statics/bodies/body_measures.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/friction/held.hpp"
 #include "tests/support/seed.hpp"
 
 namespace poise::sliding_friction_test {

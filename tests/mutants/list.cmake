@@ -164,306 +164,306 @@ mutant("the last corner at another turn than the first" solvers/interval.cpp
 
 # --- box_prover.cpp: closures ---------------------------------------------------------------------------------------
 
-mutant("products with negative factors thin" statics/interval_matrix.hpp
+mutant("products with negative factors thin" statics/all_equilibria/private/interval_matrix.hpp
   [=[sum.minus_lower() + -factor * a.upper()]=]
   [=[sum.minus_lower() + factor * a.minus_lower()]=])
-mutant("arms without the width of lengths on them" statics/box_prover.cpp
+mutant("arms without the width of lengths on them" statics/all_equilibria/private/box_prover.cpp
   [=[sum += box[along.length] * along.direction;]=]
   [=[sum += Interval(box[along.length].middle()) * along.direction;]=])
-mutant("the first turn is left out" statics/box_prover.cpp
+mutant("the first turn is left out" statics/all_equilibria/private/box_prover.cpp
   [=[/ solvers::full_turn.upper()) - 1;]=]
   [=[/ solvers::full_turn.upper()) + 2;]=])
-mutant("the last turn is left out" statics/box_prover.cpp
+mutant("the last turn is left out" statics/all_equilibria/private/box_prover.cpp
   [=[/ solvers::full_turn.upper()) + 2;]=]
   [=[/ solvers::full_turn.upper()) - 1;]=])
-mutant("of several turns the last" statics/box_prover.cpp
+mutant("of several turns the last" statics/all_equilibria/private/box_prover.cpp
   [=[all = hull(all, part);]=]
   [=[all = part;]=])
-mutant("a sliver below an arm's angle" statics/box_prover.cpp
+mutant("a sliver below an arm's angle" statics/all_equilibria/private/box_prover.cpp
   [=[return solvers::angle_of(turned.x, turned.y, box[group.angle].middle());]=]
   [=[const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
     return Interval(angle.lower() + 1e-9, angle.upper());]=])
-mutant("a sliver above an arm's angle" statics/box_prover.cpp
+mutant("a sliver above an arm's angle" statics/all_equilibria/private/box_prover.cpp
   [=[return solvers::angle_of(turned.x, turned.y, box[group.angle].middle());]=]
   [=[const Interval angle = solvers::angle_of(turned.x, turned.y, box[group.angle].middle());
     return Interval(angle.lower(), angle.upper() - 1e-9);]=])
-mutant("a sliver of an arm's length" statics/box_prover.cpp
+mutant("a sliver of an arm's length" statics/all_equilibria/private/box_prover.cpp
   [=[if (!length.meet(square_of_length)) return false;]=]
   [=[if (!length.meet(square_of_length * Interval(1 + 1e-9, 1 + 1e-9))) return false;]=])
-mutant("a component of an arm without the width of the other" statics/box_prover.cpp
+mutant("a component of an arm without the width of the other" statics/all_equilibria/private/box_prover.cpp
   [=[square_of_length - square(other);]=]
   [=[square_of_length - square(Interval(other.middle()));]=])
-mutant("an arm on one side only" statics/box_prover.cpp
+mutant("an arm on one side only" statics/all_equilibria/private/box_prover.cpp
   [=[{angle_of(sides[0]), angle_of(sides[1])}]=]
   [=[{angle_of(sides[0])}]=])
-mutant("a sliver of a sliding length" statics/box_prover.cpp
+mutant("a sliver of a sliding length" statics/all_equilibria/private/box_prover.cpp
   [=[narrow(box, a.length, dot(a.direction, rest) / squared_norm(a.direction))]=]
   [=[narrow(box, a.length, dot(a.direction, rest) / squared_norm(a.direction) + Interval(1e-9))]=])
-mutant("other lengths on the same arm left out" statics/box_prover.cpp
+mutant("other lengths on the same arm left out" statics/all_equilibria/private/box_prover.cpp
   [=[if (b.length != a.length) rest -= box[b.length] * b.direction;]=]
   [=[]=])
-mutant("a sliver of the ground" statics/box_prover.cpp
+mutant("a sliver of the ground" statics/all_equilibria/private/box_prover.cpp
   [=[!both.x.meet(along.x)]=]
   [=[!both.x.meet(along.x + Interval(1e-9))]=])
-mutant("a sliver above the angle of a triangle" statics/box_prover.cpp
+mutant("a sliver above the angle of a triangle" statics/all_equilibria/private/box_prover.cpp
   [=[const Interval beta = solvers::arc_cosine(cosine);]=]
   [=[Interval beta = solvers::arc_cosine(cosine);
     beta = Interval(beta.lower(), beta.upper() - 1e-9);]=])
-mutant("a sliver below the angle of a triangle" statics/box_prover.cpp
+mutant("a sliver below the angle of a triangle" statics/all_equilibria/private/box_prover.cpp
   [=[const Interval beta = solvers::arc_cosine(cosine);]=]
   [=[Interval beta = solvers::arc_cosine(cosine);
     beta = Interval(beta.lower() + 1e-9, beta.upper());]=])
-mutant("a triangle on one side only" statics/box_prover.cpp
+mutant("a triangle on one side only" statics/all_equilibria/private/box_prover.cpp
   [=[{base + beta, base - beta}]=]
   [=[{base + beta}]=])
-mutant("a triangle without the other arm" statics/box_prover.cpp
+mutant("a triangle without the other arm" statics/all_equilibria/private/box_prover.cpp
   [=[(square_s + square_of - square_other)]=]
   [=[(square_s + square_of - square_of)]=])
 
-mutant("the sum of a triangle at the middle of the drivers" statics/box_prover.cpp
+mutant("the sum of a triangle at the middle of the drivers" statics/all_equilibria/private/box_prover.cpp
   [=[centered -= (box[drivers_[p]] - thin_[drivers_[p]]) * sum.others[p];]=]
   [=[]=])
-mutant("a coordinate that follows without what is left of closure" statics/box_prover.cpp
+mutant("a coordinate that follows without what is left of closure" statics/all_equilibria/private/box_prover.cpp
   [=[Interval to = thin_[i] + own[d];]=]
   [=[Interval to = thin_[i];]=])
-mutant("a coordinate that follows at the middle of the drivers" statics/box_prover.cpp
+mutant("a coordinate that follows at the middle of the drivers" statics/all_equilibria/private/box_prover.cpp
   [=[to += own[p] * (box[drivers_[p]] - thin_[drivers_[p]]);]=]
   [=[]=])
-mutant("a middle that leaves its place" statics/box_prover.cpp
+mutant("a middle that leaves its place" statics/all_equilibria/private/box_prover.cpp
   [=[own[d] += outside - thin_[i];]=]
   [=[]=])
-mutant("a loop that follows without what others leave open" statics/box_prover.cpp
+mutant("a loop that follows without what others leave open" statics/all_equilibria/private/box_prover.cpp
   [=[by[drivers_.size()] = box[i] - thin_[i];]=]
   [=[by[drivers_.size()] = Interval(0);]=])
-mutant("stops at the middle of other coordinates" statics/box_prover.cpp
+mutant("stops at the middle of other coordinates" statics/all_equilibria/private/box_prover.cpp
   [=[own -= jacobian_[other] * (box[j] - middle[j]);]=]
   [=[own -= Interval(0);]=])
-mutant("a sliver of what a stop leaves" statics/box_prover.cpp
+mutant("a sliver of what a stop leaves" statics/all_equilibria/private/box_prover.cpp
   [=[if (!box[i].meet(middle[i] + own / jacobian_[e])) return false;]=]
   [=[if (!box[i].meet(middle[i] + own / jacobian_[e] + Interval(1e-9))) return false;]=])
 
 # --- box_prover.cpp: rows, balance, Newton's operator ---------------------------------------------------------------
 
-mutant("a sliver of a coordinate by its balance" statics/box_prover.cpp
+mutant("a sliver of a coordinate by its balance" statics/all_equilibria/private/box_prover.cpp
   [=[const Interval to = at[j] - force_[i] / tangent_[e];]=]
   [=[const Interval to = at[j] - force_[i] / tangent_[e] + Interval(1e-9);]=])
-mutant("balance at the middle of the others" statics/box_prover.cpp
+mutant("balance at the middle of the others" statics/all_equilibria/private/box_prover.cpp
   [=[at[j] = box[j];]=]
   [=[]=])
-mutant("balance without reactions" statics/box_prover.cpp
+mutant("balance without reactions" statics/all_equilibria/private/box_prover.cpp
   [=[if (is_free_[i] == 0 || (way == 1]=]
   [=[if ((way == 1]=])
-mutant("stiffness of following loads taken for symmetric" statics/box_prover.cpp
+mutant("stiffness of following loads taken for symmetric" statics/all_equilibria/private/box_prover.cpp
   [=[(i == j || plain_.has_follower_loads())]=]
   [=[(i == j)]=])
-mutant("a row without the width of the first coordinate" statics/box_prover.cpp
+mutant("a row without the width of the first coordinate" statics/all_equilibria/private/box_prover.cpp
   [=[if (i != own) sum += row[i] * (box[i] - middle[i]);]=]
   [=[if (i != own && i != 0) sum += row[i] * (box[i] - middle[i]);]=])
-mutant("a row with the middle of its own factor" statics/box_prover.cpp
+mutant("a row with the middle of its own factor" statics/all_equilibria/private/box_prover.cpp
   [=[middle[own] - sum / row[own]]=]
   [=[middle[own] - sum / Interval(row[own].middle())]=])
-mutant("a row without what is left of closure" statics/box_prover.cpp
+mutant("a row without what is left of closure" statics/all_equilibria/private/box_prover.cpp
   [=[add_product(sum, inverse_[static_cast<std::size_t>(l) * m_ + k], constraint_[rows_[l]] - Interval(bounds_[l]));]=]
   [=[]=])
-mutant("reactions without the change of the rows" statics/box_prover.cpp
+mutant("reactions without the change of the rows" statics/all_equilibria/private/box_prover.cpp
   [=[next -= error[static_cast<std::size_t>(i) * m_ + l] * y[i];]=]
   [=[]=])
-mutant("reactions of a half of their bounds" statics/box_prover.cpp
+mutant("reactions of a half of their bounds" statics/all_equilibria/private/box_prover.cpp
   [=[y[l] = Interval(-u[l], u[l]);]=]
   [=[y[l] = Interval(-0.5 * u[l], 0.5 * u[l]);]=])
-mutant("motions of a half of their bounds" statics/box_prover.cpp
+mutant("motions of a half of their bounds" statics/all_equilibria/private/box_prover.cpp
   [=[x[k] = Interval(-u[k], u[k]);]=]
   [=[x[k] = Interval(-0.5 * u[k], 0.5 * u[k]);]=])
-mutant("more stops than freedoms are forgotten in singular poses" statics/box_prover.cpp
+mutant("more stops than freedoms are forgotten in singular poses" statics/all_equilibria/private/box_prover.cpp
   [=[(most < small_pivot && !may_touch)]=]
   [=[(most < small_pivot)]=])
-mutant("motions without the change of the rows" statics/box_prover.cpp
+mutant("motions without the change of the rows" statics/all_equilibria/private/box_prover.cpp
   [=[next -= product_[static_cast<std::size_t>(k) * n_ + dependent_[l]] * x[l];]=]
   [=[]=])
-mutant("rounds without what springs wind up" statics/box_prover.cpp
+mutant("rounds without what springs wind up" statics/all_equilibria/private/box_prover.cpp
   [=[change += motion * winding.change[i];]=]
   [=[change += motion * Interval(0.9) * winding.change[i];]=])
-mutant("one round too few above" statics/box_prover.cpp
+mutant("one round too few above" statics/all_equilibria/private/box_prover.cpp
   [=[std::floor(rounds.upper())]=]
   [=[std::ceil(rounds.upper()) - 1]=])
-mutant("one round too few below" statics/box_prover.cpp
+mutant("one round too few below" statics/all_equilibria/private/box_prover.cpp
   [=[std::ceil(rounds.lower())]=]
   [=[std::floor(rounds.lower()) + 1]=])
-mutant("second order without reactions" statics/box_prover.cpp
+mutant("second order without reactions" statics/all_equilibria/private/box_prover.cpp
   [=[multipliers_[rows_[k]] = Interval(y[k].middle());]=]
   [=[multipliers_[rows_[k]] = Interval(0);]=])
-mutant("second order without half of the stiffness" statics/box_prover.cpp
+mutant("second order without half of the stiffness" statics/all_equilibria/private/box_prover.cpp
   [=[if (i != j && !plain_.has_follower_loads()) add_product(row[i], t(j), tangent_[e]);]=]
   [=[]=])
-mutant("second order with a motion that is none" statics/box_prover.cpp
+mutant("second order with a motion that is none" statics/all_equilibria/private/box_prover.cpp
   [=[sum += slip * (y[k] - Interval(y[k].middle()));]=]
   [=[]=])
-mutant("second order without what is left of closure" statics/box_prover.cpp
+mutant("second order without what is left of closure" statics/all_equilibria/private/box_prover.cpp
   [=[sum += row[i] * motion_[static_cast<std::size_t>(i) * (d + 1) + d];]=]
   [=[]=])
-mutant("second order at the middle of other freedoms" statics/box_prover.cpp
+mutant("second order at the middle of other freedoms" statics/all_equilibria/private/box_prover.cpp
   [=[if (other != p) rest += by[other] * (box[columns[other]] - thin[columns[other]]);]=]
   [=[]=])
-mutant("second order refuses at the middle of its own freedom" statics/box_prover.cpp
+mutant("second order refuses at the middle of its own freedom" statics/all_equilibria/private/box_prover.cpp
   [=[rest += by[p] * (box[own] - thin[own]);]=]
   [=[]=])
-mutant("a sliver of a freedom" statics/box_prover.cpp
+mutant("a sliver of a freedom" statics/all_equilibria/private/box_prover.cpp
   [=[if (!box[own].meet(thin[own] - rest / by[p])) return false;]=]
   [=[if (!box[own].meet(thin[own] - rest / by[p] + Interval(1e-9))) return false;]=])
-mutant("dependent coordinates without what is left of closure" statics/box_prover.cpp
+mutant("dependent coordinates without what is left of closure" statics/all_equilibria/private/box_prover.cpp
   [=[Interval to = thin[i] + motion_[i * (d + 1) + d];]=]
   [=[Interval to = thin[i];]=])
-mutant("shooting with the stiffness of the middle" statics/box_prover.cpp
+mutant("shooting with the stiffness of the middle" statics/all_equilibria/private/box_prover.cpp
   [=[const Interval& own = stiffness_[step.row * n + step.gives];]=]
   [=[const Interval own(stiffness_[step.row * n + step.gives].middle());]=])
-mutant("shooting without what is left of balance" statics/box_prover.cpp
+mutant("shooting without what is left of balance" statics/all_equilibria/private/box_prover.cpp
   [=[by[d] = force_[row];]=]
   [=[]=])
-mutant("Newton's operator in a part of the box" statics/newton_operator.cpp
+mutant("Newton's operator in a part of the box" statics/all_equilibria/private/newton_operator.cpp
   [=[reach_[i] = 1.1 * half + 1e-12;]=]
   [=[reach_[i] = 0.1 * half + 1e-12;]=])
-mutant("Newton's operator with the error of the middle only" statics/newton_operator.cpp
+mutant("Newton's operator with the error of the middle only" statics/all_equilibria/private/newton_operator.cpp
   [=[= row_[j].magnitude();]=]
   [=[= std::abs(row_[j].middle());]=])
-mutant("Newton's operator without the symmetric stiffness" statics/newton_operator.cpp
+mutant("Newton's operator without the symmetric stiffness" statics/all_equilibria/private/newton_operator.cpp
   [=[if (i != j && !plain_.has_follower_loads()) entry(j, i) += tangent_[e];]=]
   [=[]=])
-mutant("Newton's operator need not be a contraction" statics/newton_operator.cpp
+mutant("Newton's operator need not be a contraction" statics/all_equilibria/private/newton_operator.cpp
   [=[if (!(ratio < 1)) return false;]=]
   [=[]=])
-mutant("what leaves the box exists" statics/newton_operator.cpp
+mutant("what leaves the box exists" statics/all_equilibria/private/newton_operator.cpp
   [=[within = within && u_[i] < reach_[i];]=]
   [=[within = true;]=])
-mutant("stops are passed at the upper limit" statics/box_prover.cpp
+mutant("stops are passed at the upper limit" statics/all_equilibria/private/box_prover.cpp
   [=[      if (measure > Interval(plain_.upper()[s]) || measure < Interval(plain_.lower()[s])) return false;]=]
   [=[      if (measure > Interval(plain_.lower()[s])) return false;]=])
-mutant("rows that others imply need not close" statics/box_prover.cpp
+mutant("rows that others imply need not close" statics/all_equilibria/private/box_prover.cpp
   [=[if (gap > Interval(open_gap) || gap < Interval(-open_gap)) return false;]=]
   [=[]=])
-mutant("stops press outwards" statics/box_prover.cpp
+mutant("stops press outwards" statics/all_equilibria/private/box_prover.cpp
   [=[StopState::at_upper ? push < Interval(0) : push > Interval(0)]=]
   [=[StopState::at_upper ? push > Interval(0) : push < Interval(0)]=])
 
 # --- enclosed_set.cpp: boxes and cases ------------------------------------------------------------------------------
 
-mutant("a gap between halves" statics/box_prover.cpp
+mutant("a gap between halves" statics/all_equilibria/private/box_prover.cpp
   [=[upper[split] = Interval(split_at, upper[split].upper());]=]
   [=[upper[split] = Interval(split_at + 1e-6, upper[split].upper());]=])
-mutant("less than a full turn" statics/enclosed_set.cpp
+mutant("less than a full turn" statics/all_equilibria/private/enclosed_set.cpp
   [=[constexpr double half_turn = 3.1416;]=]
   [=[constexpr double half_turn = 3.1415;]=])
-mutant("a round between halves is lost" statics/enclosed_set.cpp
+mutant("a round between halves is lost" statics/all_equilibria/private/enclosed_set.cpp
   [=[other.rounds = Interval(middle + 1, other.rounds.upper());]=]
   [=[other.rounds = Interval(middle + 2, other.rounds.upper());]=])
-mutant("boxes set aside are forgotten" statics/enclosed_set.cpp
+mutant("boxes set aside are forgotten" statics/all_equilibria/private/enclosed_set.cpp
   [=[std::move(chunk.left.begin(), chunk.left.end(), std::back_inserter(left_));]=]
   [=[]=])
-mutant("boxes that were not reached are forgotten" statics/enclosed_set.cpp
+mutant("boxes that were not reached are forgotten" statics/all_equilibria/private/enclosed_set.cpp
   [=[for (std::vector<Task>* others : {&waiting_, &crossings_}) {]=]
   [=[for (std::vector<Task>* others : {&crossings_}) {]=])
-mutant("change points are forgotten" statics/enclosed_set.cpp
+mutant("change points are forgotten" statics/all_equilibria/private/enclosed_set.cpp
   [=[for (std::vector<Task>* others : {&waiting_, &crossings_}) {]=]
   [=[for (std::vector<Task>* others : {&waiting_}) {]=])
-mutant("no case of the lower limit of a stop" statics/enclosed_set.cpp
+mutant("no case of the lower limit of a stop" statics/all_equilibria/private/enclosed_set.cpp
   [=[if (std::isfinite(lower)) states.push_back(StopState::at_lower);]=]
   [=[]=])
-mutant("no case of the upper limit of a stop" statics/enclosed_set.cpp
+mutant("no case of the upper limit of a stop" statics/all_equilibria/private/enclosed_set.cpp
   [=[if (std::isfinite(upper)) states.push_back(StopState::at_upper);]=]
   [=[]=])
-mutant("one stop too few at a time" statics/enclosed_set.cpp
+mutant("one stop too few at a time" statics/all_equilibria/private/enclosed_set.cpp
   [=[if (active >= freedoms && (state]=]
   [=[if (active + 1 >= freedoms && (state]=])
-mutant("springs wind up less on the other side" statics/enclosed_set.cpp
+mutant("springs wind up less on the other side" statics/all_equilibria/private/enclosed_set.cpp
   [=[if (i != j) out.change[j] += springs.stiffness[e] * by[i];]=]
   [=[]=])
-mutant("angles bounded though a stop on something else presses" statics/open_angles.cpp
+mutant("angles bounded though a stop on something else presses" statics/all_equilibria/private/open_angles.cpp
   [=[if (!is_on_angle(s)) return false;]=]
   [=[if (!is_on_angle(s)) continue;]=])
-mutant("angles bounded without the springs' own force" statics/open_angles.cpp
+mutant("angles bounded without the springs' own force" statics/all_equilibria/private/open_angles.cpp
   [=[b[i] -= force[coordinate] + springs_->at_zero[coordinate];]=]
   [=[b[i] -= force[coordinate];]=])
-mutant("angles bounded without other forces" statics/open_angles.cpp
+mutant("angles bounded without other forces" statics/all_equilibria/private/open_angles.cpp
   [=[b[i] -= force[coordinate] + springs_->at_zero[coordinate];]=]
   [=[b[i] -= springs_->at_zero[coordinate];]=])
-mutant("angles bounded without half of the stiffness" statics/open_angles.cpp
+mutant("angles bounded without half of the stiffness" statics/all_equilibria/private/open_angles.cpp
   [=[if (i != j && place(j) < angles) add(place(j), i, springs_->stiffness[e]);]=]
   [=[]=])
-mutant("angles bounded without the force of a stop" statics/open_angles.cpp
+mutant("angles bounded without the force of a stop" statics/all_equilibria/private/open_angles.cpp
   [=[if (place(column) < angles) a[place(column) * size + angles + k] += value;]=]
   [=[]=])
-mutant("bounds of angles of the last case of stops" statics/open_angles.cpp
+mutant("bounds of angles of the last case of stops" statics/all_equilibria/private/open_angles.cpp
   [=[one[i] = hull(one[i], (*all)[i]);]=]
   [=[]=])
-mutant("limits of stops taken from the zero of another pose" statics/open_angles.cpp
+mutant("limits of stops taken from the zero of another pose" statics/all_equilibria/private/open_angles.cpp
   [=[(limits - at_zero_[static_cast<std::size_t>(mechanism_.stop_row(s))])]=]
   [=[limits]=])
-mutant("one round too few" statics/enclosed_set.cpp
+mutant("one round too few" statics/all_equilibria/private/enclosed_set.cpp
   [=[round <= range.rounds; ++round)]=]
   [=[round < range.rounds; ++round)]=])
-mutant("no rounds below" statics/enclosed_set.cpp
+mutant("no rounds below" statics/all_equilibria/private/enclosed_set.cpp
   [=[Interval(-range.rounds, range.rounds)]=]
   [=[Interval(0, range.rounds)]=])
-mutant("turns without the step between their poses" statics/enclosed_set.cpp
+mutant("turns without the step between their poses" statics/all_equilibria/private/enclosed_set.cpp
   [=[Interval(range.lower[i] - LoopTurns::step, range.upper[i] + LoopTurns::step)]=]
   [=[Interval(range.lower[i] + LoopTurns::step, range.upper[i] - LoopTurns::step)]=])
 
 # --- loop_turns.cpp: turns that motion leads to ---------------------------------------------------------------------
 
-mutant("turns of another assembly mode as they are met" statics/loop_turns.cpp
+mutant("turns of another assembly mode as they are met" statics/all_equilibria/private/loop_turns.cpp
   [=[for (std::size_t i = 0; i < x.size(); ++i) shift[i] = least[i] - pose[i];]=]
   [=[]=])
-mutant("torques tell turns" statics/loop_turns.cpp
+mutant("torques tell turns" statics/all_equilibria/private/loop_turns.cpp
   [=[springs.torques.clear();]=]
   [=[]=])
-mutant("stops do not tell turns" statics/loop_turns.cpp
+mutant("stops do not tell turns" statics/all_equilibria/private/loop_turns.cpp
   [=[out += stiffness_of_stops * passed * passed;]=]
   [=[]=])
-mutant("angles are turned one at a time" statics/loop_turns.cpp
+mutant("angles are turned one at a time" statics/all_equilibria/private/loop_turns.cpp
   [=[if (j != i) other[j] += by;]=]
   [=[]=])
-mutant("long steps near singular poses" statics/loop_turns.cpp
+mutant("long steps near singular poses" statics/all_equilibria/private/loop_turns.cpp
   [=[if (is_singular(at, 2.0 * h)) continue;]=]
   [=[]=])
-mutant("curves that are not followed to their ends are known" statics/loop_turns.cpp
+mutant("curves that are not followed to their ends are known" statics/all_equilibria/private/loop_turns.cpp
   [=[is_certain_ = is_certain_ && ends;]=]
   [=[static_cast<void>(ends);]=])
-mutant("no body makes full turns" statics/loop_turns.cpp
+mutant("no body makes full turns" statics/all_equilibria/private/loop_turns.cpp
   [=[out.period[i] = 2.0 * M_PI * std::round((at[i] - x[i]) / (2.0 * M_PI));]=]
   [=[]=])
-mutant("the curve ends where it starts" statics/loop_turns.cpp
+mutant("the curve ends where it starts" statics/all_equilibria/private/loop_turns.cpp
   [=[range.upper[i] = std::max(range.upper[i], pose[i]);]=]
   [=[]=])
-mutant("rounds in one direction only" statics/loop_turns.cpp
+mutant("rounds in one direction only" statics/all_equilibria/private/loop_turns.cpp
   [=[for (int rounds = -most_rounds; rounds <= most_rounds; ++rounds) {]=]
   [=[for (int rounds = 0; rounds <= most_rounds; ++rounds) {]=])
 
 # --- assembly_modes.cpp ---------------------------------------------------------------------------------------------
 
-mutant("modes that are found are not followed" statics/assembly_modes.cpp
+mutant("modes that are found are not followed" statics/all_equilibria/private/assembly_modes.cpp
   [=[if (is_inside) loops.add(pose);]=]
   [=[]=])
-mutant("a known curve passes through every box" statics/assembly_modes.cpp
+mutant("a known curve passes through every box" statics/all_equilibria/private/assembly_modes.cpp
   [=[if (loops.passes(lower_corner(box), upper_corner(box))) return true;]=]
   [=[if (loops.passes(lower_corner(box), upper_corner(box)) || true) return true;]=])
-mutant("poses of half of the boxes" statics/assembly_modes.cpp
+mutant("poses of half of the boxes" statics/all_equilibria/private/assembly_modes.cpp
   [=[    waiting.push_back(std::move(other));
 ]=]
   [=[]=])
-mutant("rigid poses are left out" statics/assembly_modes.cpp
+mutant("rigid poses are left out" statics/all_equilibria/private/assembly_modes.cpp
   [=[if (is_new) out.poses.push_back(pose);]=]
   [=[]=])
 
 # --- crossing_branches.cpp: around change points --------------------------------------------------------------------
 
-mutant("a change point is taken for a pose that needs unbounded forces" statics/box_prover.cpp
+mutant("a change point is taken for a pose that needs unbounded forces" statics/all_equilibria/private/box_prover.cpp
   [=[region->joint_force > least_joint_force && !may_touch_stops(box);]=]
   [=[!may_touch_stops(box);]=])
-mutant("the region around a change point has no end" statics/crossing_branches.cpp
+mutant("the region around a change point has no end" statics/all_equilibria/private/crossing_branches.cpp
   [=[return abs(box[k] - Interval(at[k])) <= Interval(reach);]=]
   [=[return box[k].bounded();]=])
-mutant("branches of any direction bear any force" statics/crossing_branches.cpp
+mutant("branches of any direction bear any force" statics/all_equilibria/private/crossing_branches.cpp
   [=[if (!eliminate(columns, c, done)) return false;]=]
   [=[if (!eliminate(columns, c, done)) return true;]=])
-mutant("directions without branches are not told from others" statics/crossing_branches.cpp
+mutant("directions without branches are not told from others" statics/all_equilibria/private/crossing_branches.cpp
   [=[if (sum.excludes_zero()) return true;]=]
   [=[if (!sum.excludes_zero()) return true;]=])

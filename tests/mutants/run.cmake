@@ -83,9 +83,11 @@ if(check_only)
   return()
 endif()
 
-foreach(file solvers/interval.hpp solvers/interval.cpp statics/assembly_modes.cpp
-    statics/box_prover.cpp statics/crossing_branches.cpp statics/enclosed_set.cpp statics/interval_matrix.hpp
-    statics/loop_turns.cpp statics/newton_operator.cpp statics/open_angles.cpp)
+foreach(file solvers/interval.hpp solvers/interval.cpp statics/all_equilibria/private/assembly_modes.cpp
+    statics/all_equilibria/private/box_prover.cpp statics/all_equilibria/private/crossing_branches.cpp
+    statics/all_equilibria/private/enclosed_set.cpp statics/all_equilibria/private/interval_matrix.hpp
+    statics/all_equilibria/private/loop_turns.cpp statics/all_equilibria/private/newton_operator.cpp
+    statics/all_equilibria/private/open_angles.cpp)
   restore("${file}")
 endforeach()
 run("${CMAKE_COMMAND}" --install "${build_dir}" --prefix "${work}/prefix")

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include "statics/named_equilibrium.hpp"
+#include "statics/equilibrium/named_equilibrium.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/support/seed.hpp"
 

@@ -1,6 +1,6 @@
 // Sets of equilibria against closed forms and the known sets of datasets/answers.json.
 
-#include "statics/all_equilibria.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "statics/enclosed_set.hpp"
-#include "statics/index_sum.hpp"
-#include "statics/turns.hpp"
+#include "statics/all_equilibria/private/enclosed_set.hpp"
+#include "statics/all_equilibria/private/index_sum.hpp"
+#include "statics/all_equilibria/turns.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

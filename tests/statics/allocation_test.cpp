@@ -7,7 +7,7 @@
 
 #include "model/scene.hpp"
 #include "solvers/newton.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace {
 bool counting = false;

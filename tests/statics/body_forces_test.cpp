@@ -1,7 +1,7 @@
 // The equations of free bodies in scalars of their numbers: dual numbers against differences in 50 digits, balls and
 // intervals around 50 digits, and the same forces as those of the scene's own numbers.
 
-#include "statics/body_forces.hpp"
+#include "statics/bodies/body_forces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +14,12 @@
 
 #include "model/couplings.hpp"
 #include "solvers/real50.hpp"
-#include "statics/ball_measures.hpp"
-#include "statics/ball_mechanism.hpp"
-#include "statics/free_body_equations.hpp"
-#include "statics/interval_mechanism.hpp"
-#include "statics/linear_response.hpp"
-#include "statics/numbered_equations.hpp"
+#include "statics/bodies/ball_measures.hpp"
+#include "statics/bodies/free_body_equations.hpp"
+#include "statics/model/ball_mechanism.hpp"
+#include "statics/model/interval_mechanism.hpp"
+#include "statics/sensitivity/private/linear_response.hpp"
+#include "statics/sensitivity/private/numbered_equations.hpp"
 #include "tests/support/every_measure.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"

@@ -1,4 +1,4 @@
-#include "statics/box_prover.hpp"
+#include "statics/all_equilibria/private/box_prover.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,11 +14,11 @@
 
 #include "model/scene.hpp"
 #include "solvers/newton.hpp"
-#include "statics/certificate.hpp"
-#include "statics/enclosed_set.hpp"
-#include "statics/held_rows.hpp"
-#include "statics/mobility.hpp"
-#include "statics/turns.hpp"
+#include "statics/all_equilibria/private/enclosed_set.hpp"
+#include "statics/all_equilibria/turns.hpp"
+#include "statics/model/held_rows.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/proof/certificate.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/busy_machine.hpp"
 #include "tests/support/known_answers.hpp"

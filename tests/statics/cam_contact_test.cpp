@@ -1,6 +1,6 @@
 // Pressure angles and contact forces of cams, against closed forms and against the pitch curve itself.
 
-#include "statics/cam_contact.hpp"
+#include "statics/model/cam_contact.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -12,7 +12,7 @@
 #include "motion/forces_along.hpp"
 #include "motion/kinematics.hpp"
 #include "motion/motion_model.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 

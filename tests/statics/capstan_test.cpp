@@ -6,8 +6,8 @@
 
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/held.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/friction/held.hpp"
 
 namespace poise::capstan_test {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "comparison/catalogue.hpp"
 #include "model/scene.hpp"
-#include "statics/certificate.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/proof/certificate.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::certificate_cases_test {

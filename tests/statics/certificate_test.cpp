@@ -1,7 +1,7 @@
 // What is proved of an answer: equilibria and their stability by hand, folds, cusps, neutral sets, change points, stops
 // and one-way springs at their limits. What is no equilibrium is never confirmed.
 
-#include "statics/certificate.hpp"
+#include "statics/proof/certificate.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,10 +18,10 @@
 #include "model/input_error.hpp"
 #include "model/scene.hpp"
 #include "solvers/real50.hpp"
-#include "statics/check.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/principal_directions.hpp"
-#include "statics/reference.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/check.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/proof/principal_directions.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_scenes.hpp"

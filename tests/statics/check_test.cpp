@@ -1,6 +1,6 @@
 // Free-body statics: it refutes what is wrong, and its reactions are those of a textbook.
 
-#include "statics/check.hpp"
+#include "statics/model/check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

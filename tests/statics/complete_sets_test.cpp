@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "statics/all_equilibria.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::complete_sets_test {

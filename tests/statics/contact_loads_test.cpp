@@ -1,6 +1,6 @@
 // Forces of teeth and rollers on bearings and guides, against closed forms.
 
-#include "statics/contact_loads.hpp"
+#include "statics/bodies/contact_loads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +16,10 @@
 
 #include "motion/forces_along.hpp"
 #include "motion/motion_model.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/held.hpp"
-#include "statics/link_loads.hpp"
-#include "statics/sensitivity.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/equilibrium/link_loads.hpp"
+#include "statics/friction/held.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/seed.hpp"

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::datasets_test {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/every_measure.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/vector_mechanics.hpp"

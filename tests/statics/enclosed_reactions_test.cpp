@@ -1,6 +1,6 @@
 // Reactions with their proved distances from the exact ones, against closed forms and 50 digits.
 
-#include "statics/enclosed_reactions.hpp"
+#include "statics/proof/enclosed_reactions.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/judge/exact_reactions.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"

@@ -1,6 +1,6 @@
 // Every outcome of a search, and that its result depends on the mechanism only.
 
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/mobility.hpp"
-#include "statics/reference.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/reference.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

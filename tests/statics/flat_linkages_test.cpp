@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "statics/all_equilibria.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
 #include "tests/support/seed.hpp"

@@ -12,9 +12,9 @@
 #include "model/scene.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/modes.hpp"
-#include "statics/link_loads.hpp"
-#include "statics/sensitivity.hpp"
-#include "statics/tolerance.hpp"
+#include "statics/equilibrium/link_loads.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
+#include "statics/sensitivity/tolerance.hpp"
 
 namespace poise::flexible_link_test {
 namespace {

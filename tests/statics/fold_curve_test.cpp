@@ -1,6 +1,6 @@
 // Curves of folds in two numbers, against closed forms of the same mechanisms.
 
-#include "statics/fold_curve.hpp"
+#include "statics/paths/fold_curve.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 
 #include "model/input_error.hpp"
 #include "model/scene_builder.hpp"
-#include "statics/curvature.hpp"
+#include "statics/model/curvature.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

@@ -1,4 +1,4 @@
-#include "statics/held.hpp"
+#include "statics/friction/held.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/free_bodies.hpp"
+#include "statics/bodies/free_bodies.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/seed.hpp"
 
 namespace poise::held_test {

@@ -1,4 +1,4 @@
-#include "statics/index_sum.hpp"
+#include "statics/all_equilibria/private/index_sum.hpp"
 
 #include <gtest/gtest.h>
 

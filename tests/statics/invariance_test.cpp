@@ -9,8 +9,8 @@
 
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

@@ -1,6 +1,6 @@
 // Internal loads against closed forms, and against sums from the other end of the line.
 
-#include "statics/link_loads.hpp"
+#include "statics/equilibrium/link_loads.hpp"
 
 #include <cmath>
 #include <string>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/sensitivity.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 
 namespace poise::link_loads_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "statics/loop_turns.hpp"
+#include "statics/all_equilibria/private/loop_turns.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "statics/assembly_modes.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/all_equilibria/private/assembly_modes.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

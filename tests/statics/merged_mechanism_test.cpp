@@ -1,6 +1,6 @@
 // Forces and stiffnesses of merged energies in intervals against those of the mechanism in doubles.
 
-#include "statics/merged_mechanism.hpp"
+#include "statics/all_equilibria/private/merged_mechanism.hpp"
 
 #include <cmath>
 #include <random>

@@ -1,6 +1,6 @@
 // What is said of a scene before anything is solved: counts, redundancy by name, what is kept and what is dropped.
 
-#include "statics/mobility.hpp"
+#include "statics/model/mobility.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@
 
 #include "comparison/redundant_scenes.hpp"
 #include "model/scene.hpp"
-#include "statics/closure_rounding.hpp"
+#include "statics/model/private/closure_rounding.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/parallel_links.hpp"

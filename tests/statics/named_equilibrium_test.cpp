@@ -1,4 +1,4 @@
-#include "statics/named_equilibrium.hpp"
+#include "statics/equilibrium/named_equilibrium.hpp"
 
 #include <cmath>
 #include <functional>

@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "model/parameters.hpp"
-#include "statics/path.hpp"
-#include "statics/sensitivity.hpp"
-#include "statics/static_model.hpp"
-#include "statics/tolerance.hpp"
-#include "statics/tracked_equilibrium.hpp"
-#include "statics/varied_pair.hpp"
-#include "statics/varied_scene.hpp"
+#include "statics/model/static_model.hpp"
+#include "statics/model/varied_scene.hpp"
+#include "statics/paths/path.hpp"
+#include "statics/paths/varied_pair.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
+#include "statics/sensitivity/tolerance.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 

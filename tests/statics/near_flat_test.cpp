@@ -17,9 +17,9 @@
 #include <gtest/gtest.h>
 
 #include "model/read_scene.hpp"
-#include "statics/certificate.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/static_model.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/static_model.hpp"
+#include "statics/proof/certificate.hpp"
 #include "tests/support/seed.hpp"
 
 namespace poise::near_flat_test {

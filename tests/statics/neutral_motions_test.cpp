@@ -1,6 +1,6 @@
 // Mechanisms that are balanced in every position, and those that nearly are, against closed forms.
 
-#include "statics/neutral_motions.hpp"
+#include "statics/all_equilibria/private/neutral_motions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "solvers/random_stream.hpp"
-#include "statics/all_equilibria.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

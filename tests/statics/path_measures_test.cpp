@@ -1,11 +1,11 @@
-#include "statics/path_measures.hpp"
+#include "statics/paths/path_measures.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
-#include "statics/path_words.hpp"
+#include "statics/paths/path_words.hpp"
 #include "tests/app/fabricated_path.hpp"
 #include "tests/app/run_poise.hpp"
 

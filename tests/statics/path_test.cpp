@@ -1,6 +1,6 @@
 // Load paths against closed forms and the reference answers.
 
-#include "statics/path.hpp"
+#include "statics/paths/path.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +13,7 @@
 
 #include "model/input_error.hpp"
 #include "model/scene.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/readings.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/certificate.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
+#include "statics/proof/certificate.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::phc_test {

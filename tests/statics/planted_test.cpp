@@ -12,11 +12,11 @@
 #include <gtest/gtest.h>
 
 #include "solvers/newton.hpp"
-#include "statics/certificate.hpp"
-#include "statics/check.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/reference.hpp"
-#include "statics/static_model.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/check.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/model/static_model.hpp"
+#include "statics/proof/certificate.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/random_mechanism.hpp"
 

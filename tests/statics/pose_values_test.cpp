@@ -1,4 +1,4 @@
-#include "statics/pose_values.hpp"
+#include "statics/model/pose_values.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The 50-digit reference against closed forms, and against errors that are known because they were made.
 
-#include "statics/reference.hpp"
+#include "statics/model/reference.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

@@ -13,10 +13,10 @@
 #include <nlohmann/json.hpp>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
-#include "statics/principal_directions.hpp"
-#include "statics/reference.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/proof/principal_directions.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

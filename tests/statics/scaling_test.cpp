@@ -1,6 +1,6 @@
 // Units of a mechanism's own size and load: they round nothing and change nothing.
 
-#include "statics/scaling.hpp"
+#include "statics/model/scaling.hpp"
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 
 #include "model/parameters.hpp"
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/known_answers.hpp"

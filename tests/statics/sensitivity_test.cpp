@@ -1,7 +1,7 @@
 // Derivatives of results by the numbers of a scene: closed forms, and differences in 50 digits on scenes and random
 // mechanisms.
 
-#include "statics/sensitivity.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,8 +16,8 @@
 
 #include "model/parameters.hpp"
 #include "solvers/real50.hpp"
-#include "statics/linear_response.hpp"
-#include "statics/reference.hpp"
+#include "statics/model/reference.hpp"
+#include "statics/sensitivity/private/linear_response.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"

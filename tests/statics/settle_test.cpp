@@ -1,4 +1,4 @@
-#include "statics/settle.hpp"
+#include "statics/equilibrium/settle.hpp"
 
 #include <array>
 #include <atomic>
@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "statics/equilibrium.hpp"
-#include "statics/mobility.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
 #include "tests/judge/settling_judge.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"

@@ -1,5 +1,5 @@
 // Steps between two models that are proved: what happens on the way must not be stepped over.
-#include "statics/small_step.hpp"
+#include "statics/tracking/private/small_step.hpp"
 
 #include <cmath>
 #include <memory>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "model/read_scene.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/varied_scene.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/varied_scene.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::small_step_test {

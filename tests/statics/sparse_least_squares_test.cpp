@@ -1,6 +1,6 @@
 // Sparse least squares against dense decompositions, with rows of very different length and some columns that are full.
 
-#include "statics/sparse_least_squares.hpp"
+#include "statics/bodies/sparse_least_squares.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // What is proved of random cones must agree with many directions, each of which is looked at in double.
 
-#include "statics/stability_on_cones.hpp"
+#include "statics/proof/private/stability_on_cones.hpp"
 
 #include <algorithm>
 #include <cmath>

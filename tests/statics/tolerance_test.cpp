@@ -1,6 +1,6 @@
 // Bands of results from tolerances: closed forms, solving every sample anew, the same bits from any number of threads.
 
-#include "statics/tolerance.hpp"
+#include "statics/sensitivity/tolerance.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +15,7 @@
 #include "model/input_error.hpp"
 #include "model/parameters.hpp"
 #include "solvers/random_stream.hpp"
-#include "statics/named_equilibrium.hpp"
+#include "statics/equilibrium/named_equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"

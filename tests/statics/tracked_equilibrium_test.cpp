@@ -1,4 +1,4 @@
-#include "statics/tracked_equilibrium.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
-#include "statics/path.hpp"
-#include "statics/varied_scene.hpp"
+#include "statics/model/varied_scene.hpp"
+#include "statics/paths/path.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 

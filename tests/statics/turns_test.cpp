@@ -1,4 +1,4 @@
-#include "statics/turns.hpp"
+#include "statics/all_equilibria/turns.hpp"
 
 #include <cmath>
 #include <vector>

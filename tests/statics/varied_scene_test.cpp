@@ -1,6 +1,6 @@
 // Scenes of which one number varies, and their compiled form with derivatives by the number.
 
-#include "statics/varied_scene.hpp"
+#include "statics/model/varied_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
-#include "statics/varied_mechanism.hpp"
+#include "statics/paths/varied_mechanism.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"

@@ -14,8 +14,8 @@
 #include "motion/equilibrium_pose.hpp"
 #include "motion/modes.hpp"
 #include "motion/motion_model.hpp"
-#include "statics/equilibrium.hpp"
-#include "statics/sensitivity.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::test {

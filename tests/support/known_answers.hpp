@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/scene.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::test {
 

@@ -7,7 +7,7 @@
 
 #include "motion/body_motion.hpp"
 #include "motion/equilibrium_pose.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 #include "tests/support/build_scene.hpp"
 
 namespace poise::test {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::test {
 

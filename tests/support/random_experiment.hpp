@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "identification/experiment.hpp"
+#include "identification/experiment/experiment.hpp"
 
 namespace poise::test {
 

@@ -16,7 +16,7 @@
 #include "model/mechanism.hpp"
 #include "model/parameters.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/curvature.hpp"
+#include "statics/model/curvature.hpp"
 #include "tests/support/closure_rows.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/vector_mechanics.hpp"

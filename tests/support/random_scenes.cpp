@@ -10,9 +10,9 @@
 
 #include "model/parameters.hpp"
 #include "solvers/real50.hpp"
-#include "statics/body_measures.hpp"
-#include "statics/curvature.hpp"
-#include "statics/static_model.hpp"
+#include "statics/bodies/body_measures.hpp"
+#include "statics/model/curvature.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/elements.hpp"
 #include "tests/support/random_mechanism.hpp"

@@ -9,8 +9,8 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
-#include "statics/curvature.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/curvature.hpp"
+#include "statics/model/static_model.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/closure_rows.hpp"
 #include "tests/support/elements.hpp"

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "solvers/linear_algebra.hpp"
-#include "statics/curvature.hpp"
+#include "statics/model/curvature.hpp"
 #include "tests/support/closure_rows.hpp"
 
 namespace poise::test {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "statics/static_model.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::test {
 

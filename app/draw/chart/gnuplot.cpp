@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "model/one_line.hpp"
 
 namespace poise::app {

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "model/quantity.hpp"
-#include "statics/path_words.hpp"
+#include "statics/paths/path_words.hpp"
 
 namespace poise::app {
 namespace {

@@ -15,7 +15,7 @@
 #include "app/draw/chart/thinned.hpp"
 #include "app/draw/palette.hpp"
 #include "app/draw/sheet.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "model/scene.hpp"
 
 namespace poise::app {

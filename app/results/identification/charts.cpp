@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "app/draw/chart/interval_chart.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "identification/autocorrelation.hpp"
-#include "identification/residuals.hpp"
+#include "identification/assessment/residuals.hpp"
+#include "identification/fit/autocorrelation.hpp"
 
 namespace poise::app {
 namespace {

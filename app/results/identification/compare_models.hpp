@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "identification/compare_models.hpp"
+#include "identification/assessment/compare_models.hpp"
 
 namespace poise::app {
 

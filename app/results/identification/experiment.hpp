@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "identification/fit_problem.hpp"
-#include "identification/identifiability.hpp"
+#include "identification/identifiability/identifiability.hpp"
+#include "identification/prediction/fit_problem.hpp"
 
 namespace poise::app {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 #include "model/one_line.hpp"
 #include "model/rewritten_scene.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/draw/chart/interval_chart.hpp"
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 
 namespace poise::app {

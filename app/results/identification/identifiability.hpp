@@ -5,9 +5,9 @@
 
 #include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
-#include "identification/base_parameters.hpp"
-#include "identification/fit_problem.hpp"
-#include "identification/identifiability.hpp"
+#include "identification/identifiability/base_parameters.hpp"
+#include "identification/identifiability/identifiability.hpp"
+#include "identification/prediction/fit_problem.hpp"
 
 namespace poise::app {
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 #include "app/results/parts.hpp"
-#include "identification/residuals.hpp"
+#include "identification/assessment/residuals.hpp"
 #include "model/one_line.hpp"
 #include "solvers/not_a_number.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "identification/identify.hpp"
+#include "identification/assessment/identify.hpp"
 
 namespace poise::app {
 

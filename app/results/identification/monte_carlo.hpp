@@ -5,7 +5,7 @@
 
 #include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
-#include "identification/monte_carlo.hpp"
+#include "identification/assessment/monte_carlo.hpp"
 
 namespace poise::app {
 

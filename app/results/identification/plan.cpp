@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
 
 namespace poise::app {

@@ -5,7 +5,7 @@
 
 #include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
-#include "identification/plan.hpp"
+#include "identification/assessment/plan.hpp"
 
 namespace poise::app {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "identification/validation.hpp"
+#include "identification/assessment/validation.hpp"
 
 namespace poise::app {
 

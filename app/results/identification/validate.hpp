@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/results/identification/identify.hpp"
-#include "identification/validation.hpp"
+#include "identification/assessment/validation.hpp"
 
 namespace poise::app {
 

@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/cams.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "model/couplings.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/force_courses.hpp"
-#include "statics/pose_values.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/pose_values.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::app {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/nearest_name.hpp"
-#include "statics/cam_contact.hpp"
+#include "statics/model/cam_contact.hpp"
 
 namespace poise::app {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "app/result/result.hpp"
 #include "motion/modes.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::app {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/mobility.hpp"
-#include "statics/static_model.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::app {
 

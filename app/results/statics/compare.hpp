@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/answer.hpp"
+#include "statics/equilibrium/answer.hpp"
 
 namespace poise::app {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/all_equilibria.hpp"
-#include "statics/answer.hpp"
+#include "statics/all_equilibria/all_equilibria.hpp"
+#include "statics/equilibrium/answer.hpp"
 
 namespace poise::app {
 

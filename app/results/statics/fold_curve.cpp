@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "statics/pose_values.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/pose_values.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::app {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
-#include "statics/fold_curve.hpp"
+#include "statics/paths/fold_curve.hpp"
 
 namespace poise::app {
 

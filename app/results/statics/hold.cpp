@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/parameters.hpp"
-#include "statics/readings.hpp"
+#include "statics/model/readings.hpp"
 
 namespace poise::app {
 namespace {

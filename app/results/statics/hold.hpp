@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/held.hpp"
+#include "statics/friction/held.hpp"
 
 namespace poise::app {
 

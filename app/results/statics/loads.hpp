@@ -5,7 +5,7 @@
 
 #include "app/result/result.hpp"
 #include "motion/loads_in_motion.hpp"
-#include "statics/link_loads.hpp"
+#include "statics/equilibrium/link_loads.hpp"
 
 namespace poise::app {
 

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "statics/path_words.hpp"
-#include "statics/pose_values.hpp"
+#include "statics/model/pose_values.hpp"
+#include "statics/paths/path_words.hpp"
 
 namespace poise::app {
 namespace {

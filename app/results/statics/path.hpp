@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/path.hpp"
-#include "statics/path_measures.hpp"
+#include "statics/paths/path.hpp"
+#include "statics/paths/path_measures.hpp"
 
 namespace poise::app {
 

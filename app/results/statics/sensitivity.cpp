@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 
 namespace poise::app {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/sensitivity.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 
 namespace poise::app {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/result/result.hpp"
-#include "statics/equilibrium.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
 
 namespace poise::app {
 

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/cams.hpp"
 #include "app/results/parts.hpp"
 #include "app/results/statics/hold.hpp"
 #include "app/results/statics/settling.hpp"
 #include "model/curved_slots.hpp"
-#include "statics/enclosed_reactions.hpp"
-#include "statics/principal_directions.hpp"
+#include "statics/proof/enclosed_reactions.hpp"
+#include "statics/proof/principal_directions.hpp"
 
 namespace poise::app {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "statics/answer.hpp"
-#include "statics/held.hpp"
+#include "statics/equilibrium/answer.hpp"
+#include "statics/friction/held.hpp"
 
 namespace poise::app {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "model/one_line.hpp"
 
 namespace poise::app {

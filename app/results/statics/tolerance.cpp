@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "app/present/numbers.hpp"
+#include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "solvers/not_a_number.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "app/draw/chart/plot.hpp"
 #include "app/result/result.hpp"
-#include "statics/tolerance.hpp"
+#include "statics/sensitivity/tolerance.hpp"
 
 namespace poise::app {
 

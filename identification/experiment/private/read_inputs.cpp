@@ -1,0 +1,180 @@
+#include "identification/experiment/private/read_inputs.hpp"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
+#include "model/parameters.hpp"
+#include "solvers/quintic_spline.hpp"
+
+namespace poise {
+namespace {
+namespace fs = std::filesystem;
+
+/// The load or drive of a path.
+RunInput find_input(const std::string& path, const TomlPlace& place, const Scene& scene) {
+  RunInput input;
+  input.path = path;
+  input.line = place.line;
+  std::vector<std::string> valid;
+  const auto is_it = [&](const std::string& name, MotionInput::Of of, std::size_t item) {
+    valid.push_back(name);
+    if (name != path) return false;
+    input.motion.of = of;
+    input.motion.item = static_cast<int>(item);
+    return true;
+  };
+  for (std::size_t i = 0; i < scene.forces.size(); ++i) {
+    if (!is_it("load." + scene.forces[i].name, MotionInput::Of::force, i)) continue;
+    if (norm(scene.forces[i].vector) == 0.0) {
+      place.fail("expected a force with a direction, its vector is [0, 0]; give another vector in the scene");
+    }
+    return input;
+  }
+  for (std::size_t i = 0; i < scene.torques.size(); ++i) {
+    if (is_it("load." + scene.torques[i].name, MotionInput::Of::torque, i)) return input;
+  }
+  for (std::size_t i = 0; i < scene.drives.size(); ++i) {
+    if (is_it("drive." + scene.drives[i].name, MotionInput::Of::drive, i)) return input;
+  }
+  if (valid.empty()) {
+    place.fail("expected a load or drive of the scene, which has none; add a force, torque or drive to it");
+  }
+  place.fail("expected load.NAME of a force or torque, or drive.NAME, in quotes" + did_you_mean_or_list(path, valid));
+}
+
+/// The SI value of the unit of an input.
+double unit_of(const RunInput& input, const Scene& scene) {
+  if (input.motion.of != MotionInput::Of::drive) return value_unit(scene, input.path);
+  return scene.drives[static_cast<std::size_t>(input.motion.item)].on.dimension().unit(scene.units);
+}
+
+/// Adds the file that an input names to those of the run, where it is not one of them; returns which it is.
+std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path& folder, RunSource& source) {
+  const fs::path path = (folder / file.value).lexically_normal();
+  const std::optional<TomlText> time = input.find_text("time");
+  for (std::size_t f = 0; f < source.files.size(); ++f) {
+    if (source.files[f].path != path) continue;
+    if (time || input.has("time_factor")) {
+      file.place.fail("expected no time and time_factor of a file that the run has already; leave them out");
+    }
+    return f;
+  }
+  source.files.push_back({path, time ? time->value : "time",
+                          input.find_number("time_factor", 1.0, Range::positive).value_or(1.0), file.place, false});
+  return source.files.size() - 1;
+}
+
+/// Reads { column = "COLUMN", ... }.
+void read_table(const TomlTable& table, const fs::path& folder, InputTable& input, DataColumn& column,
+                const Scene& scene, RunSource& source) {
+  table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "multiplies", "gaps", "wraps", "noise"});
+  column.name = table.text("column").value;
+  column.gaps = table.flag("gaps", false);
+  input.input.motion.multiplies = table.flag("multiplies", false);
+  if (input.input.motion.multiplies && input.input.motion.of == MotionInput::Of::drive) {
+    table.place_of("multiplies").fail("expected multiplies of a load only; leave it out");
+  }
+  if (input.input.motion.multiplies) {
+    const std::vector<MotionInput> functions = inputs_of(scene);
+    if (std::any_of(functions.begin(), functions.end(), [&](const MotionInput& one) {
+          return one.of == input.input.motion.of && one.item == input.input.motion.item;
+        })) {
+      table.place_of("multiplies")
+          .fail(
+              "expected multiplies of a load without a function of time, found one in the scene; leave multiplies "
+              "out, the input then takes the place of load and function");
+    }
+    input.unit = 1.0;
+  }
+  const double unit = input.unit;
+  input.zero = table.find_number("zero", unit, Range::finite).value_or(0.0);
+  input.unit = table.find_number("factor", unit, Range::finite).value_or(unit);
+  if (table.has("wraps") && !input.is_angle) {
+    table.place_of("wraps").fail("expected wraps of a drive of an angle only; leave it out");
+  }
+  input.wraps = table.find_number("wraps", std::abs(input.unit), Range::not_negative);
+  if (table.has("noise")) {
+    if (input.input.motion.of != MotionInput::Of::drive) {
+      table.place_of("noise").fail(
+          "expected noise of a drive only, readings of a load count as exact and are joined by straight lines; leave "
+          "it "
+          "out, and smooth the column where it has noise");
+    }
+    input.noise = table.number("noise", unit, Range::positive);
+  }
+  if (const auto file = table.find_text("file")) {
+    column.file = file_of(table, *file, folder, source);
+  } else if (table.has("time") || table.has("time_factor")) {
+    table.place_of(table.has("time") ? "time" : "time_factor")
+        .fail("expected the key file as well; the times of data files are in time of the run");
+  }
+}
+
+}  // namespace
+
+std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder, const Scene& scene, bool measured,
+                                    RunSource& source) {
+  std::vector<InputTable> inputs;
+  const auto table = run.find_table("inputs");
+  if (!table) return inputs;
+  if (!measured) source.place = run.place_of("inputs");
+  for (const std::string& path : table->keys()) {
+    InputTable& input = inputs.emplace_back();
+    input.place = table->place_of(path);
+    input.input = find_input(path, input.place, scene);
+    input.unit = unit_of(input.input, scene);
+    input.is_angle = input.input.motion.of == MotionInput::Of::drive &&
+                     scene.drives[static_cast<std::size_t>(input.input.motion.item)].on.is_angle();
+    DataColumn column;
+    column.wanted_by = {input.place.file, input.place.line, "input \"" + path + "\""};
+    column.begins = !measured;
+    if (table->holds_table(path)) {
+      read_table(*table->find_table(path), folder, input, column, scene, source);
+    } else {
+      column.name = table->text(path).value;
+    }
+    if (source.files.empty()) {
+      input.place.fail("expected the file of the column; write { column = \"" + column.name + "\", file = \"...\" }");
+    }
+    source.columns.push_back(std::move(column));
+  }
+  return inputs;
+}
+
+RunInput input_of(const InputTable& table, Series series, const std::string& run, double end) {
+  RunInput input = table.input;
+  const bool drives = input.motion.of == MotionInput::Of::drive;
+  const std::size_t least = drives ? 6 : 2;
+  if (series.time.size() < least) {
+    table.place.fail(
+        fmt::format("expected at least {} readings, found {}; give a longer record", least, series.time.size()));
+  }
+  // The last sample of a simulation may be rounded.
+  if (series.time.front() > 0.0 || series.time.back() < end * (1 - 1e-12)) {
+    table.place.fail(fmt::format(
+        "expected readings from the start of run \"{}\", 0 s, to its end, {:.6g} s, found them from {:.6g} s to {:.6g} "
+        "s; leave out the rows of the run before and after them",
+        run, end, series.time.front(), series.time.back()));
+  }
+  if (!drives) {
+    input.motion.curve = std::make_shared<TimeCurve>(TimeCurve::through(std::move(series.time), series.value));
+    return input;
+  }
+  const std::optional<solvers::QuinticSpline> spline =
+      table.noise > 0 ? solvers::smoothing_spline(series.time, series.value, table.noise)
+                      : solvers::interpolating_spline(series.time, series.value);
+  if (!spline) {
+    table.place.fail(
+        "expected readings that scatter about a smooth curve by their noise, found more, or fewer than two for each "
+        "interval of the curve; raise noise, or leave it out for a curve through every reading");
+  }
+  input.motion.curve = std::make_shared<TimeCurve>(TimeCurve::along(*spline));
+  return input;
+}
+
+}  // namespace poise

@@ -1,0 +1,78 @@
+#pragma once
+
+// Where the readings of runs come from.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/experiment/record.hpp"
+#include "model/toml_reader.hpp"
+
+namespace poise {
+
+/// A data file, and its column of the time.
+struct DataFile {
+  std::filesystem::path path;
+  std::string time;
+  double time_factor = 1.0;  ///< seconds per unit of it
+  TomlPlace named{};         ///< where
+  bool replaceable = true;   ///< by --data
+};
+
+/// A column of numbers that a run needs.
+struct DataColumn {
+  std::string name;
+  TomlPlace wanted_by;                ///< the sensor or input
+  bool gaps = false;                  ///< empty cells and NaN mean: not read at that time
+  bool begins = true;                 ///< the run does not begin after the first row of its file
+  std::optional<std::size_t> file{};  ///< index into RunSource::files; absent: found by DataFiles::want()
+};
+
+/// Makes the readings of an angle continuous: those of a column that `wraps` after so much, SI. Throws InputError where
+/// that is not stated and they must have started again after a full turn; `unit` is the SI value of the column's unit.
+void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wraps, double unit,
+                     const std::string& run, Series& series);
+
+/// What a run is read from.
+struct RunSource {
+  TomlPlace place;  ///< of `data`
+  std::vector<DataFile> files;
+  std::string split;  ///< column that names the segments; empty: the files are one run
+  std::vector<TomlText> segments;
+  std::size_t every = 1;
+  /// Time 0 is the first row; else the first in which a column that begins was read.
+  bool begins_at_first_row = false;
+  std::vector<DataColumn> columns;
+};
+
+/// Readings of one run as they are written.
+struct RunData {
+  std::optional<std::string> segment;
+  std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of those that begin
+};
+
+/// Data files, each of which is read once, with all the columns that any run needs of it.
+class DataFiles {
+ public:
+  /// Finds the file of each column. To be called for every run before the first is read. Throws InputError where there
+  /// is no such file, or where none of a run's files has a column, or several have it.
+  void want(RunSource& source);
+  /// The runs of a source that was wanted: one, or one for each segment. Throws InputError as read_csv(), parts_of()
+  /// and check_times(), for a gap in a column without gaps, and where a file has not all of the segments.
+  std::vector<RunData> read(const RunSource& source);
+
+ private:
+  struct Wanted {
+    std::vector<std::string> header, columns, words, gaps;
+    std::optional<CsvTable> table;
+  };
+  const CsvTable& table(const DataFile& file);
+  std::vector<CsvPart> parts(const RunSource& source, std::size_t file);
+
+  std::map<std::filesystem::path, Wanted> files_;
+};
+
+}  // namespace poise

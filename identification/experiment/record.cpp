@@ -1,0 +1,86 @@
+#include "identification/experiment/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "model/toml_reader.hpp"
+
+namespace poise {
+
+void unwrap(Series& series, double period) {
+  for (std::size_t i = 1; i < series.value.size(); ++i) {
+    series.value[i] -= period * std::round((series.value[i] - series.value[i - 1]) / period);
+  }
+}
+
+std::optional<std::size_t> wrapped_at(const Series& series, double period) {
+  const auto largest_step = [](const std::vector<double>& values) {
+    std::size_t largest = 0;
+    double size = 0.0;
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      const double step = std::abs(values[i] - values[i - 1]);
+      if (step <= size) continue;
+      size = step;
+      largest = i;
+    }
+    return std::pair(largest, size);
+  };
+  const auto [at, jump] = largest_step(series.value);
+  if (!(jump > 0.75 * period)) return std::nullopt;
+  Series continuous = series;
+  unwrap(continuous, period);
+  if (largest_step(continuous.value).second > 0.25 * period) return std::nullopt;
+  return at;
+}
+
+std::size_t Record::count() const {
+  std::size_t sum = 0;
+  for (const Series& series : sensors) sum += series.value.size();
+  return sum;
+}
+
+std::vector<CsvPart> parts_of(const CsvTable& table, const std::string& split) {
+  const auto words =
+      std::find_if(table.words.begin(), table.words.end(), [&](const CsvWords& w) { return w.column == split; });
+  if (words == table.words.end()) throw std::out_of_range("column \"" + split + "\" was not read as words");
+  std::vector<CsvPart> parts;
+  std::unordered_map<std::string_view, int> seen;  // with the line of the last row
+  for (std::size_t row = 0; row < words->value.size(); ++row) {
+    const std::string& value = words->value[row];
+    if (parts.empty() || parts.back().value != value) {
+      const auto [earlier, is_new] = seen.emplace(value, 0);
+      if (!is_new) {
+        TomlPlace{table.file, table.line[row], split}.fail("expected the rows of " + shown_cell(value) +
+                                                           " to stand together, found more after line " +
+                                                           std::to_string(earlier->second) + "; sort the rows");
+      }
+      parts.push_back({value, row, row});
+    }
+    parts.back().last = row + 1;
+    seen[value] = table.line[row];
+  }
+  return parts;
+}
+
+void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last,
+                 std::size_t every) {
+  const std::vector<double>& t = table.column(time);
+  for (std::size_t row = first + 1; row < last; ++row) {
+    if (t[row] > t[row - 1]) continue;
+    TomlPlace{table.file, table.line[row], time}.fail(
+        "expected a time after that of the row before; sort the rows, or split the file by the column that names its "
+        "segments");
+  }
+  constexpr std::size_t least = 3;
+  const std::size_t rows = first < last ? (last - first - 1) / every + 1 : 0;
+  if (rows >= least) return;
+  TomlPlace{table.file, first < last ? table.line[first] : 1, time}.fail(
+      "expected at least 3 rows, found " + std::to_string(rows) +
+      (every > 1 ? " after thinning; take more of them" : "; give a longer record"));
+}
+
+}  // namespace poise

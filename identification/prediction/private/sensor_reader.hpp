@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/experiment/experiment.hpp"
+#include "model/measures/measures.hpp"
+#include "statics/model/scaled_model.hpp"
+
+namespace poise {
+
+/// A sensor compiled for one model: its reading and derivatives as functions of coordinates and rates, all SI.
+class SensorReader {
+ public:
+  SensorReader(const ScaledModel& model, const Sensor& sensor);
+
+  /// Coordinates that the sensor depends on.
+  const std::vector<int>& coordinates() const { return on_.support(); }
+  /// Its reading where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates().
+  double read(const double* q, const double* v, double* by_q, double* by_v);
+  /// The measure as last read: of a force sensor that of its element.
+  double measure() const { return measure_; }
+
+ private:
+  Phasors<double> phasors_;
+  CompiledMeasure<double> on_;
+  bool rate_;
+  std::optional<Law> law_;  // of the element whose force it reads
+  double measure_ = 0.0;
+  std::vector<double> q_, v_, bent_;  // of all coordinates
+  std::vector<Planar<double>> pose_;
+};
+
+}  // namespace poise

@@ -1,0 +1,886 @@
+#include "identification/prediction/run_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "identification/prediction/private/sensor_reader.hpp"
+#include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
+#include "model/joint_friction.hpp"
+#include "motion/equilibrium_pose.hpp"
+#include "solvers/linear_algebra.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+
+std::string at(const std::string& file, int line) { return fmt::format("{}:{}: ", file, line); }
+
+/// Of times, relative to the length of a run.
+constexpr double time_rounding = 1e-12;
+
+/// A start with values that are written at a place of the experiment, which its errors name.
+template <class Make>
+auto start_at(const std::string& place, Make make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    throw InputError(place + error.what());
+  }
+}
+
+/// Places the motion at time 0 in the pose of x, scaled, near which it is; its drives start from `closed`.
+bool place(Reduced& motion, const std::vector<double>& closed, const std::vector<double>& x,
+           const std::vector<int>& independent) {
+  motion.start_drives(closed.data());
+  motion.choose(0.0, closed.data(), false, &independent);
+  motion.expect(x.data());
+  std::vector<double> z;
+  for (const int i : independent) z.push_back(x[static_cast<std::size_t>(i)]);
+  return motion.place(0.0, z.data()) == Reduced::Status::ok;
+}
+
+/// A sensor in a piece of the variation of a number.
+struct VariedReader {
+  SensorReader reader;
+  std::vector<std::size_t> places;
+  std::size_t number;
+  double weight;
+};
+
+}  // namespace
+
+/// The value of an angle of a body, or of a travel, as one of a coordinate.
+StartValue RunModel::coordinate_at(const MotionModel& model, int body, int joint, int line, double value) {
+  const Layout& layout = model.layout();
+  if (joint >= 0) return {layout.travel[static_cast<std::size_t>(joint)], false, value};
+  const Link& link = layout.links[static_cast<std::size_t>(body)];
+  if (link.frame < 0 || link.frame >= layout.kept) {
+    throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another",
+                                 model.scene().file, line, model.scene().bodies[static_cast<std::size_t>(body)].name));
+  }
+  return {link.frame, false, value - layout.turns[static_cast<std::size_t>(link.turn)].to<double>()};
+}
+
+StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
+  const EquilibriumPose& pose = *run_.equilibrium;
+  return coordinate_at(model, pose.body, pose.joint, pose.line, at);
+}
+
+RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers,
+                   std::vector<SensorNumber> sensor_numbers)
+    : experiment_(experiment),
+      run_(experiment.runs[run]),
+      scene_(experiment.scene_of(run_.part)),
+      numbers_(std::move(numbers)),
+      sensor_numbers_(std::move(sensor_numbers)),
+      held_(is_held(experiment, run_)) {
+  for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
+  scene_ = resisted_by_joints(std::move(scene_));
+  for (const RunInput& input : run_.inputs) {
+    inputs_.push_back(input.motion);
+    if (input.motion.of != MotionInput::Of::drive) continue;
+    // The start is found with the scene's drive, which is here the input at time 0.
+    Drive& drive = scene_.drives[static_cast<std::size_t>(input.motion.item)];
+    const auto expect_numbers = [&](ParameterPlace place, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) {
+        place.number = static_cast<int>(k);
+        if (dependent_number(scene_, place) == nullptr) continue;
+        throw InputError(
+            at(experiment.file_of(run_.part), run_.line) +
+            fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
+                        "found an expression; write its value",
+                        run_.name, drive.name));
+      }
+    };
+    expect_numbers({Owner::drive, input.motion.item}, Drive::numbers.size());
+    drive.start = input.motion.curve->at(0);
+    drive.rate = input.motion.curve->at(0, 1);
+    drive.acceleration = drive.amplitude = 0.0;
+    for (std::size_t f = 0; f < scene_.time_functions.size(); ++f) {
+      TimeFunction& function = scene_.time_functions[f];
+      if (function.of != TimeFunction::Of::drive || function.item != input.motion.item) continue;
+      expect_numbers({Owner::time, static_cast<int>(f)}, function.numbers().size());
+      function.law = SineInTime{drive.rate, 0.5 * std::numbers::inv_pi, 0.0, *drive.start};
+    }
+  }
+  start_unknown_ = run_.unknown_start;
+  equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
+  const MotionModel as_written(scene_);
+  scales_ = as_written.scales();
+  size_ = as_written.layout().size * scales_.length;
+  const auto is_linear = [](const Measure& on) {
+    return on.kind == Measure::Kind::angle || on.kind == Measure::Kind::travel;
+  };
+  // Lengths of lines, and curves through points, are none of the second degree.
+  const auto is_quadratic = [&](const Measure& on) { return is_linear(on) || on.kind == Measure::Kind::component; };
+  for (const Element& element : scene_.elements) quadratic_ = quadratic_ && is_linear(element.on);
+  for (const Stop& stop : scene_.stops) {
+    if (!stop.holds()) continue;
+    const bool is_sum = stop.on.kind == Measure::Kind::sum;
+    quadratic_ = quadratic_ && (is_sum || is_quadratic(stop.on));
+    for (const Measure::Term& term : stop.on.terms) {
+      quadratic_ = quadratic_ && !term.profile && is_quadratic(term.measure);
+    }
+  }
+  // The length of a line is a root.
+  for (const Force& force : scene_.forces) quadratic_ = quadratic_ && !force.to;
+  for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
+  quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
+  std::vector<ParameterPlace> varying;
+  for (const SceneParameter& number : numbers_) {
+    if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
+      throw InputError(
+          at(experiment.file_of(run_.part), run_.line) +
+          fmt::format("run \"{}\": expected {} > 0 where it is an unknown, found 0: a slide without length "
+                      "carries couples without friction; give it a length",
+                      run_.name, number.path()));
+    }
+    if (number.is_geometric()) varying.push_back(number.place());
+  }
+  varying_ = VaryingNumbers(scene_, varying);
+  std::string written;
+  std::vector<StartValue> wanted;
+  const MotionModel model(scene_, scales_, varying_);
+  if (run_.equilibrium) {
+    written = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
+    set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
+    if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
+        set_by_equilibrium_->scales_with_force()) {
+      throw InputError(at(experiment.file_of(run_.part), run_.equilibrium->line) +
+                       "rest.by: expected the free length of a spring or the free angle "
+                       "of a torsion spring, found \"" +
+                       run_.equilibrium->by + "\"; give spring.NAME.free_length");
+    }
+    wanted.push_back(equilibrium_in(model, run_.equilibrium->at));
+    equilibrium_coordinate_ = wanted.back().coordinate;
+  }
+  closed_ = start_at(written, [&] { return start_motion(model, wanted); }).q;
+  for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
+    if (scene_.drives[k].start) continue;
+    measured_starts_.push_back(static_cast<int>(k));
+  }
+  const Assembled assembled = assemble(scene_, true);
+  scene_ = assembled.model->scene();
+  Reduced reduced(assembled.model->scaled_scene(), assembled.model->mechanism(), assembled.model->inertia());
+  const std::vector<double> x = assembled.model->from_si(closed_);
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false);
+  freedoms_ = reduced.freedoms();
+  const bool is_regular = reduced.rank() == assembled.model->mechanism().equalities() + reduced.drives();
+  mobility_ = freedoms_at(*assembled.model, x, is_regular ? std::optional(0) : std::nullopt);
+  independent_ = reduced.independent();
+  if (run_.equilibrium && freedoms_ != 1) {
+    throw InputError(
+        at(experiment.file_of(run_.part), run_.equilibrium->line) +
+        fmt::format(
+            "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
+            freedoms_, run_.equilibrium->by));
+  }
+  if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
+  if (!run_.release.empty() || first_readings_ != nullptr) {
+    written = at(experiment.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
+              fmt::format("run \"{}\".{}: ", run_.name,
+                          run_.release.empty()         ? "start_known, by its first readings"
+                          : first_readings_ != nullptr ? "release, with its first readings"
+                                                       : "release");
+  }
+  const std::vector<StartValue> release = start_values(*assembled.model, closed_);
+  released_ = start_at(written, [&] { return start_in(*assembled.model, release, closed_); });
+  left_out_ = run_.left_out;
+  delayed_ = std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
+                         [](const SensorNumber& number) { return number.of == SensorNumber::Of::delay; });
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    if (run_.is_simulated()) {
+      times_.push_back(simulated_times(experiment, run_, k));
+      const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
+      if (run_.reads(k)) left_out_ += count - times_[k].size();
+    } else {
+      times_.push_back(experiment.records[run].sensors[k].time);
+    }
+    if (times_[k].empty()) continue;
+    const Sensor& sensor = experiment.sensors[k];
+    delayed_ = delayed_ || sensor.delay != 0;
+    end_ = std::max(end_, times_[k].back() - sensor.least_delay);
+    for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
+  }
+  std::stable_sort(readings_.begin(), readings_.end(),
+                   [](const Reading& a, const Reading& b) { return a.time < b.time; });
+}
+
+void RunModel::complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
+                              std::vector<StartValue>& start) const {
+  for (const bool rate : {false, true}) {
+    // Rows: how the values given change with the independent coordinates, or their rates.
+    Eigen::MatrixXd given(0, freedoms_);
+    const auto adds = [&](int coordinate) {
+      Eigen::MatrixXd more(given.rows() + 1, freedoms_);
+      more.topRows(given.rows()) = given;
+      for (int k = 0; k < freedoms_; ++k) more(given.rows(), k) = reduced.B(k)[coordinate];
+      if (solvers::rank<double>(more, solvers::known_to::closed_point) <= given.rows()) return false;
+      given = std::move(more);
+      return true;
+    };
+    for (const StartValue& value : start) {
+      if (value.rate == rate) adds(value.coordinate);
+    }
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+      const Sensor& sensor = experiment_.sensors[k];
+      const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
+      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
+          (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
+        continue;
+      }
+      SensorReader reader(model, sensor);
+      if (reader.coordinates().size() != 1 || !adds(reader.coordinates()[0])) continue;
+      const double none = 0.0;
+      double by_q = 0.0;
+      double by_v = 0.0;
+      const double zero = reader.read(&none, &none, &by_q, &by_v);
+      start.push_back({reader.coordinates()[0], rate, record.sensors[k].value.front() - zero});
+    }
+    for (const int i : independent_) {
+      if (!adds(i)) continue;
+      const std::string& name = model.layout().coordinates[static_cast<std::size_t>(i)].name;
+      throw InputError(
+          at(experiment_.file_of(run_.part), run_.line) +
+          (rate ? fmt::format(
+                      "run \"{}\".start_known: expected the rate of \"{}\" at the start; add release_rate = "
+                      "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true, "
+                      "without delay and with exact numbers",
+                      run_.name, name, name)
+                : fmt::format("run \"{}\".start_known: expected where \"{}\" starts; add release = {{ \"{}\" = NUMBER "
+                              "}} or a sensor of it without delay and with exact numbers",
+                              run_.name, name, name)));
+    }
+  }
+}
+
+std::vector<std::size_t> RunModel::counts(double until) const {
+  std::vector<std::size_t> out;
+  for (const std::vector<double>& times : times_) {
+    out.push_back(static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), until) - times.begin()));
+  }
+  return out;
+}
+
+std::size_t RunModel::readings(double until) const {
+  const std::vector<std::size_t> each = counts(until);
+  return std::accumulate(each.begin(), each.end(), std::size_t{0});
+}
+
+double RunModel::span() const { return readings_.empty() ? 0.0 : readings_.back().time; }
+
+/// Whether all numbers of a sensor are: neither unknown nor known with a deviation.
+bool RunModel::is_exact(std::size_t sensor) const {
+  return std::none_of(sensor_numbers_.begin(), sensor_numbers_.end(),
+                      [&](const SensorNumber& number) { return number.sensor == sensor; }) &&
+         std::none_of(experiment_.known.begin(), experiment_.known.end(), [&](const KnownNumber& known) {
+           return known.of_sensor && known.of_sensor->sensor == sensor && known.part == run_.part;
+         });
+}
+
+std::vector<RunModel::Scaling> RunModel::scalings(const double* unknowns) const {
+  std::vector<Scaling> out;
+  for (const Sensor& sensor : experiment_.sensors) out.push_back({sensor.zero, sensor.unit, sensor.delay});
+  const double* value = unknowns + numbers_.size();
+  for (const SensorNumber& number : sensor_numbers_) {
+    Scaling& own = out[number.sensor];
+    (number.of == SensorNumber::Of::zero     ? own.zero
+     : number.of == SensorNumber::Of::factor ? own.factor
+                                             : own.delay) = *value++;
+  }
+  return out;
+}
+
+/// The readings up to the time `until`, in the order of the times of which they are.
+std::vector<RunModel::Reading> RunModel::due(const std::vector<Scaling>& scalings, double until) const {
+  const auto last = std::upper_bound(readings_.begin(), readings_.end(), until,
+                                     [](double time, const Reading& reading) { return time < reading.time; });
+  std::vector<Reading> out(readings_.begin(), last);
+  if (!delayed_) return out;
+  for (Reading& reading : out) reading.time -= scalings[reading.sensor].delay;
+  std::stable_sort(out.begin(), out.end(), [](const Reading& a, const Reading& b) { return a.time < b.time; });
+  return out;
+}
+
+double RunModel::reach(const SceneParameter& number) const {
+  if (number.is_named()) return number.reach(scene_, size_);
+  if (number.place().owner == Owner::scene) return std::max(1.0, norm(scene_.gravity));
+  if (number.is_friction() && number.get(scene_) != 0) return std::abs(number.get(scene_));
+  return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));
+}
+
+/// The scene in its coordinates and units, the loops closed if asked for. Drives without a start begin where they are
+/// then.
+RunModel::Assembled RunModel::assemble(Scene scene, bool closed) const {
+  Assembled out{std::make_shared<const MotionModel>(scene, scales_, varying_), closed_};
+  if (closed && !varying_.empty()) out.q = out.model->to_si(closed_from(*out.model, out.model->from_si(closed_)));
+  if (measured_starts_.empty()) return out;
+  for (const int k : measured_starts_) {
+    Drive& drive = scene.drives[static_cast<std::size_t>(k)];
+    Sensor sensor;
+    sensor.on = drive.on;
+    SensorReader reader(*out.model, sensor);
+    std::vector<double> q, none(reader.coordinates().size(), 0.0), by_q(none), by_v(none);
+    for (const int i : reader.coordinates()) q.push_back(out.q[static_cast<std::size_t>(i)]);
+    drive.start = reader.read(q.data(), none.data(), by_q.data(), by_v.data());
+  }
+  out.model = std::make_shared<const MotionModel>(std::move(scene), scales_, varying_);
+  return out;
+}
+
+/// Where the run starts, from the closed pose q.
+std::vector<StartValue> RunModel::start_values(const MotionModel& model, const std::vector<double>& q) const {
+  std::vector<StartValue> wanted;
+  for (const Release& r : run_.release) {
+    StartValue value = coordinate_at(model, r.body, r.joint, r.line, r.value);
+    value.rate = r.rate;
+    if (r.rate) {
+      value.value = r.value;
+    } else if (run_.equilibrium) {
+      value.value = r.value + q[static_cast<std::size_t>(value.coordinate)];
+    }
+    wanted.push_back(value);
+  }
+  if (first_readings_ == nullptr) return wanted;
+  const std::vector<double> x = model.from_si(q);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  if (place(reduced, x, x, independent_)) complete_start(model, reduced, *first_readings_, wanted);
+  return wanted;
+}
+
+/// Initial independent coordinates and rates of a run that starts so, from the closed pose q.
+std::vector<double> RunModel::start_in(const MotionModel& model, const std::vector<StartValue>& wanted,
+                                       const std::vector<double>& q) const {
+  const MotionState state = start_motion(model, wanted, &q, &independent_);
+  std::vector<double> out;
+  for (const int i : independent_) out.push_back(state.q[static_cast<std::size_t>(i)]);
+  for (const int i : independent_) out.push_back(state.v[static_cast<std::size_t>(i)]);
+  return out;
+}
+
+/// The same of the run as it is released in this model.
+std::vector<double> RunModel::released_in(const MotionModel& model, std::vector<double> q) const {
+  if (run_.equilibrium) {
+    q = start_motion(model, {equilibrium_in(model, run_.equilibrium->at)}, &q, &independent_).q;
+  }
+  return start_in(model, start_values(model, q), q);
+}
+
+std::vector<std::string> RunModel::nuisance_names() const {
+  std::vector<std::string> names;
+  if (equilibrium_unknown_) names.emplace_back("equilibrium");
+  if (!start_unknown_) return names;
+  const Layout layout = lay_out(scene_, Purpose::dynamics, varying_);
+  for (const char* what : {"start ", "start rate "}) {
+    for (const int i : independent_) names.push_back(what + layout.coordinates[static_cast<std::size_t>(i)].name);
+  }
+  return names;
+}
+
+std::vector<Dimension> RunModel::nuisance_dimensions() const {
+  std::vector<Dimension> out;
+  if (equilibrium_unknown_) out.push_back(run_.equilibrium->body >= 0 ? dimension::angle : dimension::length);
+  if (!start_unknown_) return out;
+  const Layout layout = lay_out(scene_, Purpose::dynamics, varying_);
+  for (const int per_time : {0, -1}) {
+    for (const int i : independent_) {
+      const bool angle = layout.coordinates[static_cast<std::size_t>(i)].kind == Coordinate::Kind::angle;
+      out.push_back((angle ? dimension::angle : dimension::length) * dimension::time.power(per_time));
+    }
+  }
+  return out;
+}
+
+std::vector<double> RunModel::scene_values() const {
+  std::vector<double> values;
+  for (const SceneParameter& number : numbers_) values.push_back(number.get(scene_));
+  for (const SensorNumber& n : sensor_numbers_) values.push_back(experiment_.sensors[n.sensor].number(n.of));
+  return values;
+}
+
+std::vector<double> RunModel::released() const {
+  std::vector<double> values;
+  if (equilibrium_unknown_) values.push_back(run_.equilibrium->at);
+  if (start_unknown_) values.insert(values.end(), released_.begin(), released_.end());
+  return values;
+}
+
+std::vector<double> RunModel::start_of_run(const std::vector<double>& nuisances) const {
+  if (!start_unknown_) return {released_.begin(), released_.begin() + freedoms_};
+  const auto first = nuisances.begin() + (equilibrium_unknown_ ? 1 : 0);
+  return {first, first + freedoms_};
+}
+
+/// Whether the scene can have these numbers; it has them then.
+bool RunModel::sets_numbers(const double* unknowns, Scene& scene, std::string& why) const {
+  // The start and the end of a ramp may only be possible together: the one that is not yet is set after the other.
+  std::vector<std::size_t> later;
+  const auto set = [&](std::size_t i) {
+    const bool allowed = numbers_[i].allows(scene, unknowns[i]);
+    if (allowed) numbers_[i].set(scene, unknowns[i]);
+    return allowed;
+  };
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (!set(i)) later.push_back(i);
+  }
+  for (const std::size_t i : later) {
+    if (set(i)) continue;
+    why = numbers_[i].path() + (numbers_[i].is_named() ? " gives some number a value that it cannot have"
+                                : unknowns[i] <= 0.0 && numbers_[i].place().owner != Owner::time
+                                    ? " is not positive"
+                                    : " is out of its range");
+    return false;
+  }
+  return true;
+}
+
+RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool derivatives) const {
+  Built out;
+  Scene scene = scene_;
+  if (!sets_numbers(unknowns, scene, out.why)) return out;
+  try {
+    Assembled assembled = assemble(scene, true);
+    out.q = std::move(assembled.q);
+    scene = assembled.model->scene();
+    out.released = start_unknown_ ? released_ : released_in(*assembled.model, out.q);
+    if (run_.equilibrium) {
+      if (!balance(scene, equilibrium, derivatives, out)) return out;
+      out.model = std::make_shared<const MotionModel>(scene, scales_, varying_);
+    } else {
+      if (derivatives) vary(scene, out);
+      out.model = std::move(assembled.model);
+    }
+  } catch (const InputError& error) {
+    out.why = error.what();
+  }
+  return out;
+}
+
+// In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
+bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const {
+  const MotionModel model(scene, scales_, varying_);
+  try {
+    out.q = start_motion(model, {equilibrium_in(model, equilibrium)}, &out.q, &independent_).q;
+  } catch (const InputError&) {
+    out.why = "it cannot take its equilibrium pose";
+    return false;
+  }
+  const std::vector<double> x = model.from_si(out.q);
+  const double still = 0.0;
+  const auto stand = [&](Reduced& motion) {
+    if (!place(motion, x, x, independent_)) return false;
+    motion.move(&still);
+    return motion.accelerate() == Reduced::Status::ok;
+  };
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
+  const Influence set = set_by_equilibrium_->influence(scene, scales_);
+  double by_set = 0.0;
+  if (stand(reduced)) reduced.influence(set, &by_set);
+  if (by_set == 0 || !std::isfinite(by_set)) {
+    out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
+    return false;
+  }
+  set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
+  if (!derivatives) return true;
+  vary(scene, out);
+  const MotionModel balanced(scene, scales_, varying_);
+  Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
+  again.set_inputs(balanced.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
+  again.set_variations(out.variations);
+  if (!stand(again)) {
+    out.why = "its motion cannot be computed in its equilibrium pose";
+    return false;
+  }
+  again.linearize();
+  again.influence(set, &by_set);
+  const double at_per_z = again.B(0)[equilibrium_coordinate_];
+  const double z_unit = equilibrium_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+  out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const Influence& influence = out.influences[i];
+    double alpha = 0.0;
+    again.influence(influence, &alpha);
+    if (influence.moves()) {
+      // The equilibrium's coordinate stays where it is, but for turns of its body's frame.
+      double moved = again.q_p()[equilibrium_coordinate_];
+      if (influence.variation >= 0) {
+        for (const auto& [piece, weight] : out.variations[static_cast<std::size_t>(influence.variation)].pieces) {
+          moved -= weight * equilibrium_in(*piece, 0.0).value;
+        }
+      }
+      alpha -= again.alpha_z(0)[0] * moved / at_per_z;
+    }
+    out.set_by.push_back(-alpha / by_set);
+  }
+  out.influences.push_back(set);
+  return true;
+}
+
+/// How the motion, and a known start, depend on the numbers.
+void RunModel::vary(const Scene& scene, Built& out) const {
+  struct Step {
+    double steps, weight;
+  };
+  static constexpr Step central[] = {{-1, -0.5}, {1, 0.5}};
+  static constexpr Step stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
+  const auto f = static_cast<std::size_t>(freedoms_);
+  if (!start_unknown_) out.released_by.assign(2 * f * numbers_.size(), 0.0);
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const SceneParameter& number = numbers_[i];
+    const Owner owner = number.place().owner;
+    const bool moves_start =
+        number.is_dimension() || owner == Owner::drive || owner == Owner::time || number.is_named();
+    if (number.is_geometric()) {
+      out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
+      out.influences.back().in_time = number.in_time(scene);
+      out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});
+    } else {
+      out.influences.push_back(number.influence(scene, scales_));
+      if (start_unknown_ || !moves_start) continue;
+    }
+    // The force of gravity is linear in it.
+    const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length() && !number.is_friction());
+    const double value = number.get(scene);
+    double step = std::exp2(std::round(std::log2(reach(number)))) * (quadratic ? 0x1p-3 : 0x1p-13);
+    while (!number.allows(scene, value - 4 * step) || (number.is_named() && !number.allows(scene, value + 4 * step))) {
+      step /= 2;
+      if (value + step == value) throw InputError(number.path() + " is at an end of its range");
+    }
+    const bool close = moves_start && (!start_unknown_ || !measured_starts_.empty());
+    for (const auto& [steps, weight] : quadratic ? std::span<const Step>(central) : std::span<const Step>(stencil)) {
+      Scene other = scene;
+      number.set(other, value + steps * step);
+      switch_profiles_as(scene, other);
+      const Assembled assembled = assemble(std::move(other), close);
+      if (number.is_geometric()) out.variations.back().pieces.push_back({assembled.model, weight / step});
+      if (start_unknown_ || !moves_start) continue;
+      const std::vector<double> released = released_in(*assembled.model, assembled.q);
+      for (std::size_t k = 0; k < 2 * f; ++k) out.released_by[2 * f * i + k] += weight / step * released[k];
+    }
+  }
+}
+
+MotionState RunModel::begin(const Built& built, const double* nuisances) const {
+  MotionState state;
+  state.q = built.q;
+  state.v.assign(state.q.size(), 0.0);
+  const double* start = start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : built.released.data();
+  for (int k = 0; k < freedoms_; ++k) {
+    const auto i = static_cast<std::size_t>(independent_[static_cast<std::size_t>(k)]);
+    state.q[i] = start[k];
+    state.v[i] = start[freedoms_ + k];
+  }
+  return state;
+}
+
+Motion RunModel::move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities,
+                      const std::atomic<bool>* interrupt) const {
+  MotionOptions options;
+  options.interrupt = interrupt;
+  options.duration = duration;
+  options.accuracy = accuracy;
+  options.independent = independent_;
+  options.sensitivities = sensitivities;
+  // Steps that the readings could follow; a fit may start from a stiffness that would need a billion.
+  options.most_steps = 20'000 + 20 * static_cast<int>(readings_.size());
+  options.inputs = inputs_;
+  for (const MotionInput& input : inputs_in(built.model->scene()))
+    options.most_steps += 20 * static_cast<int>(input.breaks().size());
+  if (sensitivities) {
+    options.influences = built.influences;
+    options.variations = built.variations;
+  }
+  return simulate(*built.model, begin(built, nuisances), options);
+}
+
+Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
+                      bool sensitivities) const {
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), sensitivities);
+  if (!built.model) {
+    Motion none;
+    none.why = built.why;
+    return none;
+  }
+  return move(built, nuisances, duration, accuracy, sensitivities, nullptr);
+}
+
+void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
+                       Prediction& out, const std::atomic<bool>* interrupt) const {
+  out.ok = false;
+  const int p = static_cast<int>(numbers_.size());
+  const int f = freedoms_;
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
+  if (!built.model) {
+    out.why = built.why;
+    return;
+  }
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  for (const SensorNumber& number : sensor_numbers_) {
+    if (scaling[number.sensor].factor != 0) continue;
+    out.why = fmt::format("the factor of sensor \"{}\" is 0", experiment_.sensors[number.sensor].name);
+    return;
+  }
+  const std::vector<Reading> readings = due(scaling, until);
+  const double duration = std::clamp(readings.empty() ? 0.0 : readings.back().time, 1e-9, std::max(end_, 1e-9));
+  const Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
+  if (!motion.completed()) {
+    out.why = motion.why;
+    return;
+  }
+  std::vector<std::optional<SensorReader>> readers(times_.size());  // none of a sensor that is not read in this run
+  std::vector<int> coordinates;
+  std::vector<std::vector<std::size_t>> places;
+  const auto places_of = [&](const SensorReader& reader) {
+    std::vector<std::size_t> found;
+    for (const int i : reader.coordinates()) {
+      const auto known = std::find(coordinates.begin(), coordinates.end(), i);
+      found.push_back(static_cast<std::size_t>(known - coordinates.begin()));
+      if (known == coordinates.end()) coordinates.push_back(i);
+    }
+    return found;
+  };
+  std::vector<std::vector<VariedReader>> varied;  // per sensor
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    places.emplace_back();
+    varied.emplace_back();
+    if (times_[k].empty()) continue;
+    const Sensor& sensor = experiment_.sensors[k];
+    readers[k].emplace(*built.model, sensor);
+    places[k] = places_of(*readers[k]);
+    for (std::size_t i = 0; jacobian && i < numbers_.size(); ++i) {
+      const int variation = built.influences[i].variation;
+      if (variation < 0 || numbers_[i].place().owner == Owner::scene) continue;
+      for (const auto& [model, weight] : built.variations[static_cast<std::size_t>(variation)].pieces) {
+        SensorReader reader(*model, sensor);
+        std::vector<std::size_t> at = places_of(reader);
+        varied.back().push_back({std::move(reader), std::move(at), i, weight});
+      }
+    }
+  }
+  const bool rates = delayed_ || std::any_of(experiment_.sensors.begin(), experiment_.sensors.end(),
+                                             [](const Sensor& sensor) { return sensor.rate; });
+  TrajectoryReader trajectory(motion.trajectory, coordinates, rates);
+  const std::size_t width = static_cast<std::size_t>(columns());
+  std::vector<std::size_t> first{0};  // row of each sensor's first reading
+  for (const std::size_t count : counts(until)) first.push_back(first.back() + count);
+  out.reading.resize(first.back());
+  if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
+  // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
+  std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
+  double beyond = 0.0;  // time after the end of the motion, or before its start
+  const auto read = [&](SensorReader& reader, const std::vector<std::size_t>& at) {
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      q[i] = trajectory.q(at[i]) + beyond * trajectory.v(at[i]);
+      v[i] = trajectory.v(at[i]);
+    }
+    return reader.read(q.data(), v.data(), by_q.data(), by_v.data());
+  };
+  // Of the reading, after read().
+  const auto rate_of_change = [&](const std::vector<std::size_t>& at) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      sum += by_q[i] * v[i];
+      if (by_v[i] != 0 && beyond == 0) sum += by_v[i] * trajectory.a(at[i]);
+    }
+    return sum;
+  };
+  std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
+  double now = -INFINITY;
+  for (const auto& [time, k, s] : readings) {
+    const double within = std::clamp(time, 0.0, duration);
+    if (within > now) trajectory.at(within);
+    now = within;
+    const bool still = held_ && time < 0;
+    beyond = still || std::abs(time - within) < time_rounding * end_ ? 0.0 : time - within;
+    SensorReader& reader = *readers[k];
+    const Sensor& sensor = experiment_.sensors[k];
+    const std::size_t n = reader.coordinates().size();
+    const std::size_t row = first[k] + s;
+    const Scaling& own = scaling[k];
+    const double gain = sensor.unit / own.factor;
+    const double quantity = read(reader, places[k]);
+    out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
+    if (!jacobian) continue;
+    const double change = still ? 0.0 : rate_of_change(places[k]);
+    std::fill(column.begin(), column.end(), 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::span<const double> q_p = trajectory.q_p(places[k][i]);
+      const std::span<const double> v_p = trajectory.v_p(places[k][i]);
+      const double on_q = by_q[i];
+      const double on_v = by_v[i] + by_q[i] * beyond;
+      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
+      if (on_v == 0) continue;
+      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
+    }
+    double* numbers = column.data() + 2 * f;
+    if (sensor.reads_force()) {
+      for (int i = 0; i <= p; ++i) {
+        if (i == p && !set_by_equilibrium_) break;
+        const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_equilibrium_;
+        numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
+      }
+    }
+    for (VariedReader& other : varied[k]) numbers[other.number] += other.weight * read(other.reader, other.places);
+    for (std::size_t i = 0; i < built.released_by.size(); ++i) {
+      numbers[i / static_cast<std::size_t>(2 * f)] +=
+          column[i % static_cast<std::size_t>(2 * f)] * built.released_by[i];
+    }
+    double* to = &out.jacobian[row * width];
+    for (int i = 0; i < p; ++i) {
+      *to++ =
+          gain * (numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0));
+    }
+    for (const SensorNumber& number : sensor_numbers_) {
+      const double by = number.of == SensorNumber::Of::zero     ? -1.0
+                        : number.of == SensorNumber::Of::factor ? (own.zero - quantity) / own.factor
+                                                                : -change;
+      *to++ = number.sensor == k ? gain * by : 0.0;
+    }
+    if (equilibrium_unknown_) *to++ = gain * numbers[p] * built.set_by_at;
+    if (start_unknown_)
+      std::transform(column.begin(), column.begin() + 2 * f, to, [&](double by) { return gain * by; });
+  }
+  out.ok = true;
+}
+
+RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilibrium) const {
+  Oscillator out;
+  const Built built = build(unknowns, equilibrium, false);
+  if (!built.model) return out;
+  const MotionModel& model = *built.model;
+  const std::vector<double> x = model.from_si(built.q);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  if (!place(reduced, x, x, independent_)) return out;
+  const double still = 0.0;
+  const double one = 1.0;
+  reduced.move(&one);
+  // SI: energies per square of the independent coordinate's unit.
+  const double z_unit = independent_[0] < model.layout().angles ? 1.0 : scales_.length;
+  out.mass = model.scales().energy() / (z_unit * z_unit) * 2 * reduced.kinetic_energy();
+  reduced.move(&still);
+  if (reduced.accelerate() != Reduced::Status::ok) return out;
+  reduced.linearize();
+  out.stiffness = -out.mass * reduced.alpha_z(0)[0];
+  out.damping = -out.mass * reduced.alpha_w(0)[0];
+  if (times_.front().empty()) return out;
+  SensorReader reader(model, experiment_.sensors.front());
+  const std::vector<double> q = model.to_si(x);
+  const std::size_t n = reader.coordinates().size();
+  std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
+  for (std::size_t i = 0; i < n; ++i) own[i] = q[static_cast<std::size_t>(reader.coordinates()[i])];
+  out.reading = reader.read(own.data(), rate.data(), by_q.data(), by_v.data());
+  const auto by_z = [&](int i) {
+    const double unit = i < model.layout().angles ? 1.0 : scales_.length;
+    return reduced.B(0)[i] * unit / z_unit;
+  };
+  for (std::size_t i = 0; i < n; ++i) out.reading_by_z += by_q[i] * by_z(reader.coordinates()[i]);
+  out.z = q[static_cast<std::size_t>(independent_[0])];
+  if (equilibrium_coordinate_ >= 0) out.equilibrium_by_z = by_z(equilibrium_coordinate_);
+  return out;
+}
+
+std::vector<double> RunModel::natural_frequencies(const double* unknowns, double equilibrium,
+                                                  const std::vector<double>& pose) const {
+  const Built built = build(unknowns, equilibrium, false);
+  if (!built.model) return {};
+  const MotionModel& model = *built.model;
+  std::vector<double> q = built.q;
+  for (std::size_t k = 0; !run_.equilibrium && k < pose.size(); ++k) {
+    q[static_cast<std::size_t>(independent_[k])] = pose[k];
+  }
+  const std::vector<double> x = model.from_si(q);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  if (!place(reduced, model.from_si(closed_), x, independent_)) return {};
+  const std::vector<double> still(independent_.size(), 0.0);
+  reduced.move(still.data());
+  if (reduced.accelerate() != Reduced::Status::ok) return {};
+  reduced.linearize();
+  Eigen::MatrixXd squares(freedoms_, freedoms_);
+  for (int k = 0; k < freedoms_; ++k) {
+    for (int i = 0; i < freedoms_; ++i) squares(i, k) = -reduced.alpha_z(k)[i];
+  }
+  if (!squares.allFinite()) return {};
+  std::vector<double> out;
+  for (const std::complex<double>& square : solvers::eigenpairs(squares).values) {
+    out.push_back(square.real() > 0 ? std::sqrt(std::abs(square)) / (2 * std::numbers::pi) : 0.0);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::vector<double> RunModel::start_from_readings(const double* unknowns, const Record& record) const {
+  // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
+  const MotionModel model(scene_, scales_, varying_);
+  constexpr std::size_t most = 16;
+  std::vector<std::size_t> sensors;
+  for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+    const Sensor& sensor = experiment_.sensors[k];
+    const bool places = sensor.on.kind == Measure::Kind::angle || sensor.on.kind == Measure::Kind::travel;
+    if (places && !sensor.rate && !sensor.reads_force() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
+  }
+  // Those whose first readings end first come first: over a long time a motion is no quadratic.
+  const auto until = [&](std::size_t k) {
+    const std::vector<double>& time = record.sensors[k].time;
+    return time[std::min(time.size(), most) - 1];
+  };
+  std::stable_sort(sensors.begin(), sensors.end(), [&](std::size_t a, std::size_t b) { return until(a) < until(b); });
+  const std::vector<double> x = model.from_si(closed_);
+  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  place(reduced, x, x, independent_);
+  const auto is_free = [&](int coordinate) {
+    constexpr double little = 1e-9;  // of an independent coordinate: drives alone move it
+    for (int k = 0; k < freedoms_; ++k) {
+      if (std::abs(reduced.B(k)[coordinate]) > little) return true;
+    }
+    return false;
+  };
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  std::vector<StartValue> wanted;
+  for (const std::size_t k : sensors) {
+    // More readings than degrees of freedom would contradict each other by their noise.
+    if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
+    const Series& series = record.sensors[k];
+    const auto count = static_cast<Eigen::Index>(std::min(series.time.size(), most));
+    const SensorReader reader(model, experiment_.sensors[k]);
+    if (reader.coordinates().size() != 1) continue;
+    const int coordinate = reader.coordinates()[0];
+    const bool known =
+        std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; });
+    if (known || !is_free(coordinate)) continue;
+    Eigen::MatrixXd powers(count, 3);
+    Eigen::VectorXd quantity(count);
+    const Sensor& sensor = experiment_.sensors[k];
+    const double factor = scaling[k].factor / sensor.unit;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double t = series.time[at] - scaling[k].delay;
+      powers.row(i) << 1.0, t, t * t;
+      quantity[i] = factor * series.value[at] + (scaling[k].zero - factor * sensor.zero);
+    }
+    const std::vector<double> one{0.0};
+    double by_q = 0.0;
+    double by_v = 0.0;
+    const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
+    const Eigen::VectorXd fit = solvers::LeastSquares<double>(powers).solve(quantity);
+    wanted.push_back({coordinate, false, fit[0] - zero});
+    wanted.push_back({coordinate, true, fit[1]});
+  }
+  const MotionState state = start_motion(model, wanted, &closed_);
+  std::vector<double> start;
+  for (const int i : independent_) start.push_back(state.q[static_cast<std::size_t>(i)]);
+  for (const int i : independent_) start.push_back(state.v[static_cast<std::size_t>(i)]);
+  return start;
+}
+
+}  // namespace poise

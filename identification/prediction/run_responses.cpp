@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+
+#include "identification/prediction/private/sensor_reader.hpp"
+#include "identification/prediction/run_model.hpp"
+
+namespace poise {
+
+std::vector<RunModel::State> RunModel::states(const double* unknowns, const double* nuisances, std::size_t most) const {
+  std::vector<State> out;
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
+  if (!built.model) return out;
+  const Trajectory path = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr).trajectory;
+  const std::size_t n = built.q.size();
+  const std::size_t every = std::max<std::size_t>(1, path.nodes() / std::max<std::size_t>(most, 1));
+  for (std::size_t node = 0; node < path.nodes() && out.size() < most; node += every) {
+    const auto values = [&](const std::vector<double>& of) {
+      const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
+      return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(n));
+    };
+    out.push_back({path.t[node], values(path.q), values(path.v)});
+  }
+  return out;
+}
+
+Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
+                                    const std::vector<State>& states) const {
+  const Built built = build(unknowns, equilibrium, false);
+  if (!built.model) return {};
+  const MotionModel& model = *built.model;
+  ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(model.scene()), model.scene(), model.scales()));
+  const std::vector<double> x = model.from_si(built.q);
+  reduced.start_drives(x.data());
+  reduced.choose(0.0, x.data(), false, &independent_);
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  std::vector<std::pair<std::size_t, SensorReader>> readers;
+  for (std::size_t k = 0; k < times_.size(); ++k) {
+    if (!times_[k].empty()) readers.emplace_back(k, SensorReader(model, experiment_.sensors[k]));
+  }
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(states.size()), freedoms_ + static_cast<Eigen::Index>(readers.size()));
+  std::vector<double> z(static_cast<std::size_t>(freedoms_)), w(z);
+  for (std::size_t s = 0; s < states.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    const std::vector<double> near = model.from_si(states[s].q);
+    const std::vector<double> rates = model.from_si(states[s].v);
+    for (std::size_t k = 0; k < z.size(); ++k) {
+      z[k] = near[static_cast<std::size_t>(independent_[k])];
+      w[k] = rates[static_cast<std::size_t>(independent_[k])];
+    }
+    reduced.expect(near.data());
+    if (reduced.place(states[s].t, z.data()) != ReducedMotion<double>::Status::ok) return {};
+    reduced.move(w.data());
+    if (reduced.accelerate() != ReducedMotion<double>::Status::ok) return {};
+    for (int k = 0; k < freedoms_; ++k) out(row, k) = reduced.alpha()[k];
+    const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + near.size()});
+    const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + near.size()});
+    for (std::size_t i = 0; i < readers.size(); ++i) {
+      auto& [k, reader] = readers[i];
+      std::vector<double> own_q, own_v, by_q(reader.coordinates().size()), by_v(by_q);
+      for (const int c : reader.coordinates()) {
+        own_q.push_back(q[static_cast<std::size_t>(c)]);
+        own_v.push_back(v[static_cast<std::size_t>(c)]);
+      }
+      const double gain = experiment_.sensors[k].unit / scaling[k].factor;
+      out(row, freedoms_ + static_cast<Eigen::Index>(i)) =
+          gain * (reader.read(own_q.data(), own_v.data(), by_q.data(), by_v.data()) - scaling[k].zero);
+    }
+  }
+  return out;
+}
+
+}  // namespace poise

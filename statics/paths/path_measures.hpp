@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "statics/model/readings.hpp"
+#include "statics/paths/path.hpp"
+
+namespace poise {
+
+/// A measure that is read along a path.
+struct PathMeasure {
+  std::string name;
+  Measure on;
+};
+
+/// The measure so called, in this order: the angle of a body; the travel of a slide or pin in a slot; a coordinate of a
+/// point, "BODY.POINT.x" or "BODY.POINT.y"; what a force element acts on, "NAME" or "TABLE.NAME". Throws InputError
+/// with the nearest name where there is none, or where several elements have the name.
+PathMeasure path_measure(const Scene& scene, const std::string& name);
+
+/// Reads the points of a path by the names of the scene.
+class PathReader {
+ public:
+  explicit PathReader(const VariedScene& varied) : varied_(varied) {}
+
+  /// The mechanism with the dimensions that it has at the point; loads and stiffnesses may be those of another. Valid
+  /// until the next call.
+  const StaticModel& model(const PathPoint& point);
+  /// Where bodies, slides and springs are at the point, SI. Forces of springs may be those of another point.
+  Readings read(const PathPoint& point) { return read_off(model(point), point.x); }
+  /// SI.
+  double value(const PathMeasure& measure, const PathPoint& point);
+
+ private:
+  const VariedScene& varied_;
+  std::unique_ptr<StaticModel> model_;
+  double at_ = 0.0;  // parameter of model_
+};
+
+/// The angle or travel that changes most along the path, in rad or mechanism sizes; of mechanisms that have neither a
+/// coordinate of a point. The first where several do. There is one point at least.
+PathMeasure most_changing(const VariedScene& varied, const Path& path);
+
+}  // namespace poise

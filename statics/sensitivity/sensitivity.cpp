@@ -1,0 +1,594 @@
+#include "statics/sensitivity/sensitivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/dependent_number.hpp"
+#include "model/input_error.hpp"
+#include "model/named_item.hpp"
+#include "model/nearest_name.hpp"
+#include "statics/model/static_numbers.hpp"
+#include "statics/paths/path.hpp"
+#include "statics/paths/path_measures.hpp"
+#include "statics/sensitivity/private/linear_response.hpp"
+
+namespace poise {
+namespace {
+
+constexpr int most_dense_unknowns = 1200;  // whose dense factors are computed in seconds
+constexpr double sum_rounding = 1e-13;     // parts of a sum's terms below which it is zero
+constexpr double nothing = 1e-9;           // parts of a vector below which it has no component along another
+
+// --- names ----------------------------------------------------------------------------------------------------------
+
+/// Index of the item so called; throws InputError with the nearest name.
+template <class Items>
+int item_called(const Items& items, const std::string& name, const std::string& whole, const std::string& kind) {
+  const NamedItem found = find_item(items, name);
+  if (found) return found.index;
+  throw InputError(
+      fmt::format("{}: expected the name of a {}{}", whole, kind, did_you_mean_or_list(name, found.known)));
+}
+
+SoughtQuantity measured(const std::string& name, const Measure& on) {
+  return {.name = name, .on = on, .dimension = on.dimension()};
+}
+
+int element_called(const Scene& scene, const std::string& name, const std::string& whole) {
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    if (scene.elements[e].table + "." + scene.elements[e].name == name) return static_cast<int>(e);
+  }
+  const int found = item_called(scene.elements, name, whole, "force element");
+  for (std::size_t e = found + 1; e < scene.elements.size(); ++e) {
+    if (scene.elements[e].name != name) continue;
+    throw InputError(fmt::format("{}: expected one element, found {}.{} and {}.{}; give one of these", whole,
+                                 scene.elements[found].table, name, scene.elements[e].table, name));
+  }
+  return found;
+}
+
+SoughtQuantity reaction_called(const Scene& scene, const std::string& name, const std::string& whole) {
+  SoughtQuantity out{.name = whole, .kind = SoughtQuantity::Kind::reaction, .dimension = dimension::force};
+  const auto is = [&](const std::string& joint) {
+    return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& j) { return j.name == joint; });
+  };
+  using Part = SoughtQuantity::Part;
+  if (is(name)) {
+    out.item = item_called(scene.joints, name, whole, "joint");
+    out.part = scene.joints[out.item].keeps_length() ? Part::axial : Part::size;
+    return out;
+  }
+  const std::size_t dot = name.rfind('.');
+  const std::string joint = name.substr(0, dot), part = dot == std::string::npos ? "" : name.substr(dot + 1);
+  const std::vector<std::string> parts{"size", "x", "y", "moment", "axial"};
+  const auto at = std::find(parts.begin(), parts.end(), part);
+  if (dot == std::string::npos || (at == parts.end() && !is(joint))) {
+    out.item = item_called(scene.joints, name, whole, "joint");
+  }
+  out.item = item_called(scene.joints, joint, whole, "joint");
+  if (at == parts.end()) {
+    throw InputError(fmt::format("{}: expected size, x, y, moment or axial after the joint, found {}", whole, part));
+  }
+  out.part = static_cast<Part>(at - parts.begin());
+  const Joint& of = scene.joints[out.item];
+  if (out.part == Part::moment && !of.keeps_angle()) {
+    throw InputError(fmt::format("{}: a {} transmits no moment; of slides and welds only", whole, of.traits().key));
+  }
+  if (out.part == Part::axial && !of.keeps_length()) {
+    throw InputError(fmt::format("{}: a {} has no axial force; of bars only", whole, of.traits().key));
+  }
+  if (out.part == Part::moment) out.dimension = dimension::torque;
+  return out;
+}
+
+}  // namespace
+
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
+  const auto after = [&](const std::string& prefix) -> std::optional<std::string> {
+    if (!name.starts_with(prefix)) return std::nullopt;
+    return name.substr(prefix.size());
+  };
+  if (const auto body = after("angle.")) {
+    const int found = item_called(scene.bodies, *body, name, "body");
+    if (found == 0) throw InputError(name + ": the ground does not turn; expected another body");
+    return measured(name, Measure::angle_between(0, found));
+  }
+  if (const auto joint = after("travel.")) {
+    const NamedItem found = find_item(scene.joints, *joint, [](const Joint& of) { return of.has_travel(); });
+    if (found) return measured(name, Measure::travel_of(found.index));
+    if (const NamedItem other = find_item(scene.joints, *joint)) {
+      throw InputError(fmt::format("{}: expected a slide or pin in a slot, {} is a {}", name, *joint,
+                                   scene.joints[other.index].traits().key));
+    }
+    throw InputError(fmt::format("{}: expected the name of a slide or pin in a slot{}", name,
+                                 did_you_mean_or_list(*joint, found.known)));
+  }
+  if (const auto element = after("force.")) {
+    const int found = element_called(scene, *element, name);
+    const Element& of = scene.elements[found];
+    if (!stores_energy(of.law)) {
+      throw InputError(
+          fmt::format("{}: a {} has no force at rest; expected a spring or constant force", name, of.family()));
+    }
+    return {.name = name,
+            .kind = SoughtQuantity::Kind::element_force,
+            .item = found,
+            .dimension = of.on.effort_dimension()};
+  }
+  if (const auto joint = after("reaction.")) return reaction_called(scene, *joint, name);
+  if (const auto stop = after("stop.")) {
+    const int found = item_called(scene.stops, *stop, name, "stop");
+    return {.name = name,
+            .kind = SoughtQuantity::Kind::stop_reaction,
+            .item = found,
+            .dimension = scene.stops[found].on.effort_dimension()};
+  }
+  if (name == "energy") {
+    for (const Force& force : scene.forces) {
+      if (force.follows < 0) continue;
+      throw InputError(fmt::format(
+          "energy: force \"{}\" follows a body and has no potential; expected another quantity", force.name));
+    }
+    return {.name = name, .kind = SoughtQuantity::Kind::energy, .dimension = dimension::torque};
+  }
+  if (const auto load = after("load_at_fold.")) {
+    std::vector<std::string> known;
+    for (const ParameterRow& row : parameter_table(scene)) {
+      if (row.place.owner != Owner::force && row.place.owner != Owner::torque) continue;
+      known.emplace_back(row.path.parts[1]);
+      if (known.back() != *load) continue;
+      return {.name = name,
+              .kind = SoughtQuantity::Kind::load_at_fold,
+              .load = row.path.text(),
+              .dimension = row.dimension};
+    }
+    throw InputError(fmt::format("{}: expected the name of a load{}", name, did_you_mean_or_list(*load, known)));
+  }
+  try {
+    return measured(name, path_measure(scene, name).on);
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) +
+                     "; or angle.BODY, travel.JOINT, force.ELEMENT, reaction.JOINT, stop.NAME, energy, "
+                     "load_at_fold.LOAD");
+  }
+}
+
+// --- derivatives ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// A number that may change alone, and its derivative.
+struct Column {
+  int row = 0;      // of the parameter table
+  std::string why;  // it may not
+};
+
+/// Whether the force of a curve has no derivative by this number, the force at a point.
+bool is_kinked_in(const Law& law, int number) {
+  const auto* spring = std::get_if<CurveSpring>(&law);
+  return spring != nullptr && number >= 2 && !spring->curve().has_derivatives_by(static_cast<std::size_t>(number - 2));
+}
+
+/// Why there is no derivative by a number that is not named; empty where there is one.
+std::string why_not_by(const NumberedEquations& equations, const ParameterPlace& place,
+                       const std::vector<NumberedEquations::Placed<double>>& placed) {
+  const Scene& scene = equations.scene();
+  if (place.owner == Owner::force && norm(scene.forces[place.item].vector) == 0.0) {
+    return "a force of zero has no direction";
+  }
+  if (place.owner == Owner::stop && scene.stops[place.item].min == scene.stops[place.item].max) {
+    return "min and max of the stop are equal and can only change together";
+  }
+  if (place.owner == Owner::element && place.number == 1 &&
+      scene.elements[place.item].on.kind == Measure::Kind::distance &&
+      equations.bodies(equations.numbers().data(), placed).value(scene.elements[place.item].on) == 0.0) {
+    return "the points of the spring coincide, where its length has no direction";
+  }
+  if (place.owner == Owner::element && is_kinked_in(scene.elements[place.item].law, place.number)) {
+    return "the curve is flat beside the point, where its slope has no derivative";
+  }
+  return "";
+}
+
+/// The numbers that statics uses, and why some have no derivative.
+std::vector<Column> columns_of(const NumberedEquations& equations, const LinearResponse& response, int& without) {
+  const Scene& scene = equations.scene();
+  std::vector<Column> out;
+  std::vector<NumberedEquations::Placed<double>> placed;
+  equations.place(response.z().data(), placed);
+  without = 0;
+  for (std::size_t k = 0; k < equations.rows().size(); ++k) {
+    const ParameterPlace& place = equations.rows()[k].place;
+    // A named number that is an expression is but a step to those that follow from it.
+    if (place.owner == Owner::number && dependent_number(scene, place) != nullptr) continue;
+    if (!acts_in_statics(scene, place)) {
+      ++without;
+      continue;
+    }
+    if (!std::isfinite(equations.numbers()[k])) continue;
+    Column column{static_cast<int>(k), why_not_by(equations, place, placed)};
+    if (place.owner == Owner::number) {
+      column.why = equations.list()->why_not_followed(column.row);
+      for (const auto& [at, slope] : equations.list()->followers(column.row, equations.numbers())) {
+        if (at >= static_cast<int>(equations.rows().size()) || !column.why.empty()) continue;
+        const ParameterRow& row = equations.rows()[at];
+        const std::string why = why_not_by(equations, row.place, placed);
+        if (!why.empty()) column.why = row.path.text() + " follows from it: " + why;
+      }
+    }
+    out.push_back(std::move(column));
+  }
+  return out;
+}
+
+/// Why the equations have no derivatives at a place; empty where they have.
+std::string without_direction(const NumberedEquations& equations, const std::vector<double>& z) {
+  std::vector<NumberedEquations::Placed<double>> placed;
+  equations.place(z.data(), placed);
+  const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);
+  const auto is_zero = [&](const Measure& on) { return on.kind == Measure::Kind::distance && bodies.value(on) == 0.0; };
+  for (const ActingStop& acting : equations.acting()) {
+    const Stop& stop = equations.scene().stops[acting.stop];
+    if (is_zero(stop.on))
+      return fmt::format("stop \"{}\" holds a distance at zero, where it has no direction", stop.name);
+  }
+  for (const Element& element : equations.scene().elements) {
+    const auto* spring = std::get_if<LinearSpring>(&element.law);
+    if (!stores_energy(element.law) || !is_zero(element.on)) continue;
+    if (spring != nullptr && spring->free_length == 0.0) continue;
+    return fmt::format("the points of {} \"{}\" coincide, where its force has no direction", element.family(),
+                       element.name);
+  }
+  return "";
+}
+
+constexpr const char* no_direction = "the size of a force of zero has no derivative";
+constexpr double response_rank_tolerance = solvers::known_to::solution;
+
+double factor(const Dimension& of, const Dimension& number, const Scales& scales) {
+  return number.per_scale(scales) / of.per_scale(scales);
+}
+
+/// Fills in one row per column from  d quantity / d number = by(row), in scaled units.
+template <class By>
+void fill(QuantitySensitivity& out, const NumberedEquations& equations, const std::vector<Column>& columns,
+          const Scales& scales, By by) {
+  for (const Column& column : columns) {
+    const ParameterRow& row = equations.rows()[column.row];
+    Sensitivity& s = out.by.emplace_back();
+    s.number = row.path.text();
+    s.dimension = row.dimension;
+    s.value = equations.numbers()[column.row] / row.dimension.per_scale(scales);
+    s.why = column.why;
+    if (s.why.empty()) s.derivative = by(column.row, s.why) * factor(out.of.dimension, row.dimension, scales);
+  }
+}
+
+/// Derivatives by every number, and the sizes of the terms that they are sums of.
+struct SumsOfTerms {
+  Eigen::VectorXd sums, sizes;
+};
+
+/// by_numbers - mu^T dR/dp
+SumsOfTerms derivatives(const Eigen::VectorXd& by_numbers, const Eigen::VectorXd& mu, const Eigen::MatrixXd& residual) {
+  return {by_numbers - residual.transpose() * mu,
+          by_numbers.cwiseAbs() + mu.norm() * residual.colwise().norm().transpose()};
+}
+
+/// A place of the unknowns, with the equations' derivatives there.
+struct Place {
+  std::vector<double> z;
+  ResidualDerivatives residual;
+};
+
+/// The equilibrium, and places that rounding does not tell from it: at each of these every unknown is off by a few
+/// units in its last place, of either sign, and by the step that Newton's method was still to take.
+std::vector<Place> places_of(const LinearResponse& response) {
+  constexpr double ulps = 4.0 * std::numeric_limits<double>::epsilon();
+  std::vector<Place> out{{response.z(), response.derivatives()}};
+  const Eigen::VectorXd step = response.next_step();
+  std::minstd_rand signs(1);
+  for (const double sense : {1.0, -1.0}) {
+    std::vector<double> z = response.z();
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      z[i] += (signs() % 2 == 0 ? ulps : -ulps) * std::max(1.0, std::abs(z[i])) +
+              sense * step[static_cast<Eigen::Index>(i)];
+    }
+    ResidualDerivatives there = response.at(z);
+    out.push_back({std::move(z), std::move(there)});
+  }
+  return out;
+}
+
+/// Derivatives at the first place, by(place), in which those are 0 that are not told from 0: they are rounding of their
+/// terms, or differ by their own size at the other places.
+template <class By>
+Eigen::VectorXd known_derivatives(const std::vector<Place>& places, By by) {
+  constexpr double margin = 4.0;
+  const SumsOfTerms at = by(places.front());
+  Eigen::VectorXd rounding = sum_rounding * at.sizes;
+  for (auto other = places.begin() + 1; other != places.end(); ++other) {
+    rounding = rounding.cwiseMax(margin * (by(*other).sums - at.sums).cwiseAbs());
+  }
+  return (at.sums.array().abs() > rounding.array()).select(at.sums, 0.0);
+}
+
+/// dm/dp of a quantity whose gradient at z is gradient(z), by the factors of (dR/dz)^T at the equilibrium.
+template <class Gradient>
+Eigen::VectorXd derivatives_of(const std::vector<Place>& places, const solvers::LeastSquares<double>& transposed,
+                               Gradient gradient) {
+  const Eigen::VectorXd mu = transposed.solve(gradient(places.front().z).by_unknowns);
+  return known_derivatives(places, [&](const Place& place) {
+    const QuantityGradient of = gradient(place.z);
+    const Eigen::VectorXd left = of.by_unknowns - place.residual.by_unknowns.transpose() * mu;
+    return derivatives(of.by_numbers, mu + transposed.solve(left), place.residual.by_numbers);
+  });
+}
+
+/// Quantities at one equilibrium.
+class AtEquilibrium {
+ public:
+  AtEquilibrium(const LinearResponse& response, const Scales& scales, std::vector<Column> columns, double tolerance,
+                bool is_neutral)
+      : response_(response),
+        places_(places_of(response)),
+        scales_(scales),
+        columns_(std::move(columns)),
+        transposed_(response.by_unknowns().transpose(), tolerance),
+        is_neutral_(is_neutral) {
+    left_null_ = transposed_.null_space();
+    if (left_null_.cols() > 0) right_null_ = solvers::null_space<double>(response.by_unknowns(), tolerance);
+  }
+
+  QuantitySensitivity of(const SoughtQuantity& quantity) const {
+    QuantitySensitivity out;
+    out.of = quantity;
+    const QuantityGradient gradient = response_.gradient(quantity, response_.z());
+    out.value = gradient.value / quantity.dimension.per_scale(scales_);
+    if (!gradient.by_unknowns.allFinite() || !gradient.by_numbers.allFinite()) {
+      out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
+      return out;
+    }
+    if (quantity.kind == SoughtQuantity::Kind::reaction) {
+      double largest = 0.0;
+      for (std::size_t i = response_.equations().poses(); i < response_.z().size(); ++i) {
+        largest = std::max(largest, std::abs(response_.z()[i]));
+      }
+      if (quantity.part == SoughtQuantity::Part::size && gradient.value <= nothing * largest) {
+        out.why = no_direction;
+        return out;
+      }
+      const Stop* const teeth = response_.equations().idle_teeth(quantity.item, response_.z(), nothing * largest);
+      if (teeth != nullptr) {
+        out.why =
+            fmt::format("{} \"{}\" transmits no force, and its teeth push this joint the same way under either sign",
+                        teeth->family(), teeth->name);
+        return out;
+      }
+    }
+    if (right_null_.cols() > 0) {
+      const double along = (right_null_.transpose() * gradient.by_unknowns).cwiseAbs().maxCoeff();
+      if (along > nothing * gradient.by_unknowns.norm()) {
+        out.why = quantity.kind == SoughtQuantity::Kind::measure
+                      ? "the equilibrium leaves it free (neutral, or degenerate)"
+                      : "it is not determined: redundant constraints share the load in several ways";
+        return out;
+      }
+    }
+    // What is the same in all of a curve of equilibria may change with a number by other amounts in each of them, and
+    // the number may leave but one of them.
+    if (is_neutral_) {
+      out.why = "the equilibrium is neutral: how this changes depends on where on its curve of equilibria it stands";
+      return out;
+    }
+    const Eigen::VectorXd known = derivatives_of(
+        places_, transposed_, [&](const std::vector<double>& z) { return response_.gradient(quantity, z); });
+    fill(out, response_.equations(), columns_, scales_, [&](int row, std::string& why) {
+      if (left_null_.cols() > 0) {
+        const auto by_number = response_.by_numbers().col(row);
+        const double opens = (left_null_.transpose() * by_number).cwiseAbs().maxCoeff();
+        if (opens > nothing * std::max(1.0, by_number.norm())) {
+          why = "it cannot change alone: constraints that repeat others would contradict them, or the balance is lost";
+          return 0.0;
+        }
+      }
+      return known[row];
+    });
+    return out;
+  }
+
+ private:
+  const LinearResponse& response_;
+  std::vector<Place> places_;  // the same for all quantities
+  Scales scales_;
+  std::vector<Column> columns_;
+  solvers::LeastSquares<double> transposed_;
+  Eigen::MatrixXd left_null_, right_null_;
+  bool is_neutral_;
+};
+
+// --- loads at folds -------------------------------------------------------------------------------------------------
+
+/// The first fold on the path on which a load grows.
+struct FoundFold {
+  std::unique_ptr<VariedScene> varied;
+  PathEvent fold;
+  int stop = -1, spring = -1;  // that come on or off at the fold
+  std::string why;             // there is none
+};
+
+FoundFold first_fold(const StaticModel& model, const std::string& load, const std::atomic<bool>* interrupt) {
+  FoundFold out;
+  const ParameterRow row = parameter(model.scene(), load);
+  const double unit = row.dimension.unit(model.scene().units);
+  const double from = get_value(model.scene(), load);
+  const double least = 1.0 / row.dimension.per_scale(model.scales()) / unit;
+  const double size = std::max(std::abs(from), least);
+  for (const double times : {2.0, 8.0, 32.0, 128.0, 512.0, 2048.0}) {
+    PathOptions options;
+    options.certify = false;
+    options.interrupt = interrupt;
+    Path found;
+    try {
+      out.varied =
+          std::make_unique<VariedScene>(model.scene(), load, from, from + (from < 0.0 ? -times : times) * size);
+      found = path(*out.varied, options);
+    } catch (const InputError& error) {
+      out.why = error.what();  // equilibrium does not depend on the load
+      return out;
+    }
+    if (found.status == Path::Status::interrupted) {
+      out.why = "interrupted";
+      return out;
+    }
+    if (found.branches.empty() || found.status == Path::Status::no_start) {
+      out.why = found.why;
+      return out;
+    }
+    for (const int e : found.branches[0].events) {
+      const PathEvent& event = found.events[e];
+      if (event.kind == PathEvent::Kind::branch) {
+        out.why = fmt::format(
+            "curves of equilibria cross at {} = {:.6g} {} before the first fold; what disturbs them moves the load "
+            "there like a root, without a derivative",
+            load, event.at.parameter / unit, out.varied->unit_name());
+        return out;
+      }
+      if (event.kind != PathEvent::Kind::fold) continue;
+      out.fold = event;
+      for (const PathEvent& other : found.events) {
+        const double apart = std::abs(other.at.parameter - event.at.parameter);
+        if (apart > 1e-9 * std::abs(event.at.parameter)) continue;
+        if (other.kind == PathEvent::Kind::stop) out.stop = other.item;
+        if (other.kind == PathEvent::Kind::slack) out.spring = other.item;
+      }
+      return out;
+    }
+  }
+  out.why =
+      fmt::format("the path has no fold up to {} = {:.4g} {}", load, out.varied->to() / unit, out.varied->unit_name());
+  return out;
+}
+
+QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quantity,
+                            const std::atomic<bool>* interrupt) {
+  QuantitySensitivity out;
+  out.of = quantity;
+  const FoundFold found = first_fold(model, quantity.load, interrupt);
+  if (!found.why.empty()) {
+    out.why = found.why;
+    return out;
+  }
+  out.value = found.fold.at.parameter;
+  const std::unique_ptr<StaticModel> there = found.varied->model_at(found.fold.at.parameter);
+  std::vector<int> active = found.fold.at.active_stops;
+  if (found.stop >= 0 && std::find(active.begin(), active.end(), found.stop) == active.end()) {
+    active.push_back(found.stop);
+  }
+  const bool turns = found.stop < 0 && found.spring < 0;  // not a corner
+  // Across the fold the matrix is singular, and Newton's steps along its null vector are rounding.
+  const LinearResponse response =
+      response_at(*there, found.fold.at.x, active, turns ? solvers::known_to::path : response_rank_tolerance);
+  const NumberedEquations& equations = response.equations();
+  out.why = response.why().empty() ? without_direction(equations, response.z()) : response.why();
+  if (!out.why.empty()) return out;
+  int load = -1, without = 0;
+  for (std::size_t k = 0; k < equations.rows().size(); ++k) {
+    if (equations.rows()[k].path.is(quantity.load)) load = static_cast<int>(k);
+  }
+  std::vector<Column> columns = columns_of(equations, response, without);
+  for (Column& column : columns) {
+    if (column.row == load) column.why = "it is the load itself";
+  }
+  if (!turns) {
+    SoughtQuantity condition;
+    if (found.stop >= 0) {
+      condition.kind = SoughtQuantity::Kind::stop_reaction;
+      condition.item = found.stop;
+    } else {
+      condition.on = equations.scene().elements[found.spring].on;
+    }
+    const auto gradient = [&](const std::vector<double>& z) {
+      QuantityGradient of = response.gradient(condition, z);
+      for (std::size_t k = 0; k < equations.rows().size(); ++k) {
+        const ParameterPlace& place = equations.rows()[k].place;
+        if (place.owner == Owner::element && place.item == found.spring && place.number == 1) {
+          of.by_numbers[static_cast<Eigen::Index>(k)] -= 1.0;
+        }
+      }
+      return of;
+    };
+    const solvers::LeastSquares<double> transposed(response.by_unknowns().transpose(), response_rank_tolerance);
+    if (transposed.rank() < equations.unknowns()) {
+      out.why = "redundant constraints leave the forces at the fold undetermined";
+      return out;
+    }
+    const Eigen::VectorXd by = derivatives_of(places_of(response), transposed, gradient);
+    fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return -by[row] / by[load]; });
+    return out;
+  }
+  const solvers::SingularValues values = solvers::singular_value_decomposition(response.by_unknowns());
+  const Eigen::Index last = values.values.size() - 1;
+  if (last > 0 && values.values[last - 1] < response_rank_tolerance * values.values[0]) {
+    out.why = "redundant constraints or neutral directions leave the fold undetermined";
+    return out;
+  }
+  const Eigen::VectorXd by = known_derivatives(places_of(response), [&](const Place& place) {
+    const ResidualDerivatives& residual = place.residual;
+    const solvers::SingularValues parts = solvers::singular_value_decomposition(residual.by_unknowns);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(residual.by_numbers.cols());
+    const SumsOfTerms moves = derivatives(none, parts.left.col(last), residual.by_numbers);
+    return SumsOfTerms{moves.sums / -moves.sums[load], moves.sizes / std::abs(moves.sums[load])};
+  });
+  fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return by[row]; });
+  return out;
+}
+
+}  // namespace
+
+Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
+                            const SensitivityOptions& options) {
+  const Scene scene = model.scaled_scene();
+  const int unknowns = NumberedEquations(scene, {}).unknowns();
+  if (unknowns > most_dense_unknowns) {
+    throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}", scene.file,
+                                 most_dense_unknowns, unknowns));
+  }
+  Sensitivities out;
+  out.size = model.layout().size * model.scales().length;
+  out.equilibrium = solve(model, options.solve);
+  const Certificate& proof = out.equilibrium.certificate;
+  if (!out.equilibrium.found()) {
+    out.why = fmt::format("the equilibrium is {}: {}", to_string(out.equilibrium.status), out.equilibrium.why);
+  } else if (proof.outcome == Outcome::degenerate) {
+    out.why = "the equilibrium is degenerate, where derivatives do not exist: " + proof.statement;
+  } else if (!proof.strict || !proof.sharing_stops.empty()) {
+    out.why =
+        "a stop is at its limit without pressing, shares its load with another, or a one-way spring is at its free "
+        "length: derivatives differ on both sides";
+  }
+  if (!out.why.empty()) return out;
+  // Where an isolated equilibrium is proved, small pivots are those of soft springs.
+  const bool is_isolated = proof.outcome == Outcome::proved && proof.redundant == 0;
+  const double tolerance = is_isolated ? solvers::known_to::rounding : response_rank_tolerance;
+  const LinearResponse response = response_at(model, out.equilibrium.x, proof.active_stops, tolerance);
+  out.why = response.why().empty() ? without_direction(response.equations(), response.z()) : response.why();
+  if (!out.why.empty()) return out;
+  const AtEquilibrium at(response, model.scales(), columns_of(response.equations(), response, out.without), tolerance,
+                         proof.outcome == Outcome::neutral);
+  for (const SoughtQuantity& quantity : of) {
+    out.of.push_back(quantity.kind == SoughtQuantity::Kind::load_at_fold
+                         ? at_fold(model, quantity, options.solve.interrupt)
+                         : at.of(quantity));
+  }
+  return out;
+}
+
+}  // namespace poise

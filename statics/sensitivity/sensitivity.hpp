@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "model/dimension.hpp"
+#include "model/measure.hpp"
+#include "model/scene.hpp"
+#include "statics/equilibrium/equilibrium.hpp"
+
+namespace poise {
+
+/// Something that depends on the numbers of a scene.
+struct SoughtQuantity {
+  enum class Kind {
+    measure,        ///< of the pose
+    element_force,  ///< T of a force element, positive where it tends to reduce its measure
+    reaction,       ///< of a joint, on the body of its second point
+    stop_reaction,  ///< with which a stop pushes, >= 0
+    energy,
+    load_at_fold,  ///< value of a load at the first fold of the path on which it grows
+  };
+  enum class Part { size, x, y, moment, axial };  ///< of a reaction; axial: tension of a bar
+
+  std::string name;
+  Kind kind = Kind::measure;
+  Part part = Part::size;
+  Measure on{};
+  int item = -1;       ///< index of Scene::elements, joints or stops
+  std::string load{};  ///< of a load at a fold: its path, "load.P"
+  Dimension dimension{};
+};
+
+/// The quantity so called:
+///   angle.BODY, travel.JOINT, or what path_measure() knows: BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT
+///   force.ELEMENT         (ELEMENT or TABLE.ELEMENT)
+///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
+///   stop.NAME             with which a stop pushes
+///   energy
+///   load_at_fold.LOAD     the value of load LOAD at the first fold, from the settled equilibrium with growing
+///   magnitude
+/// Throws InputError with the nearest name where there is none.
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
+
+/// How one number of the scene moves a quantity.
+struct Sensitivity {
+  std::string number;       ///< its path
+  Dimension dimension{};    ///< of the number
+  double value = 0.0;       ///< of the number, SI
+  double derivative = 0.0;  ///< d quantity / d number, SI
+  std::string why;          ///< one sentence; there is no derivative by this number
+};
+
+/// All of them for one quantity.
+struct QuantitySensitivity {
+  SoughtQuantity of;
+  double value = 0.0;  ///< SI
+  std::string why;     ///< one sentence; there is no derivative at all
+  std::vector<Sensitivity> by;
+};
+
+struct SensitivityOptions {
+  SolveOptions solve{};
+};
+
+struct Sensitivities {
+  Equilibrium equilibrium;
+  std::string why;    ///< one sentence; there are no derivatives, because there is no regular equilibrium
+  double size = 0.0;  ///< of the mechanism, m
+  std::vector<QuantitySensitivity> of;
+  int without = 0;  ///< numbers that statics does not use: guesses, drives, inertias, dampers and friction
+};
+
+/// Derivatives of quantities by every number of the scene, at its settled equilibrium. With z the places of the bodies
+/// and the joint forces, R(z, p) = 0 the equations of equilibrium (statics/sensitivity/private/numbered_equations.hpp)
+/// with the stops that act, and m(z, p) the quantity,
+///
+///   dm/dp = dm/dp|_z - mu^T dR/dp,   (dR/dz)^T mu = dm/dz|_p
+///
+/// (implicit function theorem; all derivatives by dual numbers). Where dR/dz loses rank, a quantity that moves along
+/// its null space is undetermined, and a number for which a left null vector w has w . dR/dp != 0 cannot change alone.
+///
+/// At a fold, with w the left null vector there:  dP/dp = -(w . dR/dp) / (w . dR/dP). Where the curve turns because a
+/// stop or one-way spring comes on or off, with h the force of that stop or the stretch of that spring:
+/// dP/dp = -(dh/dp) / (dh/dP).
+///
+/// Throws InputError as solve() does, and for more than `most_unknowns`.
+Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
+                            const SensitivityOptions& options = {});
+
+}  // namespace poise

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "statics/tracking/tracked_equilibrium.hpp"
+
+namespace poise {
+
+/// A stable equilibrium followed while numbers of its scene change.
+struct FollowedChange {
+  bool arrived = false;
+  BodyPoses poses;          ///< where it came, of bodies, then of bars
+  Scene scene;              ///< there: the one wanted if it arrived
+  Transition transition{};  ///< followed or snapped
+};
+
+/// Follows the equilibrium at `poses`, in which these stops of `before` act, all numbers growing in proportion: in a
+/// few steps (statics/tracking/private/small_step.hpp) where nothing happens on the way, else as statics/paths/path.hpp
+/// does, with snaps.
+FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
+                             const std::vector<int>& active_stops, const TrackedOptions& options);
+
+/// The same by proved steps alone; empty where they do not lead there (statics/tracking/private/small_step.hpp).
+std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
+                                         const std::vector<int>& active_stops);
+
+/// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
+/// `poses` on. Throws InputError where they cannot be closed.
+std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses);
+
+}  // namespace poise
