@@ -249,8 +249,8 @@ class Mechanism {
   std::vector<std::string> follower_names_;
   std::vector<Limit> stops_;
   std::vector<T> lower_, upper_;
-  std::vector<int> varying_limits_;  // stops of which a limit varies
-  std::vector<char> varying_laws_;   // per force element, empty where none varies
+  std::vector<int> varying_stops_;  // stops of which a limit or a term of the measure varies
+  std::vector<char> varying_laws_;  // per force element, empty where none varies
   std::vector<int> jacobian_row_, jacobian_column_;
   std::vector<int> tangent_row_, tangent_column_;
   std::vector<int> slide_entry_, slide_transposed_;  // per length: tangent entry (length, frame) and (frame, length)

@@ -244,10 +244,11 @@ void Mechanism<T>::find_what_varies(const Scene& scene) {
     const int index = static_cast<int>(s);
     const CouplingKind* const kind = coupling_kind(stop);
     const int strut = strut_of(scene, stop);
-    const bool varies = strut >= 0        ? varying.has_any(Owner::element, strut)
-                        : kind != nullptr ? varying.has_any(Owner::coupling, index - kind->row)
-                                          : varying.has_any(Owner::stop, index);
-    if (varies) varying_limits_.push_back(index);
+    // Factors of a sum belong to the stop itself, whose other numbers may be those of a coupling or of a gas strut.
+    const bool varies = varying.has_any(Owner::stop, index) ||
+                        (kind != nullptr && varying.has_any(Owner::coupling, index - kind->row)) ||
+                        (strut >= 0 && varying.has_any(Owner::element, strut));
+    if (varies) varying_stops_.push_back(index);
   }
 }
 
@@ -266,8 +267,9 @@ void Mechanism<T>::set_numbers(const NumbersOfScene& numbers) {
   }
   for (std::size_t k = 0; k < elements_.size(); ++k) {
     ForceElement& e = elements_[k];
-    e.on.set_numbers(numbers, phasors_, scene.elements[e.element].on, -1);
+    e.on.set_numbers(phasors_);
     if (!varying_laws_[k]) continue;
+    e.on.set_terms(numbers, scene.elements[e.element].on, -1);
     numbers.with_law(e.element, [&](const auto& law) {
       if constexpr (requires { law.stiffness; }) {
         if (e.is_half_square) {
@@ -283,10 +285,9 @@ void Mechanism<T>::set_numbers(const NumbersOfScene& numbers) {
     follower.force = force_at_points(numbers, follower.load) *
                      phasors_.turned(layout_.links[scene.forces[follower.load].follows].turn);
   }
-  for (std::size_t s = 0; s < stops_.size(); ++s) {
-    stops_[s].on.set_numbers(numbers, phasors_, scene.stops[s].on, static_cast<int>(s));
-  }
-  for (const int s : varying_limits_) {
+  for (Limit& stop : stops_) stop.on.set_numbers(phasors_);
+  for (const int s : varying_stops_) {
+    stops_[s].on.set_terms(numbers, scene.stops[s].on, s);
     lower_[s] = numbers.limit(s, false);
     upper_[s] = numbers.limit(s, true);
   }

@@ -31,11 +31,14 @@ class CompiledMeasure {
     return out;
   }
 
-  /// Takes what varies again from phasors whose numbers have been set, and from these. Of the measure that this is
-  /// compiled from, in the scene of the numbers; `stop` as of Numbers::term().
-  template <class NumbersOfScene>
-  void set_numbers(const NumbersOfScene& numbers, const Phasors<T>& phasors, const Measure& measure, int stop) {
+  /// Takes what varies again from phasors whose numbers have been set.
+  void set_numbers(const Phasors<T>& phasors) {
     std::visit([&](auto& g) { g.set_numbers(phasors); }, form_);
+  }
+  /// Takes the factors and profiles of a sum from these numbers: of the measure that this is compiled from, in the
+  /// scene of the numbers; `stop` as of Numbers::term(). Others have none.
+  template <class NumbersOfScene>
+  void set_terms(const NumbersOfScene& numbers, const Measure& measure, int stop) {
     auto* const sum = std::get_if<SumMeasure<T>>(&form_);
     if (sum == nullptr) return;
     std::size_t next = 0;
