@@ -75,7 +75,7 @@ struct ValueAndSlope {
 };
 
 /// Limits at which root_by_newton() ends.
-struct NewtonEnd {
+struct NewtonLimits {
   double step = 1e-15;  ///< that is shorter
   double width = 0.0;   ///< of a bracket that is narrower
   int steps = 50;       ///< at most
@@ -85,16 +85,16 @@ struct NewtonEnd {
 /// `falls`: f is positive at `from` and negative at `to`; else the other way round. `f` returns a
 /// std::optional<ValueAndSlope>, empty where it has none: then there is no root.
 template <class F>
-std::optional<double> root_by_newton(F f, Bracket bracket, double start, bool falls, NewtonEnd end = {}) {
+std::optional<double> root_by_newton(F f, Bracket bracket, double start, bool falls, NewtonLimits limits = {}) {
   auto& [from, to] = bracket;
   double s = start;
-  for (int k = 0; k < end.steps; ++k) {
+  for (int k = 0; k < limits.steps; ++k) {
     const std::optional<ValueAndSlope> at = f(s);
     if (!at) return std::nullopt;
     ((at->value > 0.0) == falls ? from : to) = s;
     double next = s - at->value / at->slope;
     if (!(next > from && next < to)) next = 0.5 * (from + to);
-    if (at->value == 0.0 || std::abs(next - s) < end.step || to - from < end.width) break;
+    if (at->value == 0.0 || std::abs(next - s) < limits.step || to - from < limits.width) break;
     s = next;
   }
   return s;
