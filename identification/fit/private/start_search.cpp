@@ -86,7 +86,8 @@ class StartSearch {
     for (const auto& [p, value] : options.held) point.parameters[static_cast<std::size_t>(p)] = value;
     if (options.holds_starts || task_.sought == 0) {
       failure_ = "the motion could not be computed";
-      out_.best = {.cost = cost_of(point), .point = std::move(point)};
+      const double cost = cost_of(point);
+      out_.best = {.cost = cost, .point = std::move(point)};
     } else if (options.held.size() == task_.problem.parameters().size() && !options.values_only) {
       attempt(std::move(point), {0.1, 0.35, 1.0});  // other records: the starts are guesses
     } else {
