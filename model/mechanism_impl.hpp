@@ -80,7 +80,7 @@ template <class T>
 template <class NumbersOfScene>
 Planar<T> Mechanism<T>::force_at_points(const NumbersOfScene& numbers, int force) {
   const Force& of = numbers.scene().forces[force];
-  const Planar<T> vector = numbers.force(force);
+  Planar<T> vector = numbers.force(force);
   if (!of.to) return vector;
   return T(norm(numbers.point(*of.to) - numbers.point(of.at)) / T(2)) * vector;
 }

@@ -151,7 +151,7 @@ void Phasors<T>::set_numbers(const NumbersOfScene& numbers) {
   for (const VaryingTurn& one : varying_turns_) {
     T sum = one.fixed;
     for (const int joint : one.joints) {
-      const T angle = numbers.kept_by(std::abs(joint) - 1);
+      const T& angle = numbers.kept_by(std::abs(joint) - 1);
       sum = joint > 0 ? T(sum + angle) : T(sum - angle);
     }
     turned_[one.turn] = unit(sum);
