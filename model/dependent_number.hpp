@@ -92,8 +92,8 @@ std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double
 struct DependentDerivatives {
   std::vector<double> slopes, bends;
 };
-/// The same along a change of the named numbers that are no expressions, at the rates `slopes`; those of others are
-/// ignored.
+/// Derives all dependent numbers along a change of the named numbers that are no expressions, at the rates `slopes`;
+/// those of others are ignored.
 DependentDerivatives dependents_along(const Scene& scene, std::vector<double> slopes, std::vector<double> named);
 
 /// Gives all dependent numbers the values that follow from the named ones. Throws InputError as dependent_values()

@@ -951,7 +951,7 @@ LinkPoint Layout::place_of(const Scene& scene, PointRef p) const {
 
 namespace {
 
-// By coordinate and turn, those that vary behind the others, each vector together.
+// Arms are sorted by coordinate and turn; those that vary come behind the others, the arms of each vector together.
 bool comes_before(const Arm& l, const Arm& r) {
   if (l.coordinate != r.coordinate) return l.coordinate < r.coordinate;
   if (l.turn != r.turn) return l.turn < r.turn;

@@ -68,7 +68,7 @@ Arm Mechanism<T>::arm_to(const Scene& scene, PointRef point) const {
   return {link.frame, place.at, link.turn, place.vector};
 }
 
-// Of a scene's own numbers what the layout is made of, with its rounding.
+// The layout is made of a scene's own numbers: its arm has them with their rounding.
 template <class T>
 template <class NumbersOfScene>
 Planar<T> Mechanism<T>::coefficient_of(const NumbersOfScene& numbers, PointRef point) const {

@@ -10,7 +10,8 @@ class MotionModel : public ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.
   explicit MotionModel(Scene scene);
-  /// The same in given units, which models that differ in masses or stiffnesses can share; `varying` as for lay_out().
+  /// Compiles the scene in given units, which models that differ in masses or stiffnesses can share; `varying` is that
+  /// of lay_out().
   MotionModel(Scene scene, const Scales& scales, const VaryingNumbers& varying = {});
 
   const Scene& scaled_scene() const { return scaled_; }        ///< measured in scales()

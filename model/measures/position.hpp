@@ -16,7 +16,7 @@ class PositionMeasure {
   PositionMeasure() = default;
   PositionMeasure(PhasorSum<T> p, const Planar<T>& direction)
       : p_(std::move(p)), direction_(direction), e_(direction) {}
-  /// Of a direction in a body that is turned by `turn`, an index into Layout::turns.
+  /// The direction is that of a body that is turned by `turn`, an index into Layout::turns.
   PositionMeasure(const Phasors<T>& phasors, PhasorSum<T> p, const Planar<T>& direction, int turn)
       : PositionMeasure(std::move(p), direction) {
     turn_ = turn;

@@ -83,7 +83,7 @@ class SumMeasure {
   void set_numbers(const Phasors<T>& phasors) {
     for (Term& term : terms_) std::visit([&](auto& g) { g.set_numbers(phasors); }, term.part);
   }
-  /// Of the term that was added as number k.
+  /// Gives the term that was added as number k this factor and profile.
   void set_term(std::size_t k, const T& factor, ProfileOf<T> of) {
     terms_[k].factor = factor;
     terms_[k].of = std::move(of);

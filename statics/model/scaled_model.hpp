@@ -16,7 +16,8 @@ class ScaledModel {
  public:
   /// Throws InputError if the scene contradicts itself.
   ScaledModel(Scene scene, Purpose purpose);
-  /// The same in given units, which models that differ in loads or masses can share; `varying` as for lay_out().
+  /// Compiles the scene in given units, which models that differ in loads or masses can share; `varying` is that of
+  /// lay_out().
   ScaledModel(Scene scene, Purpose purpose, const Scales& scales, const VaryingNumbers& varying = {});
   ScaledModel(const ScaledModel&) = delete;
   ScaledModel& operator=(const ScaledModel&) = delete;

@@ -18,7 +18,7 @@ class StaticModel : public ScaledModel {
   StaticModel(const StaticModel&) = delete;
   StaticModel& operator=(const StaticModel&) = delete;
   ~StaticModel();
-  /// The same in given units; `varying` as for lay_out().
+  /// Compiles the scene in given units; `varying` is that of lay_out().
   StaticModel(Scene scene, const Scales& scales, const VaryingNumbers& varying = {});
 
   /// The scene measured in scales(), made anew by every call.

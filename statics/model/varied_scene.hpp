@@ -67,7 +67,8 @@ class VariedScene {
     int force = 0;
     Vec2 from{}, to{};
   };
-  /// Of all values: what follows from these numbers varies too, of named ones before the others are set.
+  /// These are the courses for all values. What follows from their numbers varies too, and is set from named ones
+  /// before the others are.
   const std::vector<Course>& courses() const { return courses_; }
   const std::vector<VectorCourse>& vector_courses() const { return vector_courses_; }
   /// A scene in which all else is as at every value; what follows from named numbers is as their expressions say.

@@ -64,7 +64,7 @@ VariedMechanism::Evaluation<T>& VariedMechanism::in(std::unique_ptr<Evaluation<T
   return *evaluation;
 }
 
-// At the coordinates `at.x`.
+// The values are those at the coordinates `at.x`.
 template <class T>
 void VariedMechanism::fill(Evaluation<T>& at, const T& p, T* values) const {
   at.set(p);

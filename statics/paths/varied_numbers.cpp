@@ -8,7 +8,7 @@
 namespace poise {
 namespace {
 
-/// With one-way springs in the states that are given.
+/// The scene gets its one-way springs in the states that are given.
 Scene with_springs(Scene scene, const std::vector<int>& one_way, const std::vector<char>& acts) {
   for (std::size_t k = 0; k < one_way.size(); ++k) {
     Element& element = scene.elements[static_cast<std::size_t>(one_way[k])];

@@ -21,9 +21,9 @@ class VariedNumbers {
 
   /// The scene, SI, with these stops and springs.
   const Scene& scene() const { return scene_; }
-  /// The same in scaled units.
+  /// The list has the numbers of that scene in scaled units.
   const NumberList& list() const { return list_; }
-  /// Which of its numbers vary.
+  /// It says which numbers of the list vary.
   const VaryingNumbers& varying() const { return varying_; }
 
   /// The numbers at the part p of the range; those of `numbers` that do not vary are those of the list from the first

@@ -314,7 +314,7 @@ std::vector<UndecidedBox> joined(const StaticModel& model, const Turns& turns, c
   return out;
 }
 
-// That an element may have no length in the box, if one may.
+// The words say that an element may have no length in the box; there are none if no element may.
 std::string element_without_length(const StaticModel& model, const UndecidedBox& box) {
   CoordinateBox place;
   for (std::size_t i = 0; i < box.lower.size(); ++i) place.emplace_back(box.lower[i], box.upper[i]);

@@ -164,7 +164,7 @@ class SetWords {
                        number_of(static_cast<std::size_t>(set_.met_once), "was", "were"));
   }
 
-  // That the indices of those found do not add up to their known sum.
+  // The words say that the indices of those found do not add up to their known sum; there are none if they do.
   std::string missing() const {
     const std::optional<long> expected = index_sum(model_);
     long sum = 0;
