@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,15 @@ int friction_element(const Scene& scene, int joint);
 /// What the size of the force in a joint with friction is multiplied by in its bound: r mu / sqrt(1 + mu^2) of a pin,
 /// m, mu of others.
 double grip_factor(const Joint& joint);
+/// The same of the joint of this index, with the numbers of a scene.
+template <class NumbersOfScene>
+auto grip_factor(const NumbersOfScene& numbers, int joint) {
+  using std::sqrt;
+  using T = typename NumbersOfScene::Scalar;
+  const T coefficient = numbers.friction(joint, 0);
+  if (numbers.scene().joints[static_cast<std::size_t>(joint)].has_travel()) return coefficient;
+  return T(numbers.friction(joint, 1) * coefficient / sqrt(T(1) + coefficient * coefficient));
+}
 
 /// Whether a joint has an element, and a bound that grows with its force.
 bool grips(const Scene& scene, int joint);

@@ -166,6 +166,7 @@ class Builder {
       const int joint = static_cast<int>(j);
       if (varying().has_length(scene_, joint)) out_.vectors.push_back({VaryingVector::Of::bar, {}, joint});
       if (varying().has_axis(joint)) out_.vectors.push_back({VaryingVector::Of::axis, {}, joint});
+      if (varying().has_carriage(scene_, joint)) out_.vectors.push_back({VaryingVector::Of::carriage, {}, joint});
     }
   }
 
@@ -474,7 +475,14 @@ class Builder {
       out_.closures.push_back(closure);
       const int carriage = carriage_[static_cast<std::size_t>(c.joint)];
       if (carriage < 0) continue;
-      closure.arms = out_.path(c.link_a, c.a.at, c.link_b, c.b.at + end_of_carriage(c.joint));
+      const Vec2 end = end_of_carriage(c.joint);
+      if (const int vector = index_of(out_.vectors, {VaryingVector::Of::carriage, {}, c.joint});
+          vector != 0 || c.b.vector != 0) {
+        const Link& b = out_.links[c.link_b];
+        closure.arms.back() = {b.frame, end, b.turn, vector};
+      } else {
+        closure.arms = out_.path_between(c.link_a, c.a, c.link_b, {c.b.at + end});
+      }
       closure.arms.push_back(along_line(carriage, c.joint, out_.links[c.link_a].turn, false));
       out_.closures.push_back(std::move(closure));
     }

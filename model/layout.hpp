@@ -40,9 +40,10 @@ struct Turn {
 };
 
 /// A vector that arms are made of, with numbers that vary: a point in its body's frame, a bar along the x axis of its
-/// own, or the direction of a joint's line.
+/// own, the direction of a joint's line, or the end of the carriage of a slide from its second point, in that point's
+/// body.
 struct VaryingVector {
-  enum class Of { point, bar, axis };
+  enum class Of { point, bar, axis, carriage };
   Of of = Of::point;
   PointRef point{};
   int joint = -1;

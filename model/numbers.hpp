@@ -50,6 +50,8 @@ class Numbers {
   /// Coordinates of a point in its body's frame.
   Planar<T> point(PointRef point) const { return vector_at(list_->point(point)); }
   const T& mass(int body) const { return p_[list_->body(body)]; }
+  /// About its centre of mass.
+  const T& inertia(int body) const { return p_[list_->body(body) + 1]; }
   Planar<T> center(int body) const { return vector_at(list_->body(body) + 2); }
   Planar<T> gravity() const { return vector_at(list_->gravity()); }
   /// Force::vector.
@@ -70,6 +72,12 @@ class Numbers {
     const Vec2& axis = scene().joints[static_cast<std::size_t>(joint)].axis;
     return components.vary() ? unit_or_zero(with_components(axis, components, p_))
                              : constant(list_->along_axis(joint), axis);
+  }
+
+  /// One of Joint::friction_numbers().
+  const T& friction(int joint, int number) const {
+    const bool keeps_angle = scene().joints[static_cast<std::size_t>(joint)].keeps_angle();
+    return p_[list_->joint(joint) + (keeps_angle ? 1 : 0) + number];
   }
 
   /// use(law) with the law of an element.

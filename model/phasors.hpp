@@ -16,6 +16,14 @@ T rounded_number(double value, double /*rounding*/) {
   return static_cast<T>(value);
 }
 
+/// Half the carriage of a slide along its line, in the frame of its second body, where that line is turned back by the
+/// angle that the slide keeps.
+template <class NumbersOfScene, class T = typename NumbersOfScene::Scalar>
+Planar<T> end_of_carriage(const NumbersOfScene& numbers, int joint) {
+  constexpr int length = 1;  // of the numbers of its friction
+  return T(numbers.friction(joint, length) / T(2)) * (numbers.axis(joint) * unit(T(-numbers.kept_by(joint))));
+}
+
 /// The phasors of a mechanism's coordinates q, n = coordinates() of them, angles first:
 ///   phi_k = exp(i q_k)                 for an angle,
 ///   phi_t = q_t exp(i q_f(t)) or q_t   for a length along a line fixed in frame f(t) or in the ground.
@@ -160,9 +168,10 @@ void Phasors<T>::set_numbers(const NumbersOfScene& numbers) {
   vectors_.resize(varying_vectors_.size());
   for (std::size_t k = 0; k < vectors_.size(); ++k) {
     const VaryingVector& one = varying_vectors_[k];
-    vectors_[k] = one.of == VaryingVector::Of::point ? numbers.point(one.point)
-                  : one.of == VaryingVector::Of::bar ? Planar<T>{numbers.kept_by(one.joint), T(0)}
-                                                     : numbers.axis(one.joint);
+    vectors_[k] = one.of == VaryingVector::Of::point  ? numbers.point(one.point)
+                  : one.of == VaryingVector::Of::bar  ? Planar<T>{numbers.kept_by(one.joint), T(0)}
+                  : one.of == VaryingVector::Of::axis ? numbers.axis(one.joint)
+                                                      : end_of_carriage(numbers, one.joint);
   }
 }
 

@@ -22,6 +22,7 @@ class SceneNumbers {
 
   Planar<T> point(PointRef point) const { return planar_cast<T>(scene_->local(point)); }
   T mass(int body) const { return T(body_of(body).mass); }
+  T inertia(int body) const { return T(body_of(body).inertia); }
   Planar<T> center(int body) const { return planar_cast<T>(body_of(body).center); }
   Planar<T> gravity() const { return planar_cast<T>(scene_->gravity); }
   Planar<T> force(int force) const { return planar_cast<T>(scene_->forces[static_cast<std::size_t>(force)].vector); }
@@ -33,6 +34,11 @@ class SceneNumbers {
   }
   Planar<T> axis(int joint) const {
     return planar_cast<T>(direction<PlainOf<T>>(scene_->joints[static_cast<std::size_t>(joint)].axis));
+  }
+
+  T friction(int joint, int number) const {
+    const Joint& of = scene_->joints[static_cast<std::size_t>(joint)];
+    return T(of.friction_numbers()[static_cast<std::size_t>(number)].get(&of).value());
   }
 
   template <class Use>
@@ -61,5 +67,12 @@ class SceneNumbers {
 
   const Scene* scene_;
 };
+
+/// What acts at each of the points of Force::for_each_point(), over Force::vector: 1, or half the length of the line.
+template <class NumbersOfScene, class T = typename NumbersOfScene::Scalar>
+T share_at_points(const NumbersOfScene& numbers, int force) {
+  const Force& of = numbers.scene().forces[static_cast<std::size_t>(force)];
+  return of.to ? T(norm(numbers.point(*of.to) - numbers.point(of.at)) / T(2)) : T(1);
+}
 
 }  // namespace poise

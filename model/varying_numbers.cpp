@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "model/dependent_number.hpp"
+#include "model/joint_friction.hpp"
 
 namespace poise {
 namespace {
@@ -27,6 +28,11 @@ VaryingNumbers::VaryingNumbers(const Scene& scene, std::span<const ParameterPlac
   const std::size_t own = places_.size();
   for (std::size_t k = 0; k < own; ++k) {
     const ParameterPlace place = places_[k];
+    if (place.owner == Owner::joint) {
+      if (const int friction = friction_element(scene, place.item); friction >= 0) {
+        places_.push_back({Owner::element, friction});
+      }
+    }
     if (!moves_springs(place)) continue;
     for (const int spring : scene.flexible_links[static_cast<std::size_t>(place.item)].springs) {
       places_.push_back({Owner::element, spring});
@@ -82,6 +88,12 @@ bool VaryingNumbers::has_length(const Scene& scene, int joint) const {
 }
 
 bool VaryingNumbers::has_axis(int joint) const { return std::binary_search(axes_.begin(), axes_.end(), joint); }
+
+bool VaryingNumbers::has_carriage(const Scene& scene, int joint) const {
+  const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
+  if (!of.has_travel() || !of.keeps_angle() || !of.friction) return false;
+  return has({Owner::joint, joint, 0, 0}) || has({Owner::joint, joint, 0, 2}) || has_axis(joint);
+}
 
 bool VaryingNumbers::has_friction(const Scene& scene, int joint) const {
   const Joint& of = scene.joints[static_cast<std::size_t>(joint)];

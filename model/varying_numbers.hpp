@@ -35,6 +35,8 @@ class VaryingNumbers {
   bool has_length(const Scene& scene, int joint) const;
   /// The direction of a joint's line, which expressions alone can vary.
   bool has_axis(int joint) const;
+  /// Where the end of the carriage of a slide with friction is in its second body.
+  bool has_carriage(const Scene& scene, int joint) const;
   /// Some number of the friction of a joint.
   bool has_friction(const Scene& scene, int joint) const;
 
