@@ -17,6 +17,9 @@ template <class T>
 class Inertia {
  public:
   Inertia(const Scene& scene, const Mechanism<T>& mechanism);
+  /// With these numbers, Numbers<T> or SceneNumbers<T>, which the mechanism has been given too where some vary.
+  template <class NumbersOfScene>
+  Inertia(const NumbersOfScene& numbers, const Mechanism<T>& mechanism);
 
   /// out_t = sum_u W_tu f_u: the inertia force on phasor t for phasor accelerations f. out must not be f.
   void weigh(const Planar<T>* f, Planar<T>* out) const;

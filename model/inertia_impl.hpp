@@ -3,23 +3,30 @@
 #include <algorithm>
 
 #include "model/inertia.hpp"
+#include "model/scene_numbers.hpp"
 
 namespace poise {
 
 template <class T>
-Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
+Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism) : Inertia(SceneNumbers<T>(scene), mechanism) {}
+
+template <class T>
+template <class NumbersOfScene>
+Inertia<T>::Inertia(const NumbersOfScene& numbers, const Mechanism<T>& mechanism)
     : mechanism_(mechanism),
       n_(mechanism.coordinates()),
       w_(static_cast<std::size_t>(n_) * n_),
       moment_(n_, T(0)),
-      gravity_(planar_cast<T>(scene.gravity)),
-      origin_(scene.bodies.size()) {
+      gravity_(numbers.gravity()),
+      origin_(numbers.scene().bodies.size()) {
+  const Scene& scene = numbers.scene();
   const Layout& layout = mechanism.layout();
   const Phasors<T>& phasors = mechanism.phasors();
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
+    const int index = static_cast<int>(i);
     const int frame = layout.links[i].frame;
-    if (frame >= 0 && frame < n_) moment_[frame] += static_cast<T>(body.inertia);
+    if (frame >= 0 && frame < n_) moment_[frame] += numbers.inertia(index);
     Origin& origin = origin_[i];
     origin.frame = frame < n_ ? frame : -1;
     origin.turn = phasors.turned(layout.links[i].turn);
@@ -32,16 +39,15 @@ Inertia<T>::Inertia(const Scene& scene, const Mechanism<T>& mechanism)
       origin.coordinate.push_back(arm.coordinate);
       origin.coefficient.push_back(phasors.coefficient(arm));
     }
-    if (body.mass == 0) continue;
-    const std::vector<Arm> arms = layout.path(0, {0, 0}, static_cast<int>(i), body.center);
+    if (body.mass == 0 && !layout.varying.has_mass(index)) continue;
+    const bool center_varies = layout.varying.has_center(index);
     std::vector<std::pair<int, Planar<T>>> terms;
-    for (const Arm& arm : arms) {
-      if (arm.coordinate >= 0) {
-        terms.emplace_back(arm.coordinate, phasors.coefficient(arm));
-      }
+    for (const Arm& arm : layout.path(0, {0, 0}, index, center_varies ? Vec2{} : body.center)) {
+      if (arm.coordinate >= 0) terms.emplace_back(arm.coordinate, phasors.coefficient(arm));
     }
+    if (center_varies && frame >= 0) terms.emplace_back(frame, numbers.center(index) * origin.turn);
     for (const auto& [t, c_t] : terms) {
-      for (const auto& [u, c_u] : terms) w_[t * n_ + u] += static_cast<T>(body.mass) * (conj(c_t) * c_u);
+      for (const auto& [u, c_u] : terms) w_[t * n_ + u] += numbers.mass(index) * (conj(c_t) * c_u);
     }
   }
 }

@@ -79,10 +79,8 @@ Planar<T> Mechanism<T>::coefficient_of(const NumbersOfScene& numbers, PointRef p
 template <class T>
 template <class NumbersOfScene>
 Planar<T> Mechanism<T>::force_at_points(const NumbersOfScene& numbers, int force) {
-  const Force& of = numbers.scene().forces[force];
-  Planar<T> vector = numbers.force(force);
-  if (!of.to) return vector;
-  return T(norm(numbers.point(*of.to) - numbers.point(of.at)) / T(2)) * vector;
+  const Planar<T> vector = numbers.force(force);
+  return numbers.scene().forces[force].to ? share_at_points(numbers, force) * vector : vector;
 }
 
 // Every dead force F at p does the work Re(conj(F) p): summed over the tree, all of them become one number per phasor.

@@ -6,14 +6,17 @@
 
 #include <ceres/jet.h>
 
+#include "model/numbers.hpp"
 #include "solvers/real50.hpp"
 #include "statics/bodies/contact_loads.hpp"
 
 namespace poise {
 
-template <class T>
-BearingLoads<T>::BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints)
-    : scene_(scene), phasors_(mechanism.phasors()) {
+template <class T, class NumbersOfScene>
+BearingLoads<T, NumbersOfScene>::BearingLoads(const NumbersOfScene& numbers, const Mechanism<T>& mechanism,
+                                              const std::vector<int>& joints)
+    : numbers_(numbers), phasors_(mechanism.phasors()) {
+  const Scene& scene = numbers.scene();
   int holding = 0;
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
@@ -32,7 +35,7 @@ BearingLoads<T>::BearingLoads(const Scene& scene, const Mechanism<T>& mechanism,
     const Link& link = layout.links[b];
     Body body;
     body.origin = {phasors_, layout.path(0, {}, static_cast<int>(b), {})};
-    body.turn = layout.turns[static_cast<std::size_t>(link.turn)].template to<T>();
+    body.turn = phasors_.turn(link.turn);
     if (link.frame >= layout.kept) body.turn += static_cast<T>(layout.coordinates[link.frame].start);
     body.frame = link.frame < layout.kept ? link.frame : -1;
     support = std::max(support, body.origin.support().size());
@@ -42,8 +45,8 @@ BearingLoads<T>::BearingLoads(const Scene& scene, const Mechanism<T>& mechanism,
   derivative_.resize(support);
 }
 
-template <class T>
-void BearingLoads<T>::place(const T* q, const Planar<T>* pose) {
+template <class T, class NumbersOfScene>
+void BearingLoads<T, NumbersOfScene>::place(const T* q, const Planar<T>* pose) {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Body& body = bodies_[b];
     poses_[b] = {body.origin.at(pose), body.frame < 0 ? body.turn : T(body.turn + q[body.frame])};
@@ -51,17 +54,19 @@ void BearingLoads<T>::place(const T* q, const Planar<T>* pose) {
 }
 
 // The force at a point of the world is one at the origin and its moment about that.
-template <class T>
-void BearingLoads<T>::act(int body, const Planar<T>& force, const Planar<T>& at, const Planar<T>* pose, T* g) const {
+template <class T, class NumbersOfScene>
+void BearingLoads<T, NumbersOfScene>::act(int body, const Planar<T>& force, const Planar<T>& at, const Planar<T>* pose,
+                                          T* g) const {
   const Body& on = bodies_[static_cast<std::size_t>(body)];
   on.origin.derivative(phasors_, pose, derivative_.data());
   for (int i = 0; i < on.origin.size(); ++i) g[on.origin.support()[i]] -= dot(force, derivative_[i]);
   if (on.frame >= 0) g[on.frame] -= cross(at - poses_[static_cast<std::size_t>(body)].origin, force);
 }
 
-template <class T>
-bool BearingLoads<T>::add(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose, T* g) const {
-  const std::optional<ContactLoad<T>> load = contact_load(BodyForces(scene_, poses_), contact.stop, contact.place);
+template <class T, class NumbersOfScene>
+bool BearingLoads<T, NumbersOfScene>::add(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose,
+                                          T* g) const {
+  const std::optional<ContactLoad<T>> load = contact_load(BodyForces(numbers_, poses_), contact.stop, contact.place);
   if (!load) return false;
   const Planar<T> force = effort * load->force + size * load->separating;
   act(load->body_b, force, load->at, pose, g);
@@ -69,9 +74,9 @@ bool BearingLoads<T>::add(const Contact& contact, const T& effort, const T& size
   return true;
 }
 
-template <class T>
-void BearingLoads<T>::add_change(const Contact& contact, const T& effort, const T& size, const Planar<T>* pose,
-                                 const T* dq, T* g) const {
+template <class T, class NumbersOfScene>
+void BearingLoads<T, NumbersOfScene>::add_change(const Contact& contact, const T& effort, const T& size,
+                                                 const Planar<T>* pose, const T* dq, T* g) const {
   using Dual = ceres::Jet<T, 1>;
   const auto dual = [](const T& value, const T& change) {
     Dual out(value);
@@ -89,7 +94,7 @@ void BearingLoads<T>::add_change(const Contact& contact, const T& effort, const 
     poses[b] = {{dual(at.origin.x, moved.x), dual(at.origin.y, moved.y)},
                 dual(at.angle, body.frame < 0 ? T(0) : dq[body.frame])};
   }
-  const ContactLoad<Dual> load = contact_load(BodyForces(scene_, poses), contact.stop, contact.place).value();
+  const ContactLoad<Dual> load = contact_load(BodyForces(numbers_.scene(), poses), contact.stop, contact.place).value();
   const Planar<Dual> whole = Dual(effort) * load.force + Dual(size) * load.separating;
   const auto add_to = [&](int index, const T& sign) {
     const Body& body = bodies_[static_cast<std::size_t>(index)];
@@ -111,5 +116,13 @@ void BearingLoads<T>::add_change(const Contact& contact, const T& effort, const 
 template class BearingLoads<double>;
 template class BearingLoads<long double>;
 template class BearingLoads<Real50>;
+
+// Variations need no changes of changes.
+using OfNumber = ceres::Jet<double, 1>;
+using OfVariation = BearingLoads<OfNumber, Numbers<OfNumber>>;
+template OfVariation::BearingLoads(const Numbers<OfNumber>&, const Mechanism<OfNumber>&, const std::vector<int>&);
+template void OfVariation::place(const OfNumber*, const Planar<OfNumber>*);
+template bool OfVariation::add(const Contact&, const OfNumber&, const OfNumber&, const Planar<OfNumber>*,
+                               OfNumber*) const;
 
 }  // namespace poise

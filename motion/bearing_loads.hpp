@@ -5,6 +5,7 @@
 #include "model/mechanism.hpp"
 #include "model/meshing.hpp"
 #include "model/phasor_sum.hpp"
+#include "model/scene_numbers.hpp"
 
 namespace poise {
 
@@ -14,8 +15,8 @@ namespace poise {
 /// the same work in every motion that joints allow, only the forces in joints differ.
 ///
 /// Coordinates as those of ReducedMotion: generalized forces g are negative, n values. Compiled for double, long double
-/// and Real50.
-template <class T>
+/// and Real50, and but for add_change() for the numbers of a Variation.
+template <class T, class NumbersOfScene = SceneNumbers<T>>
 class BearingLoads {
  public:
   struct Contact {
@@ -27,7 +28,10 @@ class BearingLoads {
   };
 
   /// Takes the couplings that load one of these joints. Scene and mechanism must outlive this.
-  BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints);
+  BearingLoads(const Scene& scene, const Mechanism<T>& mechanism, const std::vector<int>& joints)
+      : BearingLoads(NumbersOfScene(scene), mechanism, joints) {}
+  /// With the numbers that the mechanism has been given.
+  BearingLoads(const NumbersOfScene& numbers, const Mechanism<T>& mechanism, const std::vector<int>& joints);
 
   const std::vector<Contact>& contacts() const { return contacts_; }
   /// Poses of all bodies, for the others; `pose` are the phasors of q. Does not allocate.
@@ -46,7 +50,7 @@ class BearingLoads {
   };
   void act(int body, const Planar<T>& force, const Planar<T>& at, const Planar<T>* pose, T* g) const;
 
-  const Scene& scene_;
+  NumbersOfScene numbers_;
   const Phasors<T>& phasors_;
   std::vector<Contact> contacts_;
   std::vector<Body> bodies_;

@@ -43,20 +43,23 @@ class InputLoad {
  public:
   /// `scene` is the one that `mechanism` is compiled from; a force must have a direction, unless it is multiplied.
   InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input);
+  /// With the numbers that the mechanism has been given, a Numbers<T>.
+  template <class NumbersOfScene>
+  InputLoad(const NumbersOfScene& numbers, const Mechanism<T>& mechanism, const MotionInput& input);
 
   /// Sets the load to that of the time t; `near` as of TimeFunction.
   void set(double t, double near) {
     t_ = t;
     near_ = near;
     value_ = static_cast<T>(input_.at(t, 0, near));
-    extra_ = (input_.multiplies ? static_cast<T>(written_) * value_ : value_) - static_cast<T>(written_);
+    extra_ = (input_.multiplies ? written_ * value_ : value_) - written_;
   }
   /// d(load)/d(number) at that time, of numbers that are other loads' or elements' as without inputs: 1.
   T by(const ForceNumber& number) const {
     if (number.of != number_.of || number.item != number_.item) return T(1);
     if (number.time_number >= 0) {
       if (!input_.function) return T(0);  // a curve has taken the place of the function
-      return static_cast<T>(written_ * input_.function->by(number.time_number, t_, 0, near_));
+      return written_ * static_cast<T>(input_.function->by(number.time_number, t_, 0, near_));
     }
     return input_.multiplies ? value_ : T(0);
   }
@@ -68,7 +71,7 @@ class InputLoad {
  private:
   const Phasors<T>& phasors_;
   MotionInput input_;
-  double written_ = 0.0;  // the scene's
+  T written_{};  // the scene's
   double t_ = 0.0, near_ = 0.0;
   ForceNumber number_;  // of the load
   T value_{}, extra_{};

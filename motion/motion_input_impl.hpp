@@ -1,12 +1,19 @@
 #pragma once
 
+#include "model/scene_numbers.hpp"
 #include "motion/motion_input.hpp"
 
 namespace poise {
 
 template <class T>
 InputLoad<T>::InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const MotionInput& input)
+    : InputLoad(SceneNumbers<T>(scene), mechanism, input) {}
+
+template <class T>
+template <class NumbersOfScene>
+InputLoad<T>::InputLoad(const NumbersOfScene& numbers, const Mechanism<T>& mechanism, const MotionInput& input)
     : phasors_(mechanism.phasors()), input_(input) {
+  const Scene& scene = numbers.scene();
   number_.of = input.of == MotionInput::Of::torque ? ForceNumber::Of::torque : ForceNumber::Of::force;
   number_.item = input.item;
   const Layout& layout = mechanism.layout();
@@ -14,12 +21,15 @@ InputLoad<T>::InputLoad(const Scene& scene, const Mechanism<T>& mechanism, const
     const Torque& torque = scene.torques[static_cast<std::size_t>(input.item)];
     const int frame = layout.links[static_cast<std::size_t>(torque.body)].frame;
     if (frame < layout.kept) torque_coordinate_ = frame;
-    written_ = torque.value;
+    written_ = numbers.torque(input.item);
     return;
   }
   const Force& force = scene.forces[static_cast<std::size_t>(input.item)];
-  written_ = norm(force.vector);
-  if (written_ > 0) direction_ = scene.share_at_points<T>(force) * planar_cast<T>((1 / written_) * force.vector);
+  const Planar<T> vector = numbers.force(input.item);
+  if (!(force.vector == Vec2{})) {
+    written_ = norm(vector);
+    direction_ = share_at_points(numbers, input.item) * (T(T(1) / written_) * vector);
+  }
   if (force.follows >= 0) {
     const Link& carrier = layout.links[static_cast<std::size_t>(force.follows)];
     direction_ = direction_ * phasors_.turned(carrier.turn);
