@@ -56,6 +56,12 @@ NumberList::NumberList(const Scene& scene, const std::vector<int>& vectors)
   place_dependents();
 }
 
+int NumberList::row(const ParameterPlace& place) const {
+  const auto found =
+      std::find_if(rows_.begin(), rows_.end(), [&](const ParameterRow& row) { return row.place == place; });
+  return static_cast<int>(found - rows_.begin());
+}
+
 void NumberList::place_rows() {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const ParameterPlace& place = rows_[k].place;
@@ -263,7 +269,7 @@ std::string NumberList::why_not_followed(int row) const {
     if (one.at.of == DependentPlace::Of::left_out) continue;
     const std::string written = one.item + " = \"" + one.text() + "\"";
     if (!std::isfinite(slopes[k])) return written + " has no derivative by it";
-    if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force &&
+    if (slopes[k] != 0.0 && one.at.of == DependentPlace::Of::force && !vector_[at(one.at.place.item)].are_whole &&
         scene_.forces[at(one.at.place.item)].vector == Vec2{}) {
       return written + " is a force of zero, which has no direction";
     }

@@ -28,6 +28,8 @@ class NumberList {
 
   const Scene& scene() const { return scene_; }
   const std::vector<ParameterRow>& rows() const { return rows_; }
+  /// The index of the row of this place, which must be one of the table.
+  int row(const ParameterPlace& place) const;
   /// p of the scene; infinite for an absent limit, 0 for an absent guess.
   const std::vector<double>& values() const { return values_; }
 

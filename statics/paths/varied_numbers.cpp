@@ -68,13 +68,11 @@ VariedNumbers::VariedNumbers(const VariedScene& varied, Scene scene, const std::
       list_(scaled(scene_, varied.scales()), vectors_in(varied, scene_, varying_)) {
   const std::vector<ParameterRow>& table = list_.rows();
   for (const VariedScene::Course& course : varied.courses()) {
-    const auto row =
-        std::find_if(table.begin(), table.end(), [&](const ParameterRow& one) { return one.place == course.place; });
-    const double unit = row->dimension.per_scale(varied.scales());
+    const int row = list_.row(course.place);
+    const double unit = table[static_cast<std::size_t>(row)].dimension.per_scale(varied.scales());
     const bool is_named = course.place.owner == Owner::number;
     (is_named ? named_ : rows_)
-        .push_back({static_cast<int>(row - table.begin()), unit * course.from, unit * course.to,
-                    is_named ? course.place.item : -1});
+        .push_back({row, unit * course.from, unit * course.to, is_named ? course.place.item : -1});
   }
   for (const VariedScene::VectorCourse& course : varied.vector_courses()) {
     const NumberList::Components at = list_.vector_of(course.force);
