@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <utility>
+#include <limits>
 
 namespace poise {
 namespace {
@@ -14,51 +13,53 @@ constexpr double at_border = 1e-11;
 constexpr double room_behind = 1e-10;
 constexpr double nudged_by = 3e-13;
 
-/// All terms of a scene with a profile that has borders, in an order that does not depend on numbers.
-std::vector<const Measure::Term*> bordered_terms(const Scene& scene) {
-  std::vector<const Measure::Term*> out;
-  const auto take = [&](const Measure& on) {
-    for (const Measure::Term& term : on.terms) {
-      if (term.profile && (term.profile->pieces().size() > 1 || !term.profile->periodic())) out.push_back(&term);
+/// A term of a scene with a profile that has borders.
+struct BorderedTerm {
+  const Measure& sum;
+  std::size_t term;
+  int stop;  // -1 of other sums
+};
+
+/// All of them, in an order that does not depend on numbers.
+std::vector<BorderedTerm> bordered_terms(const Scene& scene) {
+  std::vector<BorderedTerm> out;
+  const auto take = [&](const Measure& on, int stop) {
+    for (std::size_t k = 0; k < on.terms.size(); ++k) {
+      const Measure::Term& term = on.terms[k];
+      if (term.profile && (term.profile->pieces().size() > 1 || !term.profile->periodic()))
+        out.push_back({on, k, stop});
     }
   };
-  for (const Stop& stop : scene.stops) {
-    if (stop.holds()) take(stop.on);
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (scene.stops[s].holds()) take(scene.stops[s].on, static_cast<int>(s));
   }
-  for (const Drive& drive : scene.drives) take(drive.on);
-  for (const Element& element : scene.elements) take(element.on);
+  for (const Drive& drive : scene.drives) take(drive.on, -1);
+  for (const Element& element : scene.elements) take(element.on, -1);
   return out;
 }
 
 }  // namespace
 
-ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations)
-    : model_(model), variations_(variations) {
-  const std::vector<const Measure::Term*> terms = bordered_terms(model.scaled_scene());
+ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations) : model_(model) {
   int scratch = 0;
-  const auto place_of = [&](const MotionModel& own, const Measure::Term& term) {
-    const double span = term.measure.is_angle() ? 2 * std::numbers::pi : term.span;
-    Place out{{own.scaled_scene(), own.layout(), own.mechanism().phasors(), term.measure},
-              term.shift,
-              span,
-              term.profile.get()};
-    scratch = std::max(scratch, out.on.scratch_size());
-    return out;
-  };
-  for (const Measure::Term* const term : terms) {
+  for (const BorderedTerm& one : bordered_terms(model.scaled_scene())) {
+    const Measure::Term& term = one.sum.terms[one.term];
     Argument& argument = arguments_.emplace_back();
-    argument.at = place_of(model, *term);
-    argument.varied.resize(variations.size());
-  }
-  for (std::size_t v = 0; v < variations.size() && !terms.empty(); ++v) {
-    for (const Variation::Piece& piece : variations[v].pieces) {
-      const std::vector<const Measure::Term*> varied = bordered_terms(piece.model->scaled_scene());
-      for (std::size_t i = 0; i < varied.size(); ++i) {
-        arguments_[i].varied[v].push_back(place_of(*piece.model, *varied[i]));
-      }
-    }
+    argument.at = {{model.scaled_scene(), model.layout(), model.mechanism().phasors(), term.measure},
+                   profile_of<double>(term)};
+    scratch = std::max(scratch, argument.at.on.scratch_size());
   }
   pose_.resize(static_cast<std::size_t>(model.mechanism().phasors().pose_size() + scratch));
+  if (arguments_.empty()) return;
+  variations_ = variations;
+  for (const Variation& variation : variations) {
+    const std::vector<BorderedTerm> terms = bordered_terms(variation.scene());
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      const auto& [sum, term, stop] = terms[i];
+      arguments_[i].varied.push_back(
+          {variation.measure(sum.terms[term].measure), variation.numbers().term(sum, term, stop).profile()});
+    }
+  }
 }
 
 Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) {
@@ -69,8 +70,8 @@ Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) 
 
 void ProfileBorders::note(Argument& argument, double u, double rate) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
-  const std::vector<Profile::Piece>& pieces = argument.at.profile->pieces();
-  const double turn = argument.at.profile->periodic() ? std::floor(u) : 0.0;
+  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
+  const double turn = argument.at.of.profile->periodic() ? std::floor(u) : 0.0;
   argument.lower = -unlimited;
   argument.upper = unlimited;
   const auto border = [&](double at) {
@@ -85,14 +86,14 @@ void ProfileBorders::note(Argument& argument, double u, double rate) {
     for (const Profile::Piece& piece : pieces) border(piece.to + shift);
   };
   for (const double shift : {-1.0, 0.0, 1.0}) {
-    if (argument.at.profile->periodic() || shift == 0.0) borders_of_turn(turn + shift);
+    if (argument.at.of.profile->periodic() || shift == 0.0) borders_of_turn(turn + shift);
   }
 }
 
 void ProfileBorders::watch(const ReducedMotion<double>& motion) {
   const Configuration<double> at = here(motion);
   for (Argument& argument : arguments_) {
-    note(argument, value(argument.at, at), argument.at.on.along(at, motion.v()) / argument.at.span);
+    note(argument, argument.at.value(at), argument.at.on.along(at, motion.v()) / argument.at.of.span);
   }
 }
 
@@ -100,7 +101,7 @@ double ProfileBorders::margin(const ReducedMotion<double>& motion) {
   const Configuration<double> at = here(motion);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < arguments_.size(); ++i) {
-    const double u = value(arguments_[i].at, at);
+    const double u = arguments_[i].at.value(at);
     const double own = std::min(u - arguments_[i].lower, arguments_[i].upper - u);
     if (!(own < least)) continue;
     least = own;
@@ -110,39 +111,42 @@ double ProfileBorders::margin(const ReducedMotion<double>& motion) {
 }
 
 double ProfileBorders::nudge(const ReducedMotion<double>& motion) {
-  const Place& place = arguments_[least_].at;
-  return nudged_by * place.span / std::abs(place.on.along(here(motion), motion.v()));
+  const Place<double>& place = arguments_[least_].at;
+  return nudged_by * place.of.span / std::abs(place.on.along(here(motion), motion.v()));
 }
 
-double ProfileBorders::border_of(const Place& other, const Place& here, double u) {
-  const std::vector<Profile::Piece>&own = here.profile->pieces(), &pieces = other.profile->pieces();
-  double nearest = std::numeric_limits<double>::infinity(), out = 0.0;
-  const double turn = here.profile->periodic() ? std::floor(u) : 0.0;
-  const auto compare = [&](double border, double there) {
-    if (!(std::abs(u - border) < nearest)) return;
-    nearest = std::abs(u - border);
-    out = there;
+double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& motion, const Argument& argument,
+                                               std::size_t variation, double u) const {
+  using Dual = Variation::Dual;
+  const Place<Dual>& place = argument.varied[variation];
+  const double argument_by = variations_[variation].derivative(
+      place.on, motion.q(), [&](const Configuration<Dual>& there) { return place.value(there); });
+  // Of other profiles the borders are no numbers, or nothing jumps there that acts on motion: a spline is smooth
+  // enough.
+  if (!place.of.rolling) return -argument_by;
+  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
+  const double turn = argument.at.of.profile->periodic() ? std::floor(u) : 0.0;
+  double nearest = std::numeric_limits<double>::infinity(), border_by = 0.0;
+  const auto compare = [&](double border, const Dual& there) {
+    if (!(std::abs(u - turn - border) < nearest)) return;
+    nearest = std::abs(u - turn - border);
+    border_by = there.v[0];
   };
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    compare(turn + own[k].from, turn + pieces[k].from);
-    compare(turn + own[k].to, turn + pieces[k].to);
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    compare(pieces[k].from, place.of.rolling->pieces()[k].from);
+    compare(pieces[k].to, place.of.rolling->pieces()[k].to);
   }
-  return out;
+  return border_by - argument_by;
 }
 
 double ProfileBorders::passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation) {
   const Argument& argument = arguments_[least_];
   const Configuration<double> at = here(motion);
-  double change = argument.at.on.along(at, dq) / argument.at.span;
+  double change = argument.at.on.along(at, dq) / argument.at.of.span;
   if (variation >= 0) {
-    const auto v = static_cast<std::size_t>(variation);
-    const double u = value(argument.at, at);
-    for (std::size_t p = 0; p < argument.varied[v].size(); ++p) {
-      const Place& other = argument.varied[v][p];
-      change += variations_[v].pieces[p].weight * (value(other, at) - border_of(other, argument.at, u));
-    }
+    change -= border_less_argument_by(motion, argument, static_cast<std::size_t>(variation), argument.at.value(at));
   }
-  const double rate = argument.at.on.along(at, motion.v()) / argument.at.span;
+  const double rate = argument.at.on.along(at, motion.v()) / argument.at.of.span;
   return rate == 0.0 ? 0.0 : -change / rate;
 }
 

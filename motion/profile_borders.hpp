@@ -15,7 +15,7 @@ namespace poise {
 /// stops that hold, drives and force elements: between borders the argument u of each is within its piece.
 class ProfileBorders {
  public:
-  /// Both must outlive this.
+  /// The model must outlive this.
   ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations);
 
   /// Whether the scene has profiles of more than one piece.
@@ -31,28 +31,28 @@ class ProfileBorders {
   double passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation);
 
  private:
-  /// u of one term, in one scene.
+  /// u of one term, in the numbers of the scene or of a variation.
+  template <class T>
   struct Place {
-    CompiledMeasure<double> on;
-    double shift = 0.0, span = 1.0;
-    const Profile* profile = nullptr;
+    CompiledMeasure<T> on;
+    ProfileOf<T> of;
+
+    T value(const Configuration<T>& at) const { return (on.value(at) - of.shift) / of.span; }
   };
   struct Argument {
-    Place at;
-    std::vector<std::vector<Place>> varied;  // by variation and piece
+    Place<double> at;
+    std::vector<Place<Variation::Dual>> varied;  // by variation
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
   };
   Configuration<double> here(const ReducedMotion<double>& motion);
-  static double value(const Place& place, const Configuration<double>& at) {
-    return (place.on.value(at) - place.shift) / place.span;
-  }
   static void note(Argument& argument, double u, double rate);
-  /// Of the profile of another place of the same term the border that is nearest in this one's.
-  static double border_of(const Place& other, const Place& here, double u);
+  /// The derivative by the number of a variation of the border that is nearest to u, less that of u.
+  double border_less_argument_by(const ReducedMotion<double>& motion, const Argument& argument, std::size_t variation,
+                                 double u) const;
 
   const MotionModel& model_;
-  const std::vector<Variation>& variations_;
+  std::vector<Variation> variations_;
   std::vector<Argument> arguments_;
   std::vector<Planar<double>> pose_;
   std::size_t least_ = 0;  // argument of the last margin()

@@ -14,19 +14,10 @@
 #include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
+#include "motion/variation.hpp"
+#include "motion/variation_terms.hpp"
 
 namespace poise {
-
-/// A scene around the value of one of its numbers p, as models in the same coordinates and units: the derivative by p
-/// of anything that the model determines is the sum of weight times what each piece determines.
-struct Variation {
-  struct Piece {
-    std::shared_ptr<const MotionModel> model;
-    double weight = 0.0;  ///< per unit of the number
-  };
-  std::vector<Piece> pieces;
-  bool changes_drives = false;  ///< the pieces' drives differ in more than their starts
-};
 
 /// A parameter of the scene for sensitivities of motion: part of a body's inertia, a number of a force or of a drive,
 /// or any other number, which may move the dependent coordinates.
@@ -41,14 +32,15 @@ struct Influence {
   int variation = -1;    ///< if >= 0 an index into the variations
   ForceNumber force{};   ///< if none of these
   double by = 1.0;       ///< change of the number of the force or drive per unit
-  /// A number of a function of time that changes with the parameter, and by how much per unit, SI.
+  /// A number of a function of time, SI, or of a drive without one, that changes with the parameter, and by how much
+  /// per unit.
   struct InTime {
     TimeFunction::Of of = TimeFunction::Of::force;
     int item = 0;    ///< index into Scene::forces, torques or drives
-    int number = 0;  ///< index into the numbers of its function
+    int number = 0;  ///< index into the numbers of its function, or Drive::numbers
     double by = 0.0;
   };
-  std::vector<InTime> in_time{};  ///< beside a variation, whose pieces have the functions of the scene
+  std::vector<InTime> in_time{};  ///< beside a variation
 
   /// Calls visit(function, number, by) for the functions of loads of which a number changes with the parameter.
   template <class Visit>
@@ -291,16 +283,6 @@ class ReducedMotion {
   struct Direct {
     std::vector<T> gap, rate, acceleration, force, bound;
   };
-  struct Piece {
-    std::shared_ptr<const Mechanism<T>> mechanism;
-    std::shared_ptr<const Inertia<T>> inertia;
-    std::vector<DriveRow> drives;
-    std::vector<InputLoad<T>> input_loads;
-    std::vector<Grip> grips;
-    std::shared_ptr<BearingLoads<T>> bearing_loads;
-    T weight{};
-    bool changes_drives = false;
-  };
   template <class S>
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
@@ -343,7 +325,8 @@ class ReducedMotion {
   void let_friction_follow(const T* dq, const Direct* direct, const T* force, T* dalpha);
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
-  void add_direct(Piece& piece);
+  void state_for_variations();
+  void add_direct(VariationTerms& terms);
   void add_drive_number(int drive, int number, const T& by);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
@@ -404,10 +387,10 @@ class ReducedMotion {
   bool gripping_ = false;  // some bound grows with a force
   bool open_ = false, open_known_ = false;
 
-  std::vector<std::vector<Piece>> variations_;
+  std::vector<VariationTerms> variations_;
+  VariedState varied_;
   Direct direct_;
-  std::vector<T> q_p_, v_p_, a_p_, varied_rows_, varied_values_, varied_force_, varied_resistances_;
-  std::vector<Planar<T>> varied_pose_;
+  std::vector<T> q_p_, v_p_, a_p_;
 };
 
 extern template class ReducedMotion<double>;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "motion/reduced_motion.hpp"
 #include "motion/reduced_motion_friction_impl.hpp"
@@ -225,6 +224,7 @@ void ReducedMotion<T>::linearize_pose(const T* dq, const Direct* direct, T* dv, 
 template <class T>
 void ReducedMotion<T>::linearize() {
   find_multipliers();
+  if (!variations_.empty()) state_for_variations();
   mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
   for (int k = 0; k < freedoms(); ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
@@ -255,109 +255,53 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
 template <class T>
 void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) {
   variations_.clear();
-  std::size_t pose = 0, values = 0, rows = c_.size(), resistances = 0;
+  std::vector<int> joints;
+  for (std::size_t i = 0; i < first_teeth_; ++i) joints.push_back(grips_[i].joint);
+  std::size_t pose = 0;
   for (const Variation& variation : variations) {
-    std::vector<Piece>& pieces = variations_.emplace_back();
-    for (const auto& [model, weight] : variation.pieces) {
-      Piece& piece = pieces.emplace_back();
-      const Scene& scene = model->scaled_scene();
-      if constexpr (std::is_same_v<T, double>) {
-        piece.mechanism = {model, &model->mechanism()};
-        piece.inertia = {model, &model->inertia()};
-      } else {
-        piece.mechanism = std::make_shared<const Mechanism<T>>(scene, model->layout(), Purpose::dynamics);
-        piece.inertia = std::make_shared<const Inertia<T>>(scene, *piece.mechanism);
-      }
-      piece.weight = static_cast<T>(weight);
-      piece.changes_drives = variation.changes_drives;
-      int drive_scratch = 0;
-      piece.drives = rows_of(scene, *piece.mechanism);
-      piece.grips = grips_of(scene, *piece.mechanism);
-      if (!contact_efforts_.empty()) {
-        piece.bearing_loads = std::make_shared<BearingLoads<T>>(scene, *piece.mechanism, growing(grips_));
-      }
-      for (std::size_t k = 0; k < piece.drives.size(); ++k) {
-        DriveRow& row = piece.drives[k];
-        row.input = drives_[k].input;
-        if (!row.input) row.start = static_cast<T>(row.drive.start.value_or(0.0));
-        drive_scratch = std::max(drive_scratch, row.on.scratch_size());
-      }
-      for (const int e : held_) {
-        piece.drives.push_back(
-            {Drive{}, {scene, piece.mechanism->layout(), piece.mechanism->phasors(), scene.elements[e].on}, T(0)});
-        drive_scratch = std::max(drive_scratch, piece.drives.back().on.scratch_size());
-      }
-      for (const MotionInput& input : inputs_) {
-        if (input.of != MotionInput::Of::drive) piece.input_loads.emplace_back(scene, *piece.mechanism, input);
-      }
-      pose = std::max(pose, static_cast<std::size_t>(piece.mechanism->pose_size() + drive_scratch));
-      values = std::max(values, piece.mechanism->jacobian_row().size());
-      rows = std::max(rows, static_cast<std::size_t>(piece.mechanism->constraints()));
-      resistances = std::max(resistances, static_cast<std::size_t>(piece.mechanism->resistances_size()));
-    }
+    variations_.emplace_back(variation, inputs_, held_, joints, growing(grips_));
+    pose = std::max(pose, variations_.back().pose_size());
   }
-  varied_pose_.resize(pose);
-  varied_values_.resize(values);
-  varied_rows_.resize(rows);
-  varied_resistances_.resize(resistances);
+  varied_.pose.resize(pose);
 }
 
-// Phasors are those of the pose placed, because they depend on coordinates only.
+// The state of the last linearize().
 template <class T>
-void ReducedMotion<T>::add_direct(Piece& piece) {
-  using std::abs;
-  const Mechanism<T>& m = *piece.mechanism;
-  const int equalities = mechanism_.equalities();
-  Planar<T>* pose = varied_pose_.data();
-  std::copy(pose_.begin(), pose_.begin() + m.phasors().pose_size(), pose);
-  const Configuration<T> there{m.phasors(), pose, pose + m.pose_size()};
-  const auto add_rows = [&](std::vector<T>& sum, const auto& driven) {
-    for (int r = 0; r < equalities; ++r) sum[r] += piece.weight * varied_rows_[r];
-    for (int k = 0; k < drives(); ++k) sum[equalities + k] += piece.weight * driven(piece.drives[k]);
+void ReducedMotion<T>::state_for_variations() {
+  using Dual = VariedState::Dual;
+  const auto take = [](std::vector<Dual>& to, const std::vector<T>& from) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) to[i] = Dual(static_cast<double>(from[i]));
   };
-  const auto moved = [&](const DriveRow& d, int derivative) {
-    return piece.changes_drives && !d.input ? d.drive.moved(t_, derivative) : T(0);
+  const auto take_vectors = [](std::vector<Planar<Dual>>& to, const std::vector<Planar<T>>& from, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      to[i] = {Dual(static_cast<double>(from[i].x)), Dual(static_cast<double>(from[i].y))};
+    }
   };
-  T* g = varied_force_.data();
-  m.negative_force(q_.data(), pose, g);
-  m.resist(pose, v_.data(), sliding(), varied_resistances_.data());
-  m.add_resistance(varied_resistances_.data(), g);
-  for (InputLoad<T>& load : piece.input_loads) {
-    set_load(load);
-    load.add(pose, g);
-  }
-  piece.inertia->weigh(second_.data(), work2_.data());
-  m.phasors().add_projection(pose, work2_.data(), g);
-  for (int i = 0; i < n_; ++i) g[i] += piece.inertia->moment(i) * a_[i];
-  if (rows_ > 0) {
-    m.constraint(q_.data(), pose, varied_rows_.data());
-    add_rows(direct_.gap, [&](const DriveRow& d) { return d.on.value(there) - d.start - moved(d, 0); });
-    m.phasors().first(pose, v_.data(), work_.data());
-    m.closures_of(work_.data(), varied_rows_.data());
-    add_rows(direct_.rate, [&](const DriveRow& d) { return d.on.along(there, v_.data()) - moved(d, 1); });
-    m.closures_of(second_.data(), varied_rows_.data());
-    add_rows(direct_.acceleration, [&](const DriveRow& d) {
-      return d.on.second(there, v_.data(), v_.data()) + d.on.along(there, a_.data()) - moved(d, 2);
-    });
-    m.jacobian(pose, varied_values_.data());
-    const auto& row = m.jacobian_row();
-    const auto& column = m.jacobian_column();
-    for (std::size_t e = 0; e < row.size(); ++e) {
-      if (row[e] < equalities) g[column[e]] += multipliers_[row[e]] * varied_values_[e];
-    }
-    for (int k = 0; k < drives(); ++k) piece.drives[k].on.add_gradient(there, drive_multipliers_[k], g);
-    if (piece.bearing_loads) piece.bearing_loads->place(q_.data(), pose);
-    for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
-      const T& effort = contact_efforts_[c];
-      piece.drives[stop_row(static_cast<int>(c))].on.add_gradient(there, effort, g);
-      piece.bearing_loads->add(piece.bearing_loads->contacts()[c], effort, abs(effort), pose, g);
-    }
-  }
-  for (int i = 0; i < n_; ++i) direct_.force[i] += piece.weight * g[i];
+  varied_.t = static_cast<double>(t_);
+  varied_.near = near_at(t_);
+  varied_.sliding = sliding();
+  take(varied_.q, q_);
+  take(varied_.v, v_);
+  take(varied_.a, a_);
+  take(varied_.multipliers, multipliers_);
+  take(varied_.drive_multipliers, drive_multipliers_);
+  take(varied_.contact_efforts, contact_efforts_);
+  varied_.second.resize(second_.size());
+  take_vectors(varied_.second, second_, second_.size());
+  take_vectors(varied_.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));
+}
+
+template <class T>
+void ReducedMotion<T>::add_direct(VariationTerms& terms) {
+  terms.add(varied_, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(), direct_.force.data());
   for (std::size_t i = 0; gripping_ && i < first_teeth_; ++i) {
-    const Grip& grip = piece.grips[i];
-    const T size = size_of(grip, branches_[i], holds_[i], grip.is_pin() ? Planar<T>{} : normal_of(grip));
-    direct_.bound[i] += piece.weight * grip.factor * size;
+    const Grip& grip = grips_[i];
+    direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
+    if (grip.is_pin()) continue;
+    const Planar<T> axis = planar_cast<T>(terms.axis_by(i));
+    const Planar<T> normal = quarter_turn(axis * mechanism_.phasors().line_direction(pose_.data(), grip.travel));
+    direct_.bound[i] += grip.factor * size_of(grip, branches_[i], holds_[i], normal);
   }
 }
 
@@ -393,7 +337,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
   if (influence.drive >= 0) {
     add_drive_number(influence.drive, influence.drive_number, static_cast<T>(influence.by));
   } else {
-    for (Piece& piece : variations_[influence.variation]) add_direct(piece);
+    add_direct(variations_[static_cast<std::size_t>(influence.variation)]);
     for (const Influence::InTime& part : influence.in_time) {
       if (part.of == TimeFunction::Of::drive) {
         add_drive_number(part.item, part.number, static_cast<T>(part.by));

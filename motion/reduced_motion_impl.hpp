@@ -37,8 +37,8 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   contact_efforts_.assign(contacts, T(0));
   contact_holds_.resize(first_teeth_ * contacts);
   const std::size_t n = static_cast<std::size_t>(n_);
-  for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_,
-                     &varied_force_}) {
+  for (auto* full :
+       {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_}) {
     full->assign(n, T(0));
   }
   const std::size_t k = grips_.size();

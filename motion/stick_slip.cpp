@@ -44,12 +44,7 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     contact.on = {scene, model.layout(), phasors, on};
     scratch = std::max(scratch, contact.on.scratch_size());
     for (const Variation& variation : variations) {
-      std::vector<CompiledMeasure<double>>& pieces = contact.varied.emplace_back();
-      for (const auto& [piece, weight] : variation.pieces) {
-        const Mechanism<double>& own = piece->mechanism();
-        pieces.emplace_back(piece->scaled_scene(), own.layout(), own.phasors(), piece->scaled_scene().elements[e].on);
-        scratch = std::max(scratch, pieces.back().scratch_size());
-      }
+      contact.varied.push_back(variation.measure(variation.scene().elements[e].on));
     }
     contacts_.push_back(std::move(contact));
   }
@@ -176,10 +171,7 @@ void StickSlip::meet(const Reduced& motion) {
   contact.on.add_bend(here, motion.v(), 1.0, bend_.data());
   direct_.clear();
   for (std::size_t v = 0; v < variations_.size(); ++v) {
-    double& sum = direct_.emplace_back(0.0);
-    for (std::size_t p = 0; p < contact.varied[v].size(); ++p) {
-      sum += variations_[v].pieces[p].weight * contact.varied[v][p].along(here, motion.v());
-    }
+    direct_.push_back(rate_by(contact, motion, v));
   }
   met_acceleration_ = acceleration(contact, motion);
 }
@@ -409,11 +401,18 @@ double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const doub
   const Configuration<double> here{phasors, pose_.data(), pose_.data() + phasors.pose_size()};
   double sum = contact.on.along(here, dq);
   if (variation < 0) return sum;
-  const auto v = static_cast<std::size_t>(variation);
-  for (std::size_t p = 0; p < contact.varied[v].size(); ++p) {
-    sum += variations_[v].pieces[p].weight * contact.varied[v][p].value(here);
-  }
-  return sum;
+  return sum + value_by(contact, motion, static_cast<std::size_t>(variation));
+}
+
+double StickSlip::value_by(const Contact& contact, const Reduced& motion, std::size_t variation) const {
+  const CompiledMeasure<Variation::Dual>& on = contact.varied[variation];
+  return variations_[variation].derivative(on, motion.q(), [&](const auto& here) { return on.value(here); });
+}
+
+double StickSlip::rate_by(const Contact& contact, const Reduced& motion, std::size_t variation) const {
+  const CompiledMeasure<Variation::Dual>& on = contact.varied[variation];
+  const std::vector<Variation::Dual> v(motion.v(), motion.v() + motion.coordinates());
+  return variations_[variation].derivative(on, motion.q(), [&](const auto& here) { return on.along(here, v.data()); });
 }
 
 }  // namespace poise

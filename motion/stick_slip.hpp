@@ -22,7 +22,7 @@ namespace poise {
 /// (FrictionForces); those that are consistent must have the same, and the one taken must have unique forces.
 class StickSlip {
  public:
-  /// Model and variations must outlive this. `motion` is one of the model, for the teeth that it has.
+  /// The model must outlive this. `motion` is one of the model, for the teeth that it has.
   StickSlip(const MotionModel& model, const std::vector<Variation>& variations, const ReducedMotion<double>& motion);
 
   /// Whether the scene has such friction.
@@ -67,9 +67,9 @@ class StickSlip {
     int element;
     double force;  // F, or its constant part
     CompiledMeasure<double> on;
-    std::vector<std::vector<CompiledMeasure<double>>> varied;  // by variation and piece
-    double speed = 0.0;                                        // largest rate yet
-    double rate = 0.0, acceleration = 0.0;                     // at the last node
+    std::vector<CompiledMeasure<Variation::Dual>> varied;  // by variation
+    double speed = 0.0;                                    // largest rate yet
+    double rate = 0.0, acceleration = 0.0;                 // at the last node
     bool idle = false;  // it slides without rate: what is held or driven holds it, too
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
@@ -87,6 +87,9 @@ class StickSlip {
   };
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   Configuration<double> place(const CompiledMeasure<double>& on, const double* q);
+  /// The derivative of the value of a contact's measure, or of its rate, by the number of a variation.
+  double value_by(const Contact& contact, const ReducedMotion<double>& motion, std::size_t variation) const;
+  double rate_by(const Contact& contact, const ReducedMotion<double>& motion, std::size_t variation) const;
   double rate(const Contact& contact, const ReducedMotion<double>& motion);
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
@@ -110,7 +113,7 @@ class StickSlip {
                                     const std::vector<double>& v, const std::vector<int>& sliding) const;
 
   const MotionModel& model_;
-  const std::vector<Variation>& variations_;
+  std::vector<Variation> variations_;
   std::vector<Contact> contacts_;
   std::vector<Branched> branched_;  // empty if no F grows with a force
   std::vector<Planar<double>> pose_;

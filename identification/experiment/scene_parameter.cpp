@@ -97,18 +97,25 @@ Influence SceneParameter::influence(const Scene& scene, const Scales& scales) co
   return out;
 }
 
-std::vector<Influence::InTime> SceneParameter::in_time(const Scene& scene) const {
+std::vector<Influence::InTime> SceneParameter::in_time(const Scene& scene, const Scales& scales) const {
   std::vector<Influence::InTime> out;
   if (!is_named()) return out;
   const std::vector<double> slopes = dependents_by(scene, place_.item, named_values(scene));
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     const DependentNumber& one = (*scene.dependents)[k];
-    if (one.at.place.owner != Owner::time || slopes[k] == 0.0) continue;
+    const ParameterPlace& place = one.at.place;
+    const bool drives = place.owner == Owner::drive && one.at.of == DependentPlace::Of::row;
+    if ((place.owner != Owner::time && !drives) || slopes[k] == 0.0) continue;
     if (!std::isfinite(slopes[k])) {
       throw InputError(one.item + " = \"" + one.text() + "\" has no derivative by " + path_);
     }
-    const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(one.at.place.item)];
-    out.push_back({function.of, function.item, one.at.place.number, slopes[k]});
+    if (drives) {
+      const double unit = one.dimension.per_scale(scales);
+      out.push_back({TimeFunction::Of::drive, place.item, place.number, unit * slopes[k]});
+      continue;
+    }
+    const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(place.item)];
+    out.push_back({function.of, function.item, place.number, slopes[k]});
   }
   return out;
 }

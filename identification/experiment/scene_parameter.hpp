@@ -31,9 +31,9 @@ class SceneParameter {
   /// How the scaled scene's equations of motion change per SI unit of the number; `scene` in SI. Not of one that
   /// is_geometric(): its derivatives follow from a Variation.
   Influence influence(const Scene& scene, const Scales& scales) const;
-  /// Of a named number: the numbers of functions of time that change with it, by the chain rule; `scene` in SI. Throws
-  /// InputError where an expression has no derivative by it.
-  std::vector<Influence::InTime> in_time(const Scene& scene) const;
+  /// Of a named number: the numbers of drives, in the units of the scaled scene, and of functions of time that change
+  /// with it, by the chain rule; `scene` in SI. Throws InputError where an expression has no derivative by it.
+  std::vector<Influence::InTime> in_time(const Scene& scene, const Scales& scales) const;
   /// d(force of the element)/d(number), SI, at the measure g and its rate w; 0 where it belongs to something else.
   double force_by(const Scene& scene, int element, double g, double w) const;
 

@@ -50,6 +50,10 @@ struct Acting {
          const std::vector<Sensor>& s, const std::vector<MotionInput>& inputs)
       : model(m), influences(i), variations(v), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
     for (const Sensor& sensor : sensors) readers.emplace_back(model, sensor);
+    for (const Variation& variation : variations) {
+      std::vector<SensorVariation>& of_sensors = varied.emplace_back();
+      for (const Sensor& sensor : sensors) of_sensors.emplace_back(variation, sensor);
+    }
     reduced.set_inputs(m.scaled_scene(), scaled(inputs, m.scene(), m.scales()));
     reduced.set_variations(variations);
   }
@@ -60,6 +64,7 @@ struct Acting {
   const std::vector<Sensor>& sensors;
   Reduced reduced;
   std::vector<SensorReader> readers;
+  std::vector<std::vector<SensorVariation>> varied;  // by variation and sensor
   Eigen::MatrixXd terms;  // of the derivatives of alpha by at(): the size of what they are sums of
 
   Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
@@ -120,10 +125,13 @@ struct Acting {
         const std::vector<double> v_p = model.to_si({reduced.v_p(), reduced.v_p() + n});
         by += read(readers[k], q, v, q_p.data(), v_p.data()).change;
         if (influences[p].variation < 0) continue;
-        for (const auto& [piece, weight] : variations[static_cast<std::size_t>(influences[p].variation)].pieces) {
-          SensorReader reader(*piece, sensors[k]);
-          by += weight * read(reader, q, v, nullptr, nullptr).value;
+        SensorVariation& direct = varied[static_cast<std::size_t>(influences[p].variation)][k];
+        std::vector<double> own_q, own_v;
+        for (const int i : direct.coordinates()) {
+          own_q.push_back(q[static_cast<std::size_t>(i)]);
+          own_v.push_back(v[static_cast<std::size_t>(i)]);
         }
+        by += direct.read(own_q.data(), own_v.data());
       }
     }
     return out;
@@ -177,14 +185,14 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   own.reduced.expect(x.data());
 
   const Scene near = disturbed(model.scene());
-  const MotionModel near_model(near, scales_, varying_);
+  const auto near_model = std::make_shared<const MotionModel>(near, scales_, varying_);
   out.scene = model.scene();
   std::vector<SceneParameter> numbers = numbers_;
   if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);
   Built changes;
-  vary(near, changes);
+  vary(near_model, changes);
   if (set_by_equilibrium_) changes.influences.push_back(set_by_equilibrium_->influence(near, scales_));
-  Acting changed(near_model, changes.influences, changes.variations, sensors, inputs_in(near));
+  Acting changed(*near_model, changes.influences, changes.variations, sensors, inputs_in(near));
   changed.reduced.start_drives(x.data());
   changed.reduced.choose(0.0, x.data(), false, &independent_);
 

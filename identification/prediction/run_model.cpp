@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "identification/prediction/private/run_start.hpp"
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
@@ -21,8 +22,6 @@ namespace poise {
 namespace {
 
 using Reduced = ReducedMotion<double>;
-
-std::string at(const std::string& file, int line) { return fmt::format("{}:{}: ", file, line); }
 
 /// Of times, relative to the length of a run.
 constexpr double time_rounding = 1e-12;
@@ -37,43 +36,14 @@ auto start_at(const std::string& place, Make make) {
   }
 }
 
-/// Places the motion at time 0 in the pose of x, scaled, near which it is; its drives start from `closed`.
-bool place(Reduced& motion, const std::vector<double>& closed, const std::vector<double>& x,
-           const std::vector<int>& independent) {
-  motion.start_drives(closed.data());
-  motion.choose(0.0, closed.data(), false, &independent);
-  motion.expect(x.data());
-  std::vector<double> z;
-  for (const int i : independent) z.push_back(x[static_cast<std::size_t>(i)]);
-  return motion.place(0.0, z.data()) == Reduced::Status::ok;
-}
-
-/// A sensor in a piece of the variation of a number.
+/// A sensor in the variation of a number.
 struct VariedReader {
-  SensorReader reader;
+  SensorVariation reader;
   std::vector<std::size_t> places;
   std::size_t number;
-  double weight;
 };
 
 }  // namespace
-
-/// The value of an angle of a body, or of a travel, as one of a coordinate.
-StartValue RunModel::coordinate_at(const MotionModel& model, int body, int joint, int line, double value) {
-  const Layout& layout = model.layout();
-  if (joint >= 0) return {layout.travel[static_cast<std::size_t>(joint)], false, value};
-  const Link& link = layout.links[static_cast<std::size_t>(body)];
-  if (link.frame < 0 || link.frame >= layout.kept) {
-    throw InputError(fmt::format("{}:{}: {}: expected a body that turns and has inertia; name another",
-                                 model.scene().file, line, model.scene().bodies[static_cast<std::size_t>(body)].name));
-  }
-  return {link.frame, false, value - layout.turns[static_cast<std::size_t>(link.turn)].to<double>()};
-}
-
-StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
-  const EquilibriumPose& pose = *run_.equilibrium;
-  return coordinate_at(model, pose.body, pose.joint, pose.line, at);
-}
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers,
                    std::vector<SensorNumber> sensor_numbers)
@@ -95,7 +65,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
         place.number = static_cast<int>(k);
         if (dependent_number(scene_, place) == nullptr) continue;
         throw InputError(
-            at(experiment.file_of(run_.part), run_.line) +
+            at_line(experiment.file_of(run_.part), run_.line) +
             fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
                         "found an expression; write its value",
                         run_.name, drive.name));
@@ -117,29 +87,11 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const MotionModel as_written(scene_);
   scales_ = as_written.scales();
   size_ = as_written.layout().size * scales_.length;
-  const auto is_linear = [](const Measure& on) {
-    return on.kind == Measure::Kind::angle || on.kind == Measure::Kind::travel;
-  };
-  // Lengths of lines, and curves through points, are none of the second degree.
-  const auto is_quadratic = [&](const Measure& on) { return is_linear(on) || on.kind == Measure::Kind::component; };
-  for (const Element& element : scene_.elements) quadratic_ = quadratic_ && is_linear(element.on);
-  for (const Stop& stop : scene_.stops) {
-    if (!stop.holds()) continue;
-    const bool is_sum = stop.on.kind == Measure::Kind::sum;
-    quadratic_ = quadratic_ && (is_sum || is_quadratic(stop.on));
-    for (const Measure::Term& term : stop.on.terms) {
-      quadratic_ = quadratic_ && !term.profile && is_quadratic(term.measure);
-    }
-  }
-  // The length of a line is a root.
-  for (const Force& force : scene_.forces) quadratic_ = quadratic_ && !force.to;
-  for (const Sensor& sensor : experiment.sensors) quadratic_ = quadratic_ && is_linear(sensor.on);
-  quadratic_ = quadratic_ && start_unknown_ && scene_.drives.empty();
   std::vector<ParameterPlace> varying;
   for (const SceneParameter& number : numbers_) {
     if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
       throw InputError(
-          at(experiment.file_of(run_.part), run_.line) +
+          at_line(experiment.file_of(run_.part), run_.line) +
           fmt::format("run \"{}\": expected {} > 0 where it is an unknown, found 0: a slide without length "
                       "carries couples without friction; give it a length",
                       run_.name, number.path()));
@@ -151,11 +103,11 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   std::vector<StartValue> wanted;
   const MotionModel model(scene_, scales_, varying_);
   if (run_.equilibrium) {
-    written = at(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
+    written = at_line(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
     if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
         set_by_equilibrium_->scales_with_force()) {
-      throw InputError(at(experiment.file_of(run_.part), run_.equilibrium->line) +
+      throw InputError(at_line(experiment.file_of(run_.part), run_.equilibrium->line) +
                        "rest.by: expected the free length of a spring or the free angle "
                        "of a torsion spring, found \"" +
                        run_.equilibrium->by + "\"; give spring.NAME.free_length");
@@ -164,37 +116,34 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
     equilibrium_coordinate_ = wanted.back().coordinate;
   }
   closed_ = start_at(written, [&] { return start_motion(model, wanted); }).q;
-  for (std::size_t k = 0; k < scene_.drives.size(); ++k) {
-    if (scene_.drives[k].start) continue;
-    measured_starts_.push_back(static_cast<int>(k));
-  }
-  const Assembled assembled = assemble(scene_, true);
-  scene_ = assembled.model->scene();
-  Reduced reduced(assembled.model->scaled_scene(), assembled.model->mechanism(), assembled.model->inertia());
-  const std::vector<double> x = assembled.model->from_si(closed_);
+  start_drives_in(model);
+  const MotionModel assembled(scene_, scales_, varying_);
+  Reduced reduced(assembled.scaled_scene(), assembled.mechanism(), assembled.inertia());
+  const std::vector<double> x = assembled.from_si(closed_);
   reduced.start_drives(x.data());
   reduced.choose(0.0, x.data(), false);
   freedoms_ = reduced.freedoms();
-  const bool is_regular = reduced.rank() == assembled.model->mechanism().equalities() + reduced.drives();
-  mobility_ = freedoms_at(*assembled.model, x, is_regular ? std::optional(0) : std::nullopt);
+  const bool is_regular = reduced.rank() == assembled.mechanism().equalities() + reduced.drives();
+  mobility_ = freedoms_at(assembled, x, is_regular ? std::optional(0) : std::nullopt);
   independent_ = reduced.independent();
   if (run_.equilibrium && freedoms_ != 1) {
     throw InputError(
-        at(experiment.file_of(run_.part), run_.equilibrium->line) +
+        at_line(experiment.file_of(run_.part), run_.equilibrium->line) +
         fmt::format(
             "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
             freedoms_, run_.equilibrium->by));
   }
   if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
   if (!run_.release.empty() || first_readings_ != nullptr) {
-    written = at(experiment.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
+    written = at_line(experiment.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
               fmt::format("run \"{}\".{}: ", run_.name,
                           run_.release.empty()         ? "start_known, by its first readings"
                           : first_readings_ != nullptr ? "release, with its first readings"
                                                        : "release");
   }
-  const std::vector<StartValue> release = start_values(*assembled.model, closed_);
-  released_ = start_at(written, [&] { return start_in(*assembled.model, release, closed_); });
+  const MotionState state = start_at(written, [&] { return released_in(assembled, closed_); });
+  released_ = independent_of(state);
+  complete_start(assembled, state);
   left_out_ = run_.left_out;
   delayed_ = std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
                          [](const SensorNumber& number) { return number.of == SensorNumber::Of::delay; });
@@ -214,54 +163,6 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   }
   std::stable_sort(readings_.begin(), readings_.end(),
                    [](const Reading& a, const Reading& b) { return a.time < b.time; });
-}
-
-void RunModel::complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
-                              std::vector<StartValue>& start) const {
-  for (const bool rate : {false, true}) {
-    // Rows: how the values given change with the independent coordinates, or their rates.
-    Eigen::MatrixXd given(0, freedoms_);
-    const auto adds = [&](int coordinate) {
-      Eigen::MatrixXd more(given.rows() + 1, freedoms_);
-      more.topRows(given.rows()) = given;
-      for (int k = 0; k < freedoms_; ++k) more(given.rows(), k) = reduced.B(k)[coordinate];
-      if (solvers::rank<double>(more, solvers::known_to::closed_point) <= given.rows()) return false;
-      given = std::move(more);
-      return true;
-    };
-    for (const StartValue& value : start) {
-      if (value.rate == rate) adds(value.coordinate);
-    }
-    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
-      const Sensor& sensor = experiment_.sensors[k];
-      const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
-      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
-          (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
-        continue;
-      }
-      SensorReader reader(model, sensor);
-      if (reader.coordinates().size() != 1 || !adds(reader.coordinates()[0])) continue;
-      const double none = 0.0;
-      double by_q = 0.0;
-      double by_v = 0.0;
-      const double zero = reader.read(&none, &none, &by_q, &by_v);
-      start.push_back({reader.coordinates()[0], rate, record.sensors[k].value.front() - zero});
-    }
-    for (const int i : independent_) {
-      if (!adds(i)) continue;
-      const std::string& name = model.layout().coordinates[static_cast<std::size_t>(i)].name;
-      throw InputError(
-          at(experiment_.file_of(run_.part), run_.line) +
-          (rate ? fmt::format(
-                      "run \"{}\".start_known: expected the rate of \"{}\" at the start; add release_rate = "
-                      "{{ \"{}\" = NUMBER }} (0 where it is released without speed) or a sensor with rate = true, "
-                      "without delay and with exact numbers",
-                      run_.name, name, name)
-                : fmt::format("run \"{}\".start_known: expected where \"{}\" starts; add release = {{ \"{}\" = NUMBER "
-                              "}} or a sensor of it without delay and with exact numbers",
-                              run_.name, name, name)));
-    }
-  }
 }
 
 std::vector<std::size_t> RunModel::counts(double until) const {
@@ -319,61 +220,17 @@ double RunModel::reach(const SceneParameter& number) const {
   return number.is_length() ? size_ : std::max(1.0, std::abs(number.get(scene_)));
 }
 
-/// The scene in its coordinates and units, the loops closed if asked for. Drives without a start begin where they are
-/// then.
-RunModel::Assembled RunModel::assemble(Scene scene, bool closed) const {
-  Assembled out{std::make_shared<const MotionModel>(scene, scales_, varying_), closed_};
-  if (closed && !varying_.empty()) out.q = out.model->to_si(closed_from(*out.model, out.model->from_si(closed_)));
-  if (measured_starts_.empty()) return out;
-  for (const int k : measured_starts_) {
-    Drive& drive = scene.drives[static_cast<std::size_t>(k)];
+/// Drives without a start begin where the scene as it is written is assembled.
+void RunModel::start_drives_in(const MotionModel& model) {
+  for (Drive& drive : scene_.drives) {
+    if (drive.start) continue;
     Sensor sensor;
     sensor.on = drive.on;
-    SensorReader reader(*out.model, sensor);
+    SensorReader reader(model, sensor);
     std::vector<double> q, none(reader.coordinates().size(), 0.0), by_q(none), by_v(none);
-    for (const int i : reader.coordinates()) q.push_back(out.q[static_cast<std::size_t>(i)]);
+    for (const int i : reader.coordinates()) q.push_back(closed_[static_cast<std::size_t>(i)]);
     drive.start = reader.read(q.data(), none.data(), by_q.data(), by_v.data());
   }
-  out.model = std::make_shared<const MotionModel>(std::move(scene), scales_, varying_);
-  return out;
-}
-
-/// Where the run starts, from the closed pose q.
-std::vector<StartValue> RunModel::start_values(const MotionModel& model, const std::vector<double>& q) const {
-  std::vector<StartValue> wanted;
-  for (const Release& r : run_.release) {
-    StartValue value = coordinate_at(model, r.body, r.joint, r.line, r.value);
-    value.rate = r.rate;
-    if (r.rate) {
-      value.value = r.value;
-    } else if (run_.equilibrium) {
-      value.value = r.value + q[static_cast<std::size_t>(value.coordinate)];
-    }
-    wanted.push_back(value);
-  }
-  if (first_readings_ == nullptr) return wanted;
-  const std::vector<double> x = model.from_si(q);
-  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  if (place(reduced, x, x, independent_)) complete_start(model, reduced, *first_readings_, wanted);
-  return wanted;
-}
-
-/// Initial independent coordinates and rates of a run that starts so, from the closed pose q.
-std::vector<double> RunModel::start_in(const MotionModel& model, const std::vector<StartValue>& wanted,
-                                       const std::vector<double>& q) const {
-  const MotionState state = start_motion(model, wanted, &q, &independent_);
-  std::vector<double> out;
-  for (const int i : independent_) out.push_back(state.q[static_cast<std::size_t>(i)]);
-  for (const int i : independent_) out.push_back(state.v[static_cast<std::size_t>(i)]);
-  return out;
-}
-
-/// The same of the run as it is released in this model.
-std::vector<double> RunModel::released_in(const MotionModel& model, std::vector<double> q) const {
-  if (run_.equilibrium) {
-    q = start_motion(model, {equilibrium_in(model, run_.equilibrium->at)}, &q, &independent_).q;
-  }
-  return start_in(model, start_values(model, q), q);
 }
 
 std::vector<std::string> RunModel::nuisance_names() const {
@@ -449,17 +306,19 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
   Scene scene = scene_;
   if (!sets_numbers(unknowns, scene, out.why)) return out;
   try {
-    Assembled assembled = assemble(scene, true);
-    out.q = std::move(assembled.q);
-    scene = assembled.model->scene();
-    out.released = start_unknown_ ? released_ : released_in(*assembled.model, out.q);
+    auto model = std::make_shared<const MotionModel>(std::move(scene), scales_, varying_);
+    out.q = closed_;
+    if (!varying_.empty()) out.q = model->to_si(closed_from(*model, model->from_si(closed_)));
+    const std::vector<double> assembled = out.q;
+    if (!start_unknown_) out.start = released_in(*model, assembled);
     if (run_.equilibrium) {
-      if (!balance(scene, equilibrium, derivatives, out)) return out;
-      out.model = std::make_shared<const MotionModel>(scene, scales_, varying_);
-    } else {
-      if (derivatives) vary(scene, out);
-      out.model = std::move(assembled.model);
+      model = balance(*model, equilibrium, derivatives, out);
+      if (!model) return out;
+    } else if (derivatives) {
+      vary(model, out);
     }
+    if (derivatives && !start_unknown_) vary_start(*model, assembled, out);
+    out.model = std::move(model);
   } catch (const InputError& error) {
     out.why = error.what();
   }
@@ -467,18 +326,19 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
 }
 
 // In equilibrium alpha(z_e, L, p) = 0, which is linear in L: one step finds it.
-bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const {
-  const MotionModel model(scene, scales_, varying_);
+std::shared_ptr<const MotionModel> RunModel::balance(const MotionModel& model, double equilibrium, bool derivatives,
+                                                     Built& out) const {
+  Scene scene = model.scene();
   try {
     out.q = start_motion(model, {equilibrium_in(model, equilibrium)}, &out.q, &independent_).q;
   } catch (const InputError&) {
     out.why = "it cannot take its equilibrium pose";
-    return false;
+    return nullptr;
   }
   const std::vector<double> x = model.from_si(out.q);
   const double still = 0.0;
   const auto stand = [&](Reduced& motion) {
-    if (!place(motion, x, x, independent_)) return false;
+    if (!place_at_start(motion, x, x, independent_)) return false;
     motion.move(&still);
     return motion.accelerate() == Reduced::Status::ok;
   };
@@ -489,23 +349,23 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
   if (stand(reduced)) reduced.influence(set, &by_set);
   if (by_set == 0 || !std::isfinite(by_set)) {
     out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
-    return false;
+    return nullptr;
   }
   set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
-  if (!derivatives) return true;
-  vary(scene, out);
-  const MotionModel balanced(scene, scales_, varying_);
-  Reduced again(balanced.scaled_scene(), balanced.mechanism(), balanced.inertia());
-  again.set_inputs(balanced.scaled_scene(), scaled(inputs_in(scene), scene, scales_));
+  const auto balanced = std::make_shared<const MotionModel>(scene, scales_, varying_);
+  if (!derivatives) return balanced;
+  vary(balanced, out);
+  Reduced again(balanced->scaled_scene(), balanced->mechanism(), balanced->inertia());
+  again.set_inputs(balanced->scaled_scene(), scaled(inputs_in(scene), scene, scales_));
   again.set_variations(out.variations);
   if (!stand(again)) {
     out.why = "its motion cannot be computed in its equilibrium pose";
-    return false;
+    return nullptr;
   }
   again.linearize();
   again.influence(set, &by_set);
   const double at_per_z = again.B(0)[equilibrium_coordinate_];
-  const double z_unit = equilibrium_coordinate_ < balanced.layout().angles ? 1.0 : scales_.length;
+  const double z_unit = equilibrium_coordinate_ < balanced->layout().angles ? 1.0 : scales_.length;
   out.set_by_at = -again.alpha_z(0)[0] / by_set / (at_per_z * z_unit);
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const Influence& influence = out.influences[i];
@@ -515,59 +375,26 @@ bool RunModel::balance(Scene& scene, double equilibrium, bool derivatives, Built
       // The equilibrium's coordinate stays where it is, but for turns of its body's frame.
       double moved = again.q_p()[equilibrium_coordinate_];
       if (influence.variation >= 0) {
-        for (const auto& [piece, weight] : out.variations[static_cast<std::size_t>(influence.variation)].pieces) {
-          moved -= weight * equilibrium_in(*piece, 0.0).value;
-        }
+        moved += turn_by(out.variations[static_cast<std::size_t>(influence.variation)], run_.equilibrium->body);
       }
       alpha -= again.alpha_z(0)[0] * moved / at_per_z;
     }
     out.set_by.push_back(-alpha / by_set);
   }
   out.influences.push_back(set);
-  return true;
+  return balanced;
 }
 
-/// How the motion, and a known start, depend on the numbers.
-void RunModel::vary(const Scene& scene, Built& out) const {
-  struct Step {
-    double steps, weight;
-  };
-  static constexpr Step central[] = {{-1, -0.5}, {1, 0.5}};
-  static constexpr Step stencil[] = {{-2, 1.0 / 12}, {-1, -8.0 / 12}, {1, 8.0 / 12}, {2, -1.0 / 12}};
-  const auto f = static_cast<std::size_t>(freedoms_);
-  if (!start_unknown_) out.released_by.assign(2 * f * numbers_.size(), 0.0);
-  for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    const SceneParameter& number = numbers_[i];
-    const Owner owner = number.place().owner;
-    const bool moves_start =
-        number.is_dimension() || owner == Owner::drive || owner == Owner::time || number.is_named();
-    if (number.is_geometric()) {
-      out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
-      out.influences.back().in_time = number.in_time(scene);
-      out.variations.push_back({.pieces = {}, .changes_drives = number.is_named()});
-    } else {
-      out.influences.push_back(number.influence(scene, scales_));
-      if (start_unknown_ || !moves_start) continue;
+/// How the motion depends on the numbers.
+void RunModel::vary(const std::shared_ptr<const MotionModel>& model, Built& out) const {
+  for (const SceneParameter& number : numbers_) {
+    if (!number.is_geometric()) {
+      out.influences.push_back(number.influence(model->scene(), scales_));
+      continue;
     }
-    // The force of gravity is linear in it.
-    const bool quadratic = owner == Owner::scene || (quadratic_ && number.is_length() && !number.is_friction());
-    const double value = number.get(scene);
-    double step = std::exp2(std::round(std::log2(reach(number)))) * (quadratic ? 0x1p-3 : 0x1p-13);
-    while (!number.allows(scene, value - 4 * step) || (number.is_named() && !number.allows(scene, value + 4 * step))) {
-      step /= 2;
-      if (value + step == value) throw InputError(number.path() + " is at an end of its range");
-    }
-    const bool close = moves_start && (!start_unknown_ || !measured_starts_.empty());
-    for (const auto& [steps, weight] : quadratic ? std::span<const Step>(central) : std::span<const Step>(stencil)) {
-      Scene other = scene;
-      number.set(other, value + steps * step);
-      switch_profiles_as(scene, other);
-      const Assembled assembled = assemble(std::move(other), close);
-      if (number.is_geometric()) out.variations.back().pieces.push_back({assembled.model, weight / step});
-      if (start_unknown_ || !moves_start) continue;
-      const std::vector<double> released = released_in(*assembled.model, assembled.q);
-      for (std::size_t k = 0; k < 2 * f; ++k) out.released_by[2 * f * i + k] += weight / step * released[k];
-    }
+    out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
+    out.influences.back().in_time = number.in_time(model->scene(), scales_);
+    out.variations.emplace_back(model, number.place());
   }
 }
 
@@ -575,7 +402,8 @@ MotionState RunModel::begin(const Built& built, const double* nuisances) const {
   MotionState state;
   state.q = built.q;
   state.v.assign(state.q.size(), 0.0);
-  const double* start = start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : built.released.data();
+  const std::vector<double> released = start_unknown_ ? std::vector<double>{} : independent_of(built.start);
+  const double* start = start_unknown_ ? nuisances + (equilibrium_unknown_ ? 1 : 0) : released.data();
   for (int k = 0; k < freedoms_; ++k) {
     const auto i = static_cast<std::size_t>(independent_[static_cast<std::size_t>(k)]);
     state.q[i] = start[k];
@@ -641,7 +469,7 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   std::vector<std::optional<SensorReader>> readers(times_.size());  // none of a sensor that is not read in this run
   std::vector<int> coordinates;
   std::vector<std::vector<std::size_t>> places;
-  const auto places_of = [&](const SensorReader& reader) {
+  const auto places_of = [&](const auto& reader) {
     std::vector<std::size_t> found;
     for (const int i : reader.coordinates()) {
       const auto known = std::find(coordinates.begin(), coordinates.end(), i);
@@ -661,11 +489,9 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     for (std::size_t i = 0; jacobian && i < numbers_.size(); ++i) {
       const int variation = built.influences[i].variation;
       if (variation < 0 || numbers_[i].place().owner == Owner::scene) continue;
-      for (const auto& [model, weight] : built.variations[static_cast<std::size_t>(variation)].pieces) {
-        SensorReader reader(*model, sensor);
-        std::vector<std::size_t> at = places_of(reader);
-        varied.back().push_back({std::move(reader), std::move(at), i, weight});
-      }
+      SensorVariation reader(built.variations[static_cast<std::size_t>(variation)], sensor);
+      std::vector<std::size_t> at = places_of(reader);
+      varied.back().push_back({std::move(reader), std::move(at), i});
     }
   }
   const bool rates = delayed_ || std::any_of(experiment_.sensors.begin(), experiment_.sensors.end(),
@@ -679,14 +505,13 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
   std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
   double beyond = 0.0;  // time after the end of the motion, or before its start
-  const auto read = [&](SensorReader& reader, const std::vector<std::size_t>& at) {
+  const auto move_to = [&](const std::vector<std::size_t>& at) {
     for (std::size_t i = 0; i < at.size(); ++i) {
       q[i] = trajectory.q(at[i]) + beyond * trajectory.v(at[i]);
       v[i] = trajectory.v(at[i]);
     }
-    return reader.read(q.data(), v.data(), by_q.data(), by_v.data());
   };
-  // Of the reading, after read().
+  // Of the reading.
   const auto rate_of_change = [&](const std::vector<std::size_t>& at) {
     double sum = 0.0;
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -709,7 +534,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     const std::size_t row = first[k] + s;
     const Scaling& own = scaling[k];
     const double gain = sensor.unit / own.factor;
-    const double quantity = read(reader, places[k]);
+    move_to(places[k]);
+    const double quantity = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
     out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
     if (!jacobian) continue;
     const double change = still ? 0.0 : rate_of_change(places[k]);
@@ -731,7 +557,10 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
         numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
       }
     }
-    for (VariedReader& other : varied[k]) numbers[other.number] += other.weight * read(other.reader, other.places);
+    for (VariedReader& other : varied[k]) {
+      move_to(other.places);
+      numbers[other.number] += other.reader.read(q.data(), v.data());
+    }
     for (std::size_t i = 0; i < built.released_by.size(); ++i) {
       numbers[i / static_cast<std::size_t>(2 * f)] +=
           column[i % static_cast<std::size_t>(2 * f)] * built.released_by[i];
@@ -761,7 +590,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   const MotionModel& model = *built.model;
   const std::vector<double> x = model.from_si(built.q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  if (!place(reduced, x, x, independent_)) return out;
+  if (!place_at_start(reduced, x, x, independent_)) return out;
   const double still = 0.0;
   const double one = 1.0;
   reduced.move(&one);
@@ -801,7 +630,7 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
   }
   const std::vector<double> x = model.from_si(q);
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  if (!place(reduced, model.from_si(closed_), x, independent_)) return {};
+  if (!place_at_start(reduced, model.from_si(closed_), x, independent_)) return {};
   const std::vector<double> still(independent_.size(), 0.0);
   reduced.move(still.data());
   if (reduced.accelerate() != Reduced::Status::ok) return {};
@@ -817,70 +646,6 @@ std::vector<double> RunModel::natural_frequencies(const double* unknowns, double
   }
   std::sort(out.begin(), out.end());
   return out;
-}
-
-std::vector<double> RunModel::start_from_readings(const double* unknowns, const Record& record) const {
-  // Quadratics through the first readings of every angle and travel sensor: value and slope at the start.
-  const MotionModel model(scene_, scales_, varying_);
-  constexpr std::size_t most = 16;
-  std::vector<std::size_t> sensors;
-  for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
-    const Sensor& sensor = experiment_.sensors[k];
-    const bool places = sensor.on.kind == Measure::Kind::angle || sensor.on.kind == Measure::Kind::travel;
-    if (places && !sensor.rate && !sensor.reads_force() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
-  }
-  // Those whose first readings end first come first: over a long time a motion is no quadratic.
-  const auto until = [&](std::size_t k) {
-    const std::vector<double>& time = record.sensors[k].time;
-    return time[std::min(time.size(), most) - 1];
-  };
-  std::stable_sort(sensors.begin(), sensors.end(), [&](std::size_t a, std::size_t b) { return until(a) < until(b); });
-  const std::vector<double> x = model.from_si(closed_);
-  Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  place(reduced, x, x, independent_);
-  const auto is_free = [&](int coordinate) {
-    constexpr double little = 1e-9;  // of an independent coordinate: drives alone move it
-    for (int k = 0; k < freedoms_; ++k) {
-      if (std::abs(reduced.B(k)[coordinate]) > little) return true;
-    }
-    return false;
-  };
-  const std::vector<Scaling> scaling = scalings(unknowns);
-  std::vector<StartValue> wanted;
-  for (const std::size_t k : sensors) {
-    // More readings than degrees of freedom would contradict each other by their noise.
-    if (wanted.size() >= 2 * static_cast<std::size_t>(freedoms_)) break;
-    const Series& series = record.sensors[k];
-    const auto count = static_cast<Eigen::Index>(std::min(series.time.size(), most));
-    const SensorReader reader(model, experiment_.sensors[k]);
-    if (reader.coordinates().size() != 1) continue;
-    const int coordinate = reader.coordinates()[0];
-    const bool known =
-        std::any_of(wanted.begin(), wanted.end(), [&](const StartValue& s) { return s.coordinate == coordinate; });
-    if (known || !is_free(coordinate)) continue;
-    Eigen::MatrixXd powers(count, 3);
-    Eigen::VectorXd quantity(count);
-    const Sensor& sensor = experiment_.sensors[k];
-    const double factor = scaling[k].factor / sensor.unit;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const double t = series.time[at] - scaling[k].delay;
-      powers.row(i) << 1.0, t, t * t;
-      quantity[i] = factor * series.value[at] + (scaling[k].zero - factor * sensor.zero);
-    }
-    const std::vector<double> one{0.0};
-    double by_q = 0.0;
-    double by_v = 0.0;
-    const double zero = SensorReader(reader).read(one.data(), one.data(), &by_q, &by_v);
-    const Eigen::VectorXd fit = solvers::LeastSquares<double>(powers).solve(quantity);
-    wanted.push_back({coordinate, false, fit[0] - zero});
-    wanted.push_back({coordinate, true, fit[1]});
-  }
-  const MotionState state = start_motion(model, wanted, &closed_);
-  std::vector<double> start;
-  for (const int i : independent_) start.push_back(state.q[static_cast<std::size_t>(i)]);
-  for (const int i : independent_) start.push_back(state.v[static_cast<std::size_t>(i)]);
-  return start;
 }
 
 }  // namespace poise

@@ -35,9 +35,9 @@ struct Prediction {
 /// An equilibrium pose z_e sets one more number of the scene, a free length L say: the acceleration from rest, under
 /// the inputs at time 0, is zero, alpha(z_e, L, p) = 0, so that  dL/dz_e = -alpha_z/alpha_L,  dL/dp = -alpha_p/alpha_L.
 ///
-/// Numbers that change the geometry, or gravity, vary the compiled mechanism (see Variation): by a fourth-order
-/// stencil, or by a central difference where everything is quadratic in them. A known start is that of the run as it is
-/// written, sought again in the changed mechanism. Values at which it cannot be assembled have no prediction.
+/// Numbers that change the geometry, or gravity, are differentiated in dual numbers (Variation). A known start is that
+/// of the run as it is written, sought again in the changed mechanism: what it leaves open stays as in the scene as it
+/// is written, and so do drives without a start. Values at which it cannot be assembled have no prediction.
 class RunModel {
  public:
   /// `numbers`: those of the scene that are unknown in this run, `sensor_numbers`: those of its sensors. Throws
@@ -154,15 +154,17 @@ class RunModel {
   std::vector<double> start_from_readings(const double* unknowns, const Record& record) const;
 
  private:
-  struct Assembled {
-    std::shared_ptr<const MotionModel> model;
-    std::vector<double> q;  // a closed pose, SI
+  /// One coordinate of a known start, or its rate.
+  struct StartPart {
+    StartValue value;
+    std::optional<Measure> on;      // of which it is the value, where the coordinate differs from that by an angle
+    bool from_equilibrium = false;  // counted from the equilibrium pose
   };
   struct Built {                               // the run's model at given values
     std::shared_ptr<const MotionModel> model;  // none where it cannot be assembled, or has no such equilibrium
     std::string why;
     std::vector<double> q;              // a closed pose, SI: the equilibrium pose, if it has one
-    std::vector<double> released;       // the known start
+    MotionState start;                  // the known start
     std::vector<Influence> influences;  // of the numbers, then of the one that the equilibrium sets
     std::vector<Variation> variations;  // of the geometric numbers
     std::vector<double> released_by;    // derivatives of the known start, 2 f values per number
@@ -173,13 +175,14 @@ class RunModel {
   std::vector<MotionInput> inputs_in(const Scene& scene) const { return with_inputs_of(scene, inputs_); }
   bool sets_numbers(const double* unknowns, Scene& scene, std::string& why) const;
   Built build(const double* unknowns, double equilibrium, bool derivatives) const;
-  bool balance(Scene& scene, double equilibrium, bool derivatives, Built& out) const;
-  void vary(const Scene& scene, Built& out) const;
-  Assembled assemble(Scene scene, bool closed) const;
-  std::vector<double> released_in(const MotionModel& model, std::vector<double> q) const;
-  std::vector<StartValue> start_values(const MotionModel& model, const std::vector<double>& q) const;
-  std::vector<double> start_in(const MotionModel& model, const std::vector<StartValue>& wanted,
-                               const std::vector<double>& q) const;
+  std::shared_ptr<const MotionModel> balance(const MotionModel& model, double equilibrium, bool derivatives,
+                                             Built& out) const;
+  void vary(const std::shared_ptr<const MotionModel>& model, Built& out) const;
+  void vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const;
+  void start_drives_in(const MotionModel& model);
+  MotionState released_in(const MotionModel& model, std::vector<double> q) const;
+  std::vector<StartPart> start_parts(const MotionModel& model, const std::vector<double>& q) const;
+  std::vector<double> independent_of(const MotionState& state) const;
   StartValue equilibrium_in(const MotionModel& model, double at) const;
   MotionState begin(const Built& built, const double* nuisances) const;
   Motion move(const Built& built, const double* nuisances, double duration, double accuracy, bool sensitivities,
@@ -194,10 +197,10 @@ class RunModel {
   };
   std::vector<Reading> due(const std::vector<Scaling>& scalings, double until) const;
   bool is_exact(std::size_t sensor) const;
-  /// Adds the first readings of angles, travels and their rates to a start that is known, where it does not have them
-  /// yet. Throws InputError unless all degrees of freedom then have a value and a rate.
-  void complete_start(const MotionModel& model, const ReducedMotion<double>& reduced, const Record& record,
-                      std::vector<StartValue>& start) const;
+  void add_first_readings(const MotionModel& model, const ReducedMotion<double>& reduced,
+                          std::vector<StartPart>& start) const;
+  void complete_start(const MotionModel& model, const MotionState& state);
+  static double turn_by(const Variation& variation, int body);
   static StartValue coordinate_at(const MotionModel& model, int body, int joint, int line, double value);
 
   const Experiment& experiment_;
@@ -208,11 +211,9 @@ class RunModel {
   std::vector<MotionInput> inputs_;  // of the run
   std::optional<SceneParameter> set_by_equilibrium_;
   Scales scales_;
-  double size_ = 1.0;                 // of the mechanism, m
-  VaryingNumbers varying_;            // geometric ones
-  bool quadratic_ = true;             // everything is at most quadratic in points and lengths
-  std::vector<int> measured_starts_;  // drives that start from the assembled pose
-  std::vector<double> closed_;        // a closed pose, SI
+  double size_ = 1.0;           // of the mechanism, m
+  VaryingNumbers varying_;      // geometric ones
+  std::vector<double> closed_;  // a closed pose, SI
   std::vector<int> independent_;
   int freedoms_ = 0;
   Freedoms mobility_{};
@@ -225,6 +226,7 @@ class RunModel {
   bool delayed_ = false;  // the delay of a sensor is unknown or not zero
   bool held_ = false;     // until time 0
   std::vector<double> released_;
+  std::vector<StartValue> completed_;       // what the start leaves open
   const Record* first_readings_ = nullptr;  // of a known start of measured data
 };
 

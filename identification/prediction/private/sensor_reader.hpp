@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "identification/experiment/experiment.hpp"
 #include "model/measures/measures.hpp"
+#include "motion/variation.hpp"
 #include "statics/model/scaled_model.hpp"
 
 namespace poise {
@@ -28,6 +30,28 @@ class SensorReader {
   double measure_ = 0.0;
   std::vector<double> q_, v_, bent_;  // of all coordinates
   std::vector<Planar<double>> pose_;
+};
+
+/// The derivative of a sensor's reading by a number of the scene, at fixed coordinates and rates, SI.
+class SensorVariation {
+ public:
+  SensorVariation(const Variation& variation, const Sensor& sensor);
+
+  /// Coordinates that the sensor depends on.
+  const std::vector<int>& coordinates() const { return on_.support(); }
+  /// Where coordinates()[i] = q[i] with the rates v[i].
+  double read(const double* q, const double* v);
+
+ private:
+  using Dual = Variation::Dual;
+
+  NumbersAlong along_;
+  Phasors<Dual> phasors_;
+  CompiledMeasure<Dual> on_;
+  bool rate_;
+  std::optional<LawIn<Dual>> law_;  // of the element whose force it reads
+  std::vector<Dual> q_, v_;         // of all coordinates
+  std::vector<Planar<Dual>> pose_;
 };
 
 }  // namespace poise

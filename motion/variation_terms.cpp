@@ -1,0 +1,107 @@
+#include "motion/variation_terms.hpp"
+
+#include <algorithm>
+
+#include "model/inertia_impl.hpp"
+#include "model/joint_friction.hpp"
+#include "model/mechanism_impl.hpp"
+#include "motion/motion_input_impl.hpp"
+
+namespace poise {
+
+VariationTerms::VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs,
+                               const std::vector<int>& held, const std::vector<int>& grips,
+                               const std::vector<int>& growing)
+    : variation_(variation), bearing_loads_(variation.numbers(), variation.mechanism(), growing) {
+  const Scene& scene = variation.scene();
+  const Mechanism<Dual>& m = variation.mechanism();
+  const Numbers<Dual> numbers = variation.numbers();
+  int scratch = 0;
+  const auto add_row = [&](const Measure& on, int stop, const Dual& limit) {
+    rows_.push_back({variation.measure(on, stop), limit});
+    scratch = std::max(scratch, rows_.back().on.scratch_size());
+  };
+  for (const Drive& drive : scene.drives) add_row(drive.on, -1, Dual(0.0));
+  first_stop_ = rows_.size();
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const int stop = static_cast<int>(s);
+    if (scene.stops[s].holds()) add_row(scene.stops[s].on, stop, numbers.limit(stop, true));
+  }
+  for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
+  for (const MotionInput& input : inputs) {
+    if (input.of != MotionInput::Of::drive) loads_.emplace_back(numbers, m, input);
+  }
+  for (const int joint : grips) {
+    factors_.push_back(grip_factor(numbers, joint).v[0]);
+    const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
+    const Planar<Dual> axis = numbers.axis(joint) * m.phasors().turned(m.layout().links[of.a.body].turn);
+    axes_.push_back({axis.x.v[0], axis.y.v[0]});
+  }
+  const auto n = static_cast<std::size_t>(m.coordinates());
+  const std::size_t rows = static_cast<std::size_t>(m.equalities()) + rows_.size();
+  pose_size_ = static_cast<std::size_t>(m.pose_size() + scratch);
+  for (auto* each : {&gap_, &rate_, &acceleration_}) each->resize(rows);
+  force_.resize(n);
+  jacobian_.resize(m.jacobian_row().size());
+  resistances_.resize(static_cast<std::size_t>(m.resistances_size()));
+  work_.resize(n);
+}
+
+void VariationTerms::evaluate(VariedState& state) {
+  add_forces(state);
+  if (!gap_.empty()) add_rows(state);
+}
+
+void VariationTerms::add_forces(VariedState& state) {
+  const Mechanism<Dual>& m = variation_.mechanism();
+  const Inertia<Dual>& inertia = variation_.inertia();
+  Planar<Dual>* pose = state.pose.data();
+  Dual* g = force_.data();
+  m.negative_force(state.q.data(), pose, g);
+  m.resist(pose, state.v.data(), state.sliding, resistances_.data());
+  m.add_resistance(resistances_.data(), g);
+  for (InputLoad<Dual>& load : loads_) {
+    load.set(state.t, state.near);
+    load.add(pose, g);
+  }
+  inertia.weigh(state.second.data(), work_.data());
+  m.phasors().add_projection(pose, work_.data(), g);
+  for (std::size_t i = 0; i < force_.size(); ++i) g[i] += inertia.moment(static_cast<int>(i)) * state.a[i];
+}
+
+void VariationTerms::add_rows(VariedState& state) {
+  const Mechanism<Dual>& m = variation_.mechanism();
+  Planar<Dual>* pose = state.pose.data();
+  const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};
+  const int equalities = m.equalities();
+  // constraint() fills the rows of stops too.
+  jacobian_.resize(std::max(jacobian_.size(), static_cast<std::size_t>(m.constraints())));
+  m.constraint(state.q.data(), pose, jacobian_.data());
+  std::copy(jacobian_.begin(), jacobian_.begin() + equalities, gap_.begin());
+  m.phasors().first(pose, state.v.data(), work_.data());
+  m.closures_of(work_.data(), rate_.data());
+  m.closures_of(state.second.data(), acceleration_.data());
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const CompiledMeasure<Dual>& on = rows_[k].on;
+    const std::size_t row = static_cast<std::size_t>(equalities) + k;
+    gap_[row] = on.value(here) - rows_[k].limit;
+    rate_[row] = on.along(here, state.v.data());
+    acceleration_[row] = on.second(here, state.v.data(), state.v.data()) + on.along(here, state.a.data());
+    on.add_gradient(here, state.drive_multipliers[k], force_.data());
+  }
+  m.jacobian(pose, jacobian_.data());
+  for (std::size_t e = 0; e < m.jacobian_row().size(); ++e) {
+    const int row = m.jacobian_row()[e];
+    if (row < equalities) force_[m.jacobian_column()[e]] += state.multipliers[row] * jacobian_[e];
+  }
+  if (state.contact_efforts.empty()) return;
+  bearing_loads_.place(state.q.data(), pose);
+  for (std::size_t c = 0; c < state.contact_efforts.size(); ++c) {
+    const Dual& effort = state.contact_efforts[c];
+    const auto& contact = bearing_loads_.contacts()[c];
+    rows_[first_stop_ + static_cast<std::size_t>(contact.holding)].on.add_gradient(here, effort, force_.data());
+    bearing_loads_.add(contact, effort, abs(effort), pose, force_.data());
+  }
+}
+
+}  // namespace poise

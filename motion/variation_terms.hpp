@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "motion/bearing_loads.hpp"
+#include "motion/motion_input.hpp"
+#include "motion/variation.hpp"
+
+namespace poise {
+
+/// A state of a ReducedMotion, for the derivatives by numbers there.
+struct VariedState {
+  using Dual = Variation::Dual;
+
+  double t = 0.0, near = std::numeric_limits<double>::quiet_NaN();  ///< s; `near` as of TimeFunction
+  const int* sliding = nullptr;                                     ///< as of Mechanism::resist()
+  std::vector<Dual> q, v, a;                                        ///< n values each
+  std::vector<Planar<Dual>> pose, second;  ///< phasors with room behind them, and their second time derivatives
+  std::vector<Dual> multipliers;           ///< of the closures' rows
+  std::vector<Dual> drive_multipliers;     ///< of the rows of drives
+  std::vector<Dual> contact_efforts;       ///< of BearingLoads::contacts()
+};
+
+/// What changes with a number of a scene at fixed coordinates, rates, accelerations, multipliers and efforts: the gaps
+/// c of closures and drives, J v less the rates of drives, J a + D2c[v, v] less their accelerations; and
+/// G + J^T multipliers. By the number as it moves geometry, inertia and forces: numbers of drives and of functions of
+/// time are left to the caller.
+class VariationTerms {
+ public:
+  using Dual = Variation::Dual;
+
+  /// Rows of drives are those of the scene, stops whose limits are equal, and the elements `held`. `grips` are joints
+  /// whose friction grows with their forces, `growing` those of them where it does. All must outlive this.
+  VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs, const std::vector<int>& held,
+                 const std::vector<int>& grips, const std::vector<int>& growing);
+
+  /// Room that VariedState::pose must have.
+  std::size_t pose_size() const { return pose_size_; }
+  /// Adds the derivatives of rows and forces, equalities() and drives, and n values.
+  template <class T>
+  void add(VariedState& state, T* gap, T* rate, T* acceleration, T* force) {
+    evaluate(state);
+    for (std::size_t r = 0; r < gap_.size(); ++r) {
+      gap[r] += T(gap_[r].v[0]);
+      rate[r] += T(rate_[r].v[0]);
+      acceleration[r] += T(acceleration_[r].v[0]);
+    }
+    for (std::size_t i = 0; i < force_.size(); ++i) force[i] += T(force_[i].v[0]);
+  }
+
+  /// The derivatives of grip_factor() of the joint grips[i], and of the direction of its line at zero angle of the
+  /// frame in which that is fixed.
+  double factor_by(std::size_t i) const { return factors_[i]; }
+  const Vec2& axis_by(std::size_t i) const { return axes_[i]; }
+
+ private:
+  struct Row {
+    CompiledMeasure<Dual> on;
+    Dual limit{0.0};  // of a stop
+  };
+  void evaluate(VariedState& state);
+  void add_forces(VariedState& state);
+  void add_rows(VariedState& state);
+
+  Variation variation_;
+  std::vector<Row> rows_;
+  std::size_t first_stop_ = 0;
+  std::vector<InputLoad<Dual>> loads_;
+  BearingLoads<Dual, Numbers<Dual>> bearing_loads_;
+  std::vector<double> factors_;
+  std::vector<Vec2> axes_;
+  std::size_t pose_size_ = 0;
+  std::vector<Dual> gap_, rate_, acceleration_, force_, jacobian_, resistances_;
+  std::vector<Planar<Dual>> work_;
+};
+
+}  // namespace poise
