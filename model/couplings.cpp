@@ -509,39 +509,6 @@ void follow_curve(Stop* rows) {
   if (first.to_end) first.max = length;
 }
 
-void switch_profiles_as(const Scene& other, Scene& scene) {
-  // Their functions are divided into the same parts.
-  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
-    Stop& stop = scene.stops[s];
-    if (!is_rolling_profile(stop) || stop.curve == other.stops[s].curve) continue;
-    const auto parts = RollingCurve<double>(other.stops[s].curve, stop.closed).parts();
-    const RollingCurve<double> curve(stop.curve, stop.closed);
-    for (int row = 0; row < rows_before_ends(stop); ++row) {
-      for (Measure::Term& term : scene.stops[s + static_cast<std::size_t>(row)].on.terms) {
-        if (!term.profile) continue;
-        const double near = term.profile->at(0.0).value;
-        term.profile =
-            std::make_shared<const Profile>(curve.function(term.profile->pieces().front().law, parts.value(), near));
-      }
-    }
-  }
-  const auto follow = [](const Measure& from, Measure& on) {
-    for (std::size_t k = 0; k < on.terms.size(); ++k) {
-      Measure::Term& term = on.terms[k];
-      const Measure::Term& as = from.terms[k];
-      if (!term.profile) continue;
-      const double turn = term.measure.is_angle() ? 2 * M_PI : 1.0;
-      const double span = term.measure.is_angle() ? turn : term.span, as_span = as.measure.is_angle() ? turn : as.span;
-      if (term.profile == as.profile && span == as_span && term.shift == as.shift) continue;
-      term.profile = std::make_shared<const Profile>(
-          term.profile->switched_as(*as.profile, span / as_span, (term.shift - as.shift) / as_span));
-    }
-  };
-  for (std::size_t i = 0; i < scene.stops.size(); ++i) follow(other.stops[i].on, scene.stops[i].on);
-  for (std::size_t i = 0; i < scene.drives.size(); ++i) follow(other.drives[i].on, scene.drives[i].on);
-  for (std::size_t i = 0; i < scene.elements.size(); ++i) follow(other.elements[i].on, scene.elements[i].on);
-}
-
 std::span<const Number> Stop::numbers() const {
   if (table == "cam" || table == "curved_slot" || is_rolling_profile(*this)) {
     const CurveNumbers points = curve_numbers_of(*this);

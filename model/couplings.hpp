@@ -106,9 +106,6 @@ void follow_curve(Stop* rows);
 /// Throws InputError where two points of the curve of these stops coincide that follow each other, it ends before the
 /// slot or profile begins, or does not roll (rolling_profile_on()).
 void check_curve(const Stop* rows);
-/// Of a scene that differs from another in the numbers of one parameter: lets all its profiles be switched_as() those
-/// of the other.
-void switch_profiles_as(const Scene& other, Scene& scene);
 
 /// The kind of a stop; null of a plain one.
 const CouplingKind* coupling_kind(const Stop& stop);

@@ -68,17 +68,6 @@ class ProfileIn {
   static ProfileIn spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,
                           bool has_curved_ends = false);
 
-  /// The function near another one, of as many pieces, for differences of both: it has the piece k at u, also a little
-  /// beyond the ends of that, where `other` has its piece k at  stretch u + offset.  So both are in one formula, and
-  /// their difference has a limit, at every place of a motion. Sets of numbers are enclosed without that.
-  ProfileIn switched_as(const ProfileIn& other, double stretch, double offset) const {
-    ProfileIn out = *this;
-    out.switches_ = other.borders_;
-    out.stretch_ = stretch;
-    out.offset_ = offset;
-    return out;
-  }
-
   /// Whether a piece of a curve turns by less than a right angle from its middle to |t| = most_t, and has, with
   /// |r'|^2 = sum_j q_j t^j,  sum_j>0 |q_j| (4 most_t)^j < q_0,  so that the series of its arc length converges.
   static bool is_short(const Piece& piece);
@@ -96,10 +85,6 @@ class ProfileIn {
 
  private:
   template <class S>
-  bool is_switched() const {
-    return !may_enclose_set<S> && !switches_.empty();
-  }
-  template <class S>
   ProfileValue<S> along_end(bool last, const S& u) const;
   template <class S>
   ProfileValue<S> in_turns(const S& u) const;
@@ -116,8 +101,6 @@ class ProfileIn {
   std::vector<C> borders_;  // of the pieces, both ends included
   C rise_;                  // of a period
   bool periodic_;
-  std::vector<C> switches_;  // borders of another that this one is switched_as(), and its argument there
-  double stretch_ = 1.0, offset_ = 0.0;
 };
 
 using Profile = ProfileIn<double>;
@@ -302,32 +285,26 @@ template <class C>
 template <class S>
 ProfileValue<S> ProfileIn<C>::at(const S& u) const {
   if (periodic_) return in_turns(u);
-  const auto in_piece = [&](std::size_t k, const S& part) {
+  return by_pieces(u, borders_, [&](std::size_t k, const S& part) {
     if (k == 0) return along_end(false, part);
     return k == borders_.size() ? along_end(true, part) : on(pieces_[k - 1], part);
-  };
-  if (!is_switched<S>()) return by_pieces(u, borders_, in_piece);
-  return by_pieces(S(S(stretch_) * u + S(offset_)), switches_, [&](std::size_t k, const S&) { return in_piece(k, u); });
+  });
 }
 
 template <class C>
 template <class S>
 ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
   constexpr double most_turns = 1e6;
-  const bool is_switched = this->is_switched<S>();
-  const S other = is_switched ? S(S(stretch_) * u + S(offset_)) : u;
   double turns = 0.0;
-  while (turns < most_turns && other >= S(turns + 1)) ++turns;
-  while (turns > -most_turns && other < S(turns)) --turns;
+  while (turns < most_turns && u >= S(turns + 1)) ++turns;
+  while (turns > -most_turns && u < S(turns)) --turns;
   const S in_turn = u - S(turns);
-  const auto inside = std::span(is_switched ? switches_ : borders_).subspan(1, pieces_.size() - 1);
+  const auto inside = std::span(borders_).subspan(1, pieces_.size() - 1);
   const auto in_one_turn = [&](const S& v) {
     return by_pieces(v, inside, [&](std::size_t k, const S& part) { return on(pieces_[k], part); });
   };
   if constexpr (!may_enclose_set<S>) {
-    ProfileValue<S> out = is_switched ? by_pieces(S(other - S(turns)), inside,
-                                                  [&](std::size_t k, const S&) { return on(pieces_[k], in_turn); })
-                                      : in_one_turn(in_turn);
+    ProfileValue<S> out = in_one_turn(in_turn);
     if (rise_ != 0.0) out.value += S(rise_) * S(turns);
     return out;
   } else {

@@ -155,24 +155,5 @@ TEST(Profiles, AreEnclosed) {
   }
 }
 
-// Between a border of one and that of the other both are in the same piece; so over the turns of closed curves, too.
-TEST(Profiles, AreComparedInOneFormulaNearABorder) {
-  const std::vector<double> p{0.0, 1.0, 0.5, 0.2};
-  const Profile one = Profile::spline({0.0, 0.3, 0.6, 1.0}, p, false);
-  const Profile other = Profile::spline({0.0, 0.31, 0.6, 1.0}, p, false);
-  const Profile compared = other.switched_as(one, 1.0, 0.0);
-  EXPECT_EQ(compared.at(0.305).third, other.at(0.32).third);
-  EXPECT_EQ(compared.at(0.305).third, other.at(0.5).third);
-  EXPECT_NE(other.at(0.305).third, other.at(0.32).third);
-  EXPECT_EQ(compared.at(0.2).value, other.at(0.2).value);
-  const Profile shifted = other.switched_as(one, 1.0, -0.1);
-  EXPECT_EQ(shifted.at(0.39).third, other.at(0.2).third);
-  const Profile closed = Profile::spline({0.0, 0.4, 0.7, 1.0}, {0.3, 1.0, 0.5, 0.3}, true);
-  const Profile longer = closed.switched_as(closed, 1.02, 0.0);
-  EXPECT_EQ(longer.at(0.99).value, Profile::on(closed.pieces().front(), 0.99 - 1.0).value);
-  EXPECT_EQ(longer.at(-1.97).value, Profile::on(closed.pieces().back(), -1.97 + 3.0).value);
-  EXPECT_EQ(longer.at(0.5).value, closed.at(0.5).value);
-}
-
 }  // namespace
 }  // namespace poise::model_profile_test
