@@ -228,7 +228,9 @@ class Builder {
   void find_points() {
     points_.resize(out_.links.size());
     const auto use = [&](PointRef p) {
-      if (p.body == 0) points_[0].push_back(scene_.local(p));
+      if (p.body != 0) return;
+      points_[0].push_back(scene_.local(p));
+      if (!anchor_ && !varying().has_point(p)) anchor_ = scene_.local(p);
     };
     const auto use_measure = [&](const Measure& measure, const auto& self) -> void {
       if (measure.kind == Measure::Kind::distance || measure.kind == Measure::Kind::component) {
@@ -253,10 +255,11 @@ class Builder {
     }
   }
 
-  // A mechanism on no ground point is measured from its first body.
+  // A mechanism on no ground point is measured from its first body. In motion, where coordinates are compared over the
+  // values of numbers, the anchor is no point that varies.
   void choose_anchor() {
     if (!points_[0].empty()) {
-      out_.anchor = points_[0].front();
+      out_.anchor = purpose_ == Purpose::dynamics ? anchor_.value_or(Vec2{}) : points_[0].front();
     } else if (scene_.bodies.size() > 1) {
       out_.anchor = scene_.start.position[1].value_or(Vec2{});
     }
@@ -817,7 +820,8 @@ class Builder {
   Layout out_;
   std::vector<bool> cut_;  // per joint: closes a loop
   bool any_cut_ = false;
-  std::vector<int> carriage_;  // per joint: coordinate of the travel of its carriage's end, or -1
+  std::optional<Vec2> anchor_;  // the first point of the ground that something uses and that does not vary
+  std::vector<int> carriage_;   // per joint: coordinate of the travel of its carriage's end, or -1
   std::optional<Frames> frames_;
   std::vector<double> frame_open_;  // per representative: by how much the angles of its frame may be others, rad
   std::vector<int> bar_link_;

@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
-#include <span>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,9 +23,6 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Of times, relative to the length of a run.
-constexpr double time_rounding = 1e-12;
-
 /// A start with values that are written at a place of the experiment, which its errors name.
 template <class Make>
 auto start_at(const std::string& place, Make make) {
@@ -35,13 +32,6 @@ auto start_at(const std::string& place, Make make) {
     throw InputError(place + error.what());
   }
 }
-
-/// A sensor in the variation of a number.
-struct VariedReader {
-  SensorVariation reader;
-  std::vector<std::size_t> places;
-  std::size_t number;
-};
 
 }  // namespace
 
@@ -141,7 +131,8 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
                           : first_readings_ != nullptr ? "release, with its first readings"
                                                        : "release");
   }
-  const MotionState state = start_at(written, [&] { return released_in(assembled, closed_); });
+  const std::vector<StartPart> parts = start_parts(assembled, closed_);
+  const MotionState state = start_at(written, [&] { return start_in(assembled, parts, closed_); });
   released_ = independent_of(state);
   complete_start(assembled, state);
   left_out_ = run_.left_out;
@@ -441,146 +432,6 @@ Motion RunModel::move(const double* unknowns, const double* nuisances, double du
     return none;
   }
   return move(built, nuisances, duration, accuracy, sensitivities, nullptr);
-}
-
-void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
-                       Prediction& out, const std::atomic<bool>* interrupt) const {
-  out.ok = false;
-  const int p = static_cast<int>(numbers_.size());
-  const int f = freedoms_;
-  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
-  if (!built.model) {
-    out.why = built.why;
-    return;
-  }
-  const std::vector<Scaling> scaling = scalings(unknowns);
-  for (const SensorNumber& number : sensor_numbers_) {
-    if (scaling[number.sensor].factor != 0) continue;
-    out.why = fmt::format("the factor of sensor \"{}\" is 0", experiment_.sensors[number.sensor].name);
-    return;
-  }
-  const std::vector<Reading> readings = due(scaling, until);
-  const double duration = std::clamp(readings.empty() ? 0.0 : readings.back().time, 1e-9, std::max(end_, 1e-9));
-  const Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
-  if (!motion.completed()) {
-    out.why = motion.why;
-    return;
-  }
-  std::vector<std::optional<SensorReader>> readers(times_.size());  // none of a sensor that is not read in this run
-  std::vector<int> coordinates;
-  std::vector<std::vector<std::size_t>> places;
-  const auto places_of = [&](const auto& reader) {
-    std::vector<std::size_t> found;
-    for (const int i : reader.coordinates()) {
-      const auto known = std::find(coordinates.begin(), coordinates.end(), i);
-      found.push_back(static_cast<std::size_t>(known - coordinates.begin()));
-      if (known == coordinates.end()) coordinates.push_back(i);
-    }
-    return found;
-  };
-  std::vector<std::vector<VariedReader>> varied;  // per sensor
-  for (std::size_t k = 0; k < times_.size(); ++k) {
-    places.emplace_back();
-    varied.emplace_back();
-    if (times_[k].empty()) continue;
-    const Sensor& sensor = experiment_.sensors[k];
-    readers[k].emplace(*built.model, sensor);
-    places[k] = places_of(*readers[k]);
-    for (std::size_t i = 0; jacobian && i < numbers_.size(); ++i) {
-      const int variation = built.influences[i].variation;
-      if (variation < 0 || numbers_[i].place().owner == Owner::scene) continue;
-      SensorVariation reader(built.variations[static_cast<std::size_t>(variation)], sensor);
-      std::vector<std::size_t> at = places_of(reader);
-      varied.back().push_back({std::move(reader), std::move(at), i});
-    }
-  }
-  const bool rates = delayed_ || std::any_of(experiment_.sensors.begin(), experiment_.sensors.end(),
-                                             [](const Sensor& sensor) { return sensor.rate; });
-  TrajectoryReader trajectory(motion.trajectory, coordinates, rates);
-  const std::size_t width = static_cast<std::size_t>(columns());
-  std::vector<std::size_t> first{0};  // row of each sensor's first reading
-  for (const std::size_t count : counts(until)) first.push_back(first.back() + count);
-  out.reading.resize(first.back());
-  if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
-  // Columns of the trajectory: f starts, f start rates, the numbers, the one that the equilibrium sets.
-  std::vector<double> q(coordinates.size()), v(q), by_q(q), by_v(q);
-  double beyond = 0.0;  // time after the end of the motion, or before its start
-  const auto move_to = [&](const std::vector<std::size_t>& at) {
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      q[i] = trajectory.q(at[i]) + beyond * trajectory.v(at[i]);
-      v[i] = trajectory.v(at[i]);
-    }
-  };
-  // Of the reading.
-  const auto rate_of_change = [&](const std::vector<std::size_t>& at) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      sum += by_q[i] * v[i];
-      if (by_v[i] != 0 && beyond == 0) sum += by_v[i] * trajectory.a(at[i]);
-    }
-    return sum;
-  };
-  std::vector<double> column(static_cast<std::size_t>(motion.trajectory.columns));
-  double now = -INFINITY;
-  for (const auto& [time, k, s] : readings) {
-    const double within = std::clamp(time, 0.0, duration);
-    if (within > now) trajectory.at(within);
-    now = within;
-    const bool still = held_ && time < 0;
-    beyond = still || std::abs(time - within) < time_rounding * end_ ? 0.0 : time - within;
-    SensorReader& reader = *readers[k];
-    const Sensor& sensor = experiment_.sensors[k];
-    const std::size_t n = reader.coordinates().size();
-    const std::size_t row = first[k] + s;
-    const Scaling& own = scaling[k];
-    const double gain = sensor.unit / own.factor;
-    move_to(places[k]);
-    const double quantity = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
-    out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
-    if (!jacobian) continue;
-    const double change = still ? 0.0 : rate_of_change(places[k]);
-    std::fill(column.begin(), column.end(), 0.0);
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::span<const double> q_p = trajectory.q_p(places[k][i]);
-      const std::span<const double> v_p = trajectory.v_p(places[k][i]);
-      const double on_q = by_q[i];
-      const double on_v = by_v[i] + by_q[i] * beyond;
-      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_q * q_p[c];
-      if (on_v == 0) continue;
-      for (std::size_t c = 0; c < column.size(); ++c) column[c] += on_v * v_p[c];
-    }
-    double* numbers = column.data() + 2 * f;
-    if (sensor.reads_force()) {
-      for (int i = 0; i <= p; ++i) {
-        if (i == p && !set_by_equilibrium_) break;
-        const SceneParameter& number = i < p ? numbers_[static_cast<std::size_t>(i)] : *set_by_equilibrium_;
-        numbers[i] += number.force_by(built.model->scene(), sensor.element, reader.measure(), 0.0);
-      }
-    }
-    for (VariedReader& other : varied[k]) {
-      move_to(other.places);
-      numbers[other.number] += other.reader.read(q.data(), v.data());
-    }
-    for (std::size_t i = 0; i < built.released_by.size(); ++i) {
-      numbers[i / static_cast<std::size_t>(2 * f)] +=
-          column[i % static_cast<std::size_t>(2 * f)] * built.released_by[i];
-    }
-    double* to = &out.jacobian[row * width];
-    for (int i = 0; i < p; ++i) {
-      *to++ =
-          gain * (numbers[i] + (set_by_equilibrium_ ? numbers[p] * built.set_by[static_cast<std::size_t>(i)] : 0.0));
-    }
-    for (const SensorNumber& number : sensor_numbers_) {
-      const double by = number.of == SensorNumber::Of::zero     ? -1.0
-                        : number.of == SensorNumber::Of::factor ? (own.zero - quantity) / own.factor
-                                                                : -change;
-      *to++ = number.sensor == k ? gain * by : 0.0;
-    }
-    if (equilibrium_unknown_) *to++ = gain * numbers[p] * built.set_by_at;
-    if (start_unknown_)
-      std::transform(column.begin(), column.begin() + 2 * f, to, [&](double by) { return gain * by; });
-  }
-  out.ok = true;
 }
 
 RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilibrium) const {

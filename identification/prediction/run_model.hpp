@@ -181,6 +181,8 @@ class RunModel {
   void vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const;
   void start_drives_in(const MotionModel& model);
   MotionState released_in(const MotionModel& model, std::vector<double> q) const;
+  MotionState start_in(const MotionModel& model, const std::vector<StartPart>& parts,
+                       const std::vector<double>& q) const;
   std::vector<StartPart> start_parts(const MotionModel& model, const std::vector<double>& q) const;
   std::vector<double> independent_of(const MotionState& state) const;
   StartValue equilibrium_in(const MotionModel& model, double at) const;
@@ -196,6 +198,10 @@ class RunModel {
     std::size_t sensor, at;  // index into times_[sensor]
   };
   std::vector<Reading> due(const std::vector<Scaling>& scalings, double until) const;
+  /// What the sensors read along one motion.
+  class Readings;
+  void fill_row(const Built& built, std::size_t k, const Scaling& own, double gain, double quantity, double change,
+                const std::vector<double>& by, double* to) const;
   bool is_exact(std::size_t sensor) const;
   void add_first_readings(const MotionModel& model, const ReducedMotion<double>& reduced,
                           std::vector<StartPart>& start) const;

@@ -179,8 +179,13 @@ MotionState RunModel::released_in(const MotionModel& model, std::vector<double> 
   if (run_.equilibrium) {
     q = start_motion(model, {equilibrium_in(model, run_.equilibrium->at)}, &q, &independent_).q;
   }
+  return start_in(model, start_parts(model, q), q);
+}
+
+MotionState RunModel::start_in(const MotionModel& model, const std::vector<StartPart>& parts,
+                               const std::vector<double>& q) const {
   std::vector<StartValue> wanted;
-  for (const StartPart& part : start_parts(model, q)) wanted.push_back(part.value);
+  for (const StartPart& part : parts) wanted.push_back(part.value);
   return start_motion(model, wanted, &q, &independent_);
 }
 

@@ -67,7 +67,12 @@ SensorVariation::SensorVariation(const Variation& variation, const Sensor& senso
       q_(static_cast<std::size_t>(phasors_.coordinates())),
       v_(q_),
       pose_(static_cast<std::size_t>(phasors_.pose_size() + on_.scratch_size())) {
-  if (!sensor.reads_force()) return;
+  if (!sensor.reads_force()) {
+    // Of an angle or a travel the derivative is one number.
+    const std::vector<double> none(on_.support().size(), 0.0);
+    acts_ = !on_.is_linear() || read(none.data(), none.data()) != 0.0;
+    return;
+  }
   on_.set_terms(along_.numbers(), measure_of(along_.scene(), sensor), -1);
   along_.numbers().with_law(sensor.element, [&](const auto& law) { law_ = law; });
 }

@@ -37,6 +37,8 @@ class SensorVariation {
  public:
   SensorVariation(const Variation& variation, const Sensor& sensor);
 
+  /// Whether it may be other than zero.
+  bool acts() const { return acts_; }
   /// Coordinates that the sensor depends on.
   const std::vector<int>& coordinates() const { return on_.support(); }
   /// Where coordinates()[i] = q[i] with the rates v[i].
@@ -52,6 +54,7 @@ class SensorVariation {
   std::optional<LawIn<Dual>> law_;  // of the element whose force it reads
   std::vector<Dual> q_, v_;         // of all coordinates
   std::vector<Planar<Dual>> pose_;
+  bool acts_ = true;
 };
 
 }  // namespace poise

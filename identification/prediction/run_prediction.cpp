@@ -1,0 +1,216 @@
+// The readings that a run model predicts, with derivatives: members of RunModel.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "identification/prediction/private/sensor_reader.hpp"
+#include "identification/prediction/run_model.hpp"
+
+namespace poise {
+namespace {
+
+/// Of times, relative to the length of a run.
+constexpr double time_rounding = 1e-12;
+
+/// A sensor in the variation of a number.
+struct VariedReader {
+  SensorVariation reader;
+  std::vector<std::size_t> places;
+  std::size_t number;
+};
+
+}  // namespace
+
+class RunModel::Readings {
+ public:
+  Readings(const RunModel& run, const Built& built, const Motion& motion, double duration, bool jacobian)
+      : run_(run), built_(built), duration_(duration), column_(static_cast<std::size_t>(motion.trajectory.columns)) {
+    readers_.resize(run.times_.size());
+    places_.resize(run.times_.size());
+    varied_.resize(run.times_.size());
+    for (std::size_t k = 0; k < run.times_.size(); ++k) {
+      if (!run.times_[k].empty()) add_sensor(k, jacobian);
+    }
+    const std::vector<Sensor>& sensors = run.experiment_.sensors;
+    const bool rates =
+        run.delayed_ || std::any_of(sensors.begin(), sensors.end(), [](const Sensor& sensor) { return sensor.rate; });
+    trajectory_.emplace(motion.trajectory, coordinates_, rates);
+    for (auto* each : {&q_, &v_, &by_q_, &by_v_}) each->resize(coordinates_.size());
+  }
+
+  /// Moves to the time of a reading of sensor k, not before those moved to, and reads it. Returns the quantity.
+  double read(double time, std::size_t k) {
+    const double within = std::clamp(time, 0.0, duration_);
+    if (within > now_) trajectory_->at(within);
+    now_ = within;
+    still_ = run_.held_ && time < 0;
+    beyond_ = still_ || std::abs(time - within) < time_rounding * run_.end_ ? 0.0 : time - within;
+    move_to(places_[k]);
+    return readers_[k]->read(q_.data(), v_.data(), by_q_.data(), by_v_.data());
+  }
+
+  /// Of the quantity read last, by its time.
+  double rate_of_change(std::size_t k) const {
+    if (still_) return 0.0;
+    const std::vector<std::size_t>& at = places_[k];
+    double sum = 0.0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      sum += by_q_[i] * v_[i];
+      if (by_v_[i] != 0 && beyond_ == 0) sum += by_v_[i] * trajectory_->a(at[i]);
+    }
+    return sum;
+  }
+
+  /// The derivatives of the quantity read last: by f starts, f start rates, the numbers, the one that the equilibrium
+  /// sets. A known start follows the numbers. Call it after rate_of_change().
+  const std::vector<double>& derivatives(std::size_t k) {
+    std::fill(column_.begin(), column_.end(), 0.0);
+    add_motion(k);
+    const auto starts = static_cast<std::size_t>(2 * run_.freedoms_);
+    double* numbers = column_.data() + starts;
+    if (run_.experiment_.sensors[k].reads_force()) add_law(k, numbers);
+    for (VariedReader& other : varied_[k]) {
+      move_to(other.places);
+      numbers[other.number] += other.reader.read(q_.data(), v_.data());
+    }
+    for (std::size_t i = 0; i < built_.released_by.size(); ++i) {
+      numbers[i / starts] += column_[i % starts] * built_.released_by[i];
+    }
+    return column_;
+  }
+
+ private:
+  void add_sensor(std::size_t k, bool jacobian) {
+    const Sensor& sensor = run_.experiment_.sensors[k];
+    readers_[k].emplace(*built_.model, sensor);
+    places_[k] = places_of(readers_[k]->coordinates());
+    for (std::size_t i = 0; jacobian && i < run_.numbers_.size(); ++i) {
+      const int variation = built_.influences[i].variation;
+      if (variation < 0 || run_.numbers_[i].place().owner == Owner::scene) continue;
+      SensorVariation reader(built_.variations[static_cast<std::size_t>(variation)], sensor);
+      if (!reader.acts()) continue;
+      std::vector<std::size_t> at = places_of(reader.coordinates());
+      varied_[k].push_back({std::move(reader), std::move(at), i});
+    }
+  }
+
+  std::vector<std::size_t> places_of(const std::vector<int>& coordinates) {
+    std::vector<std::size_t> found;
+    for (const int i : coordinates) {
+      const auto known = std::find(coordinates_.begin(), coordinates_.end(), i);
+      found.push_back(static_cast<std::size_t>(known - coordinates_.begin()));
+      if (known == coordinates_.end()) coordinates_.push_back(i);
+    }
+    return found;
+  }
+
+  void move_to(const std::vector<std::size_t>& at) {
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      q_[i] = trajectory_->q(at[i]) + beyond_ * trajectory_->v(at[i]);
+      v_[i] = trajectory_->v(at[i]);
+    }
+  }
+
+  void add_motion(std::size_t k) {
+    for (std::size_t i = 0; i < places_[k].size(); ++i) {
+      const std::span<const double> q_p = trajectory_->q_p(places_[k][i]);
+      const std::span<const double> v_p = trajectory_->v_p(places_[k][i]);
+      const double on_q = by_q_[i];
+      const double on_v = by_v_[i] + by_q_[i] * beyond_;
+      for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += on_q * q_p[c];
+      if (on_v == 0) continue;
+      for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += on_v * v_p[c];
+    }
+  }
+
+  void add_law(std::size_t k, double* numbers) {
+    const auto by = [&](const SceneParameter& number) {
+      return number.force_by(built_.model->scene(), run_.experiment_.sensors[k].element, readers_[k]->measure(), 0.0);
+    };
+    for (const SceneParameter& number : run_.numbers_) *numbers++ += by(number);
+    if (run_.set_by_equilibrium_) *numbers += by(*run_.set_by_equilibrium_);
+  }
+
+  const RunModel& run_;
+  const Built& built_;
+  double duration_;
+  std::vector<std::optional<SensorReader>> readers_;  // none of a sensor that is not read in this run
+  std::vector<std::vector<std::size_t>> places_;      // of each sensor's coordinates in these
+  std::vector<int> coordinates_;
+  std::vector<std::vector<VariedReader>> varied_;  // per sensor
+  std::optional<TrajectoryReader> trajectory_;
+  double now_ = -INFINITY;
+  double beyond_ = 0.0;  // time after the end of the motion, or before its start
+  bool still_ = false;
+  std::vector<double> q_, v_, by_q_, by_v_, column_;
+};
+
+void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
+                       Prediction& out, const std::atomic<bool>* interrupt) const {
+  out.ok = false;
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
+  if (!built.model) {
+    out.why = built.why;
+    return;
+  }
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  for (const SensorNumber& number : sensor_numbers_) {
+    if (scaling[number.sensor].factor != 0) continue;
+    out.why = fmt::format("the factor of sensor \"{}\" is 0", experiment_.sensors[number.sensor].name);
+    return;
+  }
+  const std::vector<Reading> due = this->due(scaling, until);
+  const double duration = std::clamp(due.empty() ? 0.0 : due.back().time, 1e-9, std::max(end_, 1e-9));
+  const Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
+  if (!motion.completed()) {
+    out.why = motion.why;
+    return;
+  }
+  Readings readings(*this, built, motion, duration, jacobian);
+  const auto width = static_cast<std::size_t>(columns());
+  std::vector<std::size_t> first{0};  // row of each sensor's first reading
+  for (const std::size_t count : counts(until)) first.push_back(first.back() + count);
+  out.reading.resize(first.back());
+  if (jacobian) out.jacobian.assign(out.reading.size() * width, 0.0);
+  for (const auto& [time, k, s] : due) {
+    const Sensor& sensor = experiment_.sensors[k];
+    const Scaling& own = scaling[k];
+    const double gain = sensor.unit / own.factor;
+    const std::size_t row = first[k] + s;
+    const double quantity = readings.read(time, k);
+    out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
+    if (!jacobian) continue;
+    const double change = readings.rate_of_change(k);
+    const std::vector<double>& by = readings.derivatives(k);
+    fill_row(built, k, own, gain, quantity, change, by, &out.jacobian[row * width]);
+  }
+  out.ok = true;
+}
+
+/// The derivatives of a reading of sensor k by the unknowns and nuisances, from those of its quantity.
+void RunModel::fill_row(const Built& built, std::size_t k, const Scaling& own, double gain, double quantity,
+                        double change, const std::vector<double>& by, double* to) const {
+  const double* numbers = by.data() + 2 * freedoms_;
+  const double by_set = set_by_equilibrium_ ? numbers[numbers_.size()] : 0.0;
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    *to++ = gain * (numbers[i] + (set_by_equilibrium_ ? by_set * built.set_by[i] : 0.0));
+  }
+  for (const SensorNumber& number : sensor_numbers_) {
+    const double of_quantity = number.of == SensorNumber::Of::zero     ? -1.0
+                               : number.of == SensorNumber::Of::factor ? (own.zero - quantity) / own.factor
+                                                                       : -change;
+    *to++ = number.sensor == k ? gain * of_quantity : 0.0;
+  }
+  if (equilibrium_unknown_) *to++ = gain * by_set * built.set_by_at;
+  if (!start_unknown_) return;
+  std::transform(by.begin(), by.begin() + 2 * freedoms_, to, [&](double one) { return gain * one; });
+}
+
+}  // namespace poise
