@@ -69,6 +69,12 @@ class InputLoad {
   void add_change(const Planar<T>* pose, const T* dq, T* g) const;
 
  private:
+  Planar<T> extra_force(const Planar<T>* pose) const {
+    // A force of zero has no direction, but derivatives by its components.
+    const Planar<T> force = input_.multiplies ? T(value_ - T(1)) * whole_ : extra_ * direction_;
+    return frame_ >= 0 ? force * pose[frame_] : force;
+  }
+
   const Phasors<T>& phasors_;
   MotionInput input_;
   T written_{};  // the scene's
@@ -76,8 +82,8 @@ class InputLoad {
   ForceNumber number_;  // of the load
   T value_{}, extra_{};
   int torque_coordinate_ = -1;
-  PhasorSum<T> path_;      // to the point of a force
-  Planar<T> direction_{};  // of the force, at zero angle of its frame
+  PhasorSum<T> path_;                // to the point of a force
+  Planar<T> whole_{}, direction_{};  // the scene's force at its points and along it, at zero angle of its frame
   int frame_ = -1;
   mutable std::vector<Planar<T>> derivative_;  // of the path
 };

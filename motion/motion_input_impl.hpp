@@ -25,15 +25,15 @@ InputLoad<T>::InputLoad(const NumbersOfScene& numbers, const Mechanism<T>& mecha
     return;
   }
   const Force& force = scene.forces[static_cast<std::size_t>(input.item)];
-  const Planar<T> vector = numbers.force(input.item);
-  if (!(force.vector == Vec2{})) {
-    written_ = norm(vector);
-    direction_ = share_at_points(numbers, input.item) * (T(T(1) / written_) * vector);
-  }
+  whole_ = share_at_points(numbers, input.item) * numbers.force(input.item);
   if (force.follows >= 0) {
     const Link& carrier = layout.links[static_cast<std::size_t>(force.follows)];
-    direction_ = direction_ * phasors_.turned(carrier.turn);
+    whole_ = whole_ * phasors_.turned(carrier.turn);
     frame_ = carrier.frame;
+  }
+  if (!(force.vector == Vec2{})) {
+    written_ = norm(numbers.force(input.item));
+    direction_ = T(T(1) / written_) * whole_;
   }
   path_ = {phasors_, layout.paths_to(scene, force)};
   derivative_.resize(static_cast<std::size_t>(path_.size()));
@@ -43,7 +43,7 @@ template <class T>
 void InputLoad<T>::add(const Planar<T>* pose, T* g) const {
   if (torque_coordinate_ >= 0) g[torque_coordinate_] -= extra_;
   if (path_.size() == 0) return;
-  const Planar<T> force = extra_ * (frame_ >= 0 ? direction_ * pose[frame_] : direction_);
+  const Planar<T> force = extra_force(pose);
   path_.derivative(phasors_, pose, derivative_.data());
   for (int i = 0; i < path_.size(); ++i) g[path_.support()[i]] -= dot(force, derivative_[i]);
 }
@@ -52,7 +52,7 @@ template <class T>
 void InputLoad<T>::add_change(const Planar<T>* pose, const T* dq, T* g) const {
   if (path_.size() == 0) return;
   const std::vector<int>& support = path_.support();
-  const Planar<T> force = extra_ * (frame_ >= 0 ? direction_ * pose[frame_] : direction_);
+  const Planar<T> force = extra_force(pose);
   path_.second_derivative(phasors_, pose, [&](int i, int j, const Planar<T>& d_ij) {
     const T along = dot(force, d_ij);
     g[support[i]] -= along * dq[support[j]];
