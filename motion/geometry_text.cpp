@@ -17,10 +17,8 @@ std::string points(const Body& body, double unit) {
 }
 
 std::string joint_text(const Scene& scene, const Joint& joint) {
-  static constexpr const char* kinds[] = {"pin", "slide", "pin_in_slot", "weld", "bar"};
-  std::string out =
-      fmt::format("\n[[{}]]\nname = {}\npoints = [{}, {}]\n", kinds[static_cast<int>(joint.kind)],
-                  toml_string(joint.name), toml_string(scene.name_of(joint.a)), toml_string(scene.name_of(joint.b)));
+  std::string out = fmt::format("\n[[{}]]\nname = {}\npoints = [{}, {}]\n", joint.traits().key, toml_string(joint.name),
+                                toml_string(scene.name_of(joint.a)), toml_string(scene.name_of(joint.b)));
   if (joint.has_travel()) out += "axis = " + vector(joint.axis) + "\n";
   if (joint.keeps_angle() && joint.angle != 0.0)
     out += "angle = " + toml_number(joint.angle / scene.units.angle) + "\n";

@@ -35,6 +35,12 @@ void bisect(Bracket& bracket, IsBefore is_before) {
   bisect(bracket, is_before, [](const Bracket&) { return false; });
 }
 
+/// Halves a bracket `most` times, or down to rounding.
+template <class IsBefore>
+void bisect_at_most(int most, Bracket& bracket, IsBefore is_before) {
+  bisect(bracket, is_before, [&](const Bracket&) { return most-- == 0; });
+}
+
 /// Finds the root of f between from < to, of the values `at_from` and `at_to` of opposite signs there: secant steps
 /// kept within the bracket, where an end that stays counts half (Illinois; M. Dowell, P. Jarratt, 1971). `f` returns a
 /// std::optional, empty where it has no value: then there is no root. Ends where the bracket is narrower than `width`;

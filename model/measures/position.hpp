@@ -20,12 +20,12 @@ class PositionMeasure {
   PositionMeasure(const Phasors<T>& phasors, PhasorSum<T> p, const Planar<T>& direction, int turn)
       : PositionMeasure(std::move(p), direction) {
     turn_ = turn;
-    if (turn_ != 0) e_ = direction_ * phasors.turned(turn_);
+    take_turn(phasors);
   }
 
   void set_numbers(const Phasors<T>& phasors) {
     p_.set_numbers(phasors);
-    if (turn_ != 0) e_ = direction_ * phasors.turned(turn_);
+    take_turn(phasors);
   }
 
   const std::vector<int>& support() const { return p_.support(); }
@@ -69,6 +69,10 @@ class PositionMeasure {
   }
 
  private:
+  void take_turn(const Phasors<T>& phasors) {
+    if (turn_ != 0) e_ = direction_ * phasors.turned(turn_);
+  }
+
   PhasorSum<T> p_;
   Planar<T> direction_{}, e_{};
   int turn_ = 0;

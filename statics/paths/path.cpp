@@ -125,8 +125,7 @@ class PathFinder {
       return out;
     };
     solvers::Bracket bracket{before.parameter, after.parameter};
-    int halvings = 0;
-    solvers::bisect(bracket, is_before, [&](const solvers::Bracket&) { return halvings++ == 50; });
+    solvers::bisect_at_most(50, bracket, is_before);
     if (is_lost) return;
     event.at = before;
     // Growth below a ten-millionth of the frequencies counts as none (motion/modes.hpp).

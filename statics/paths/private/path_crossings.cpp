@@ -129,8 +129,7 @@ std::optional<PathSpot> PathCrossings::multiple_point(const PathSegment& segment
     return system.negative_directions(best->point.z) == segment.a.negative;
   };
   solvers::Bracket bracket{0.0, segment.h};
-  int halvings = 0;
-  solvers::bisect(bracket, is_before, [&](const solvers::Bracket&) { return halvings++ == 50; });
+  solvers::bisect_at_most(50, bracket, is_before);
   return best;
 }
 
