@@ -38,9 +38,7 @@ class FreeMotion : public solvers::OdeSystem {
     const MotionState start = begin(release, from_equilibrium);
     const std::vector<double> q = model_.from_si(start.q);
     const std::vector<double> v = model_.from_si(start.v);
-    reduced_.start_drives(q.data());
-    reduced_.choose(0.0, q.data(), false);
-    reduced_.expect(q.data());
+    reduced_.begin(0.0, q.data());
     system_.emplace(model_.scaled_scene(), reduced_, no_influences_, no_variations_, 0);
     MotionOptions options;
     options.duration = duration;

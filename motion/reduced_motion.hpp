@@ -86,8 +86,8 @@ struct Influence {
 /// (FrictionForces) friction is locked. By any z, w or p,
 ///   T' = S (c |R|' + c' |R|),  |R|' = |R|'(R' at constant T + dR/dT T').
 ///
-/// One object per thread: it holds the last state evaluated. Call choose() once (again to change to better
-/// coordinates), then place(), move(), accelerate() and, for derivatives, linearize() in this order.
+/// One object per thread: it holds the last state evaluated. Call begin() once, or choose() (again to change to better
+/// coordinates), then evaluate(), which is place(), move() and accelerate(), and for derivatives linearize().
 template <class T>
 class ReducedMotion {
  public:
@@ -141,6 +141,13 @@ class ReducedMotion {
   /// is kept at a pose of lower rank. Returns singular if the rank has grown. With `fixed`, these are the independent
   /// coordinates and only the rows are chosen.
   Status choose(const T& t, const T* q, bool keep_rank, const std::vector<int>* fixed = nullptr);
+  /// Drives begin in the closed pose q, where coordinates are chosen, and from which the next place() starts.
+  Status begin(const T& t, const T* q, const std::vector<int>* fixed = nullptr) {
+    start_drives(q);
+    const Status chosen = choose(t, q, false, fixed);
+    expect(q);
+    return chosen;
+  }
   /// Copies the choice of coordinates and the initial values of drives from another object of the same scene.
   template <class S>
   void take_over(const ReducedMotion<S>& other);
@@ -166,6 +173,13 @@ class ReducedMotion {
   /// Accelerations a and alpha; NaN where friction is locked. With `sizes`, one of friction_forces().all(), those of
   /// this solution.
   Status accelerate(const std::vector<double>* sizes = nullptr);
+  /// The accelerations at the coordinates z and rates w: the first status that is not ok.
+  Status evaluate(const T& t, const T* z, const T* w) {
+    const Status placed = place(t, z);
+    if (placed != Status::ok) return placed;
+    move(w);
+    return accelerate();
+  }
   /// After accelerate() that found friction locked: its equations, in the sizes of the forces in joints with friction.
   FrictionForces& friction_forces() { return grip_forces_; }
   /// Computes the multipliers of the rows of J, and the derivatives of alpha, v and a with respect to z and w.
@@ -181,6 +195,9 @@ class ReducedMotion {
   const T* q_p() const { return q_p_.data(); }
   const T* v_p() const { return v_p_.data(); }
   const T* a_p() const { return a_p_.data(); }
+  /// After influence() of one that moves(): of the rows that repeat others the largest change  J q_p + c|p  of a gap,
+  /// over the sum of its terms. Unless it is rounding the loops close for this value of the number alone.
+  T gap_by() const;
 
   /// Of all rows of c, those too that repeated others where the coordinates were chosen: after place() the row that is
   /// open by most, rad or lengths; after move() the row that opens fastest, |J v - (rate of its drive)|, and the sum of

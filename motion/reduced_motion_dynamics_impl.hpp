@@ -356,6 +356,23 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
 }
 
 template <class T>
+T ReducedMotion<T>::gap_by() const {
+  using std::abs;
+  T largest(0);
+  for (int r = 0; r < rows_; ++r) {
+    if (place_of_row_[r] >= 0) continue;
+    T sum = direct_.gap[r], terms = abs(sum);
+    for (int j = 0; j < n_; ++j) {
+      const T term = jacobian(r, j) * q_p_[j];
+      sum += term;
+      terms += abs(term);
+    }
+    if (terms > 0) largest = std::max<T>(largest, abs(sum) / terms);
+  }
+  return largest;
+}
+
+template <class T>
 void ReducedMotion<T>::influence_terms(const Influence& influence, T* size) const {
   using std::abs;
   const int f = freedoms();

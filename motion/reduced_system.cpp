@@ -43,9 +43,7 @@ class ReducedSystem::Fine {
     const std::vector<Long> state(y, y + 2 * reduced.freedoms());
     motion_.expect(q.data());
     motion_.set_near(reduced.near());
-    if (motion_.place(t, state.data()) != ReducedMotion<Long>::Status::ok) return false;
-    motion_.move(state.data() + reduced.freedoms());
-    return motion_.accelerate() == ReducedMotion<Long>::Status::ok;
+    return motion_.evaluate(t, state.data(), state.data() + reduced.freedoms()) == ReducedMotion<Long>::Status::ok;
   }
 
   ReducedMotion<Long>& motion() { return motion_; }
@@ -76,10 +74,7 @@ ReducedSystem::~ReducedSystem() = default;
 
 bool ReducedSystem::rates(double t, const double* y, double* dydt) {
   ++evaluations;
-  status = reduced_.place(t, y);
-  if (status != ReducedStatus::ok) return false;
-  reduced_.move(y + freedoms_);
-  status = reduced_.accelerate();
+  status = reduced_.evaluate(t, y, y + freedoms_);
   if (status != ReducedStatus::ok) return false;
   if (columns_ > 0) reduced_.linearize();
   if (reduced_.rank() > 0 && reduced_.pivot() < small_pivot) {

@@ -104,8 +104,7 @@ class Simulation {
   std::vector<int> first_choice() {
     reduced_.set_inputs(model_.scaled_scene(), scaled(inputs_, model_.scene(), model_.scales()));
     refuse_unknown_derivatives();
-    reduced_.start_drives(q_start_.data());
-    reduced_.choose(0.0, q_start_.data(), false, options_.independent.empty() ? nullptr : &options_.independent);
+    reduced_.begin(0.0, q_start_.data(), options_.independent.empty() ? nullptr : &options_.independent);
     return reduced_.independent();
   }
 

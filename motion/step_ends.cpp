@@ -69,11 +69,9 @@ double StepEnds::margin_within(double t, double x) {
     within_[k] = y[k] + x * (v0 + x * (a0 + x * (c3 + x * (c4 + x * c5))));
     within_[f + k] = (v0 + x * (2 * a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
   }
-  if (reduced_.place(t + x * h, within_.data()) != ReducedMotion<double>::Status::ok) {
+  if (reduced_.evaluate(t + x * h, within_.data(), within_.data() + f) != ReducedMotion<double>::Status::ok) {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  reduced_.move(within_.data() + f);
-  if (reduced_.accelerate() != ReducedMotion<double>::Status::ok) return std::numeric_limits<double>::quiet_NaN();
   return friction_.margin(reduced_);
 }
 

@@ -194,10 +194,7 @@ Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<doub
     z.push_back(q[static_cast<std::size_t>(i)]);
     w.push_back(v[static_cast<std::size_t>(i)]);
   }
-  const Reduced::Status placed = motion.place(t, z.data());
-  if (placed != Reduced::Status::ok) return placed;
-  motion.move(w.data());
-  return motion.accelerate();
+  return motion.evaluate(t, z.data(), w.data());
 }
 
 Reduced::Status StickSlip::advance(Reduced& motion, double t, double h) {
@@ -213,10 +210,7 @@ Reduced::Status StickSlip::advance(Reduced& motion, double t, double h) {
     for (std::size_t k = 0; k < 2 * f; ++k) sum[k] += share[stage] * slope[k];
     const std::vector<double>& along = stage < 3 ? slope : sum;
     for (std::size_t k = 0; k < 2 * f; ++k) y[k] = start[k] + reach[stage] * h * along[k];
-    Reduced::Status status = motion.place(t + reach[stage] * h, y.data());
-    if (status != Reduced::Status::ok) return status;
-    motion.move(y.data() + f);
-    status = motion.accelerate();
+    const Reduced::Status status = motion.evaluate(t + reach[stage] * h, y.data(), y.data() + f);
     if (status != Reduced::Status::ok) return status;
   }
   return Reduced::Status::ok;

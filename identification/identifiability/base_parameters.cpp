@@ -27,8 +27,7 @@ BodyInertia<double> unit_part(int which) {
 Eigen::MatrixXd regressor(const MotionModel& model, const std::vector<int>& bodies, int states) {
   const std::vector<double> x = model.from_si(start_motion(model, {}).q);
   ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false);
+  reduced.begin(0.0, x.data());
   const int f = reduced.freedoms();
   Eigen::MatrixXd Y =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(states) * f, 4 * static_cast<Eigen::Index>(bodies.size()));

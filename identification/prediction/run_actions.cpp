@@ -159,205 +159,274 @@ struct Acting {
 
 }  // namespace
 
-RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisances, int states) const {
-  Actions out;
-  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
-  if (!built.model) return out;
-  const MotionModel& model = *built.model;
-  const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr);
-  const std::vector<double> x = model.from_si(built.q);
-  std::vector<Sensor> sensors;
-  std::vector<ReadNumber> of_sensors;
-  std::vector<Eigen::Index> places;  // of these among the unknowns
-  const std::vector<Scaling> scaling = scalings(unknowns);
-  for (std::size_t k = 0; k < times_.size(); ++k) {
-    if (times_[k].empty()) continue;
-    for (std::size_t i = 0; i < sensor_numbers_.size(); ++i) {
-      if (sensor_numbers_[i].sensor != k) continue;
-      of_sensors.push_back({sensor_numbers_[i].of, sensors.size(), scaling[k].zero, scaling[k].factor});
-      places.push_back(static_cast<Eigen::Index>(numbers_.size() + i));
+/// Gathers the rows of actions() at one state after the other: those of the scene, and those of the scene disturbed.
+class RunModel::ActionRows {
+ public:
+  ActionRows(const RunModel& run, const Built& built, const double* unknowns)
+      : run_(run),
+        model_(*built.model),
+        unknowns_(unknowns),
+        x_(model_.from_si(built.q)),
+        numbers_(run.numbers_),
+        sensors_(sensors_that_are_read(unknowns)),
+        near_model_(std::make_shared<const MotionModel>(disturbed(model_.scene()), run.scales_, run.varying_)),
+        changes_(changes_of(near_model_)),
+        own_(model_, built.influences, built.variations, sensors_, run.inputs_in(model_.scene())),
+        changed_(*near_model_, changes_.influences, changes_.variations, sensors_, run.inputs_in(near_model_->scene())),
+        p_(static_cast<Eigen::Index>(run.numbers_.size())),
+        z_(static_cast<std::size_t>(run.freedoms_), 0.0),
+        w_(z_) {
+    if (run.set_by_equilibrium_) numbers_.push_back(*run.set_by_equilibrium_);
+    for (Acting* acting : {&own_, &changed_}) {
+      acting->reduced.begin(0.0, x_.data(), &run.independent_);
     }
-    sensors.push_back(experiment_.sensors[k]);
-  }
-  Acting own(model, built.influences, built.variations, sensors, inputs_in(model.scene()));
-  own.reduced.start_drives(x.data());
-  own.reduced.choose(0.0, x.data(), false, &independent_);
-  own.reduced.expect(x.data());
-
-  const Scene near = disturbed(model.scene());
-  const auto near_model = std::make_shared<const MotionModel>(near, scales_, varying_);
-  out.scene = model.scene();
-  std::vector<SceneParameter> numbers = numbers_;
-  if (set_by_equilibrium_) numbers.push_back(*set_by_equilibrium_);
-  Built changes;
-  vary(near_model, changes);
-  if (set_by_equilibrium_) changes.influences.push_back(set_by_equilibrium_->influence(near, scales_));
-  Acting changed(*near_model, changes.influences, changes.variations, sensors, inputs_in(near));
-  changed.reduced.start_drives(x.data());
-  changed.reduced.choose(0.0, x.data(), false, &independent_);
-
-  // The number that an equilibrium sets follows the others: alpha = 0 there.
-  const auto p = static_cast<Eigen::Index>(numbers_.size());
-  const auto follow = [&](Acting& acting, const double* z, Eigen::RowVectorXd& by) {
-    const std::vector<double> still(static_cast<std::size_t>(freedoms_), 0.0);
-    acting.reduced.expect(x.data());
-    if (acting.reduced.place(0.0, z) != Reduced::Status::ok) return false;
-    const Eigen::MatrixXd rows = acting.at(still.data(), numbers);
-    if (rows.rows() == 0 || rows(0, p) == 0) return false;
-    by = -rows.row(0).head(p) / rows(0, p);
-    return true;
-  };
-  Eigen::RowVectorXd own_follows, changed_follows;
-  if (set_by_equilibrium_) {
-    const double z = x[static_cast<std::size_t>(independent_[0])];
-    if (!follow(own, &z, own_follows) || !follow(changed, &z, changed_follows)) return out;
+    const bool any_delay = std::any_of(of_sensors_.begin(), of_sensors_.end(),
+                                       [](const ReadNumber& number) { return number.of == SensorNumber::Of::delay; });
+    timed_ = own_.reduced.drives() > 0 || run.has_inputs();
+    shifts_ = run.start_unknown_ && any_delay && !timed_;
+    out_.scene = model_.scene();
   }
 
-  const bool timed = own.reduced.drives() > 0 || has_inputs();
-  const bool any_delay = std::any_of(of_sensors.begin(), of_sensors.end(),
-                                     [](const ReadNumber& number) { return number.of == SensorNumber::Of::delay; });
-  const bool shifts = start_unknown_ && any_delay && !timed;
-  std::vector<Eigen::MatrixXd> rows, rows_again, errors;
-  std::vector<Eigen::VectorXd> rates, rates_again;
-  solvers::RandomStream random(4);
-  const auto add = [&](double t, const double* z, const double* w) {
-    Eigen::MatrixXd here = own.at(w, numbers);
-    changed.reduced.expect(own.reduced.q());
-    // Rounding that no number takes part in, of the sine of an angle say, follows the state.
-    std::vector<double> near_z(z, z + freedoms_);
-    std::vector<double> near_w(w, w + freedoms_);
-    for (auto* values : {&near_z, &near_w}) {
-      for (double& value : *values) value *= 1 + random.uniform(-disturbance, disturbance);
+  /// The number that an equilibrium sets follows the others: alpha = 0 there. False where it does not.
+  bool follow_equilibrium() {
+    return !run_.set_by_equilibrium_ || (follow(own_, own_follows_) && follow(changed_, changed_follows_));
+  }
+
+  void add_random_states(int states) {
+    visit_random_states(own_.reduced, x_, states, timed_ ? run_.span() : 0.0, [&](const RandomState& state) {
+      // Rates at which forces of inertia are about as large as the others.
+      std::fill(w_.begin(), w_.end(), 0.0);
+      own_.reduced.move(w_.data());
+      double size = 1.0;
+      if (own_.reduced.accelerate() == Reduced::Status::ok) {
+        for (int k = 0; k < run_.freedoms_; ++k) size = std::max(size, std::abs(own_.reduced.alpha()[k]));
+      }
+      for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = std::sqrt(size) * state.w[k];
+      add(state.t, state.z.data(), w_.data());
+    });
+  }
+
+  void add_motion(const Trajectory& path) {
+    const std::size_t every = std::max<std::size_t>(1, path.nodes() / states_of_motion);
+    for (std::size_t node = 0; node < path.nodes(); node += every) {
+      const std::vector<double> q = at_node(path.q, node);
+      z_ = independent_in(q);
+      w_ = independent_in(at_node(path.v, node));
+      own_.reduced.expect(q.data());
+      if (own_.reduced.place(path.t[node], z_.data()) != Reduced::Status::ok || own_.reduced.pivot() < least_pivot)
+        continue;
+      add(path.t[node], z_.data(), w_.data());
     }
-    if (here.rows() == 0 || changed.reduced.place(t, near_z.data()) != Reduced::Status::ok) return;
-    Eigen::MatrixXd there = changed.at(near_w.data(), numbers);
-    if (there.rows() == 0) return;
-    if (set_by_equilibrium_) {
-      here.leftCols(p) += here.col(p) * own_follows;
-      there.leftCols(p) += there.col(p) * changed_follows;
-      own.terms.leftCols(p) += own.terms.col(p) * own_follows.cwiseAbs();
-    }
-    if (!here.allFinite() || !there.allFinite()) return;
-    Eigen::MatrixXd lost = Eigen::MatrixXd::Zero(own.rows(), this->unknowns());
-    for (int k = 0; k < freedoms_; ++k) {
-      const double whole = std::abs(own.reduced.alpha()[k]);
-      for (Eigen::Index i = 0; i < p; ++i) {
-        lost(k, i) = lost_in_terms * own.terms(k, i);
-        if (unknowns[i] != 0) lost(k, i) = std::max(lost(k, i), lost_in_whole * whole / std::abs(unknowns[i]));
+  }
+
+  /// The time at which a load jumps changes accelerations at that time alone, and rates from then on.
+  void add_jumps(const Trajectory& path) {
+    for (std::size_t i = 0; i < run_.numbers_.size(); ++i) {
+      const std::vector<Jump> own = jumps_by(own_, i), changed = jumps_by(changed_, i);
+      for (std::size_t j = 0; j < own.size(); ++j) {
+        Eigen::MatrixXd here = row_of(own_, own[j], i, path), there = row_of(changed_, changed[j], i, path);
+        if (here.rows() == 0 || there.rows() == 0) continue;
+        errors_.emplace_back(Eigen::MatrixXd::Zero(own_.rows(), run_.unknowns()));
+        rows_.push_back(std::move(here));
+        rows_again_.push_back(std::move(there));
+        add_state(changed[j].step.at);
       }
     }
-    errors.push_back(std::move(lost));
-    const auto whole = [&](Acting& acting, const Eigen::MatrixXd& of_scene) {
-      Eigen::MatrixXd all = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
-      all.leftCols(p) = of_scene.leftCols(p);
-      all(Eigen::all, places) = acting.by_sensor_numbers(of_sensors);
-      return all;
+  }
+
+  Actions take() {
+    const auto stack = [&](const auto& parts, auto& to, Eigen::Index columns) {
+      to.resize(static_cast<Eigen::Index>(parts.size()) * own_.rows(), columns);
+      for (std::size_t s = 0; s < parts.size(); ++s)
+        to.middleRows(static_cast<Eigen::Index>(s) * own_.rows(), own_.rows()) = parts[s];
     };
-    rows.push_back(whole(own, here));
-    rows_again.push_back(whole(changed, there));
-    out.states.push_back({t, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
-                          model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
-    if (!shifts) return;
-    rates.push_back(own.rates());
-    rates_again.push_back(changed.rates());
-  };
-  std::vector<double> w(static_cast<std::size_t>(freedoms_), 0.0);
-  visit_random_states(own.reduced, x, states, timed ? span() : 0.0, [&](const RandomState& state) {
-    // Rates at which forces of inertia are about as large as the others.
-    std::fill(w.begin(), w.end(), 0.0);
-    own.reduced.move(w.data());
-    double size = 1.0;
-    if (own.reduced.accelerate() == Reduced::Status::ok) {
-      for (int k = 0; k < freedoms_; ++k) size = std::max(size, std::abs(own.reduced.alpha()[k]));
+    out_.rows_per_state = static_cast<int>(own_.rows());
+    stack(rows_, out_.rows, run_.unknowns());
+    stack(rows_again_, out_.again, run_.unknowns());
+    stack(errors_, out_.error, run_.unknowns());
+    if (shifts_) {
+      stack(rates_, out_.rate, 1);
+      stack(rates_again_, out_.rate_again, 1);
     }
-    for (std::size_t k = 0; k < w.size(); ++k) w[k] = std::sqrt(size) * state.w[k];
-    add(state.t, state.z.data(), w.data());
-  });
-  const Trajectory& path = motion.trajectory;
-  const std::size_t n = x.size();
-  const std::size_t every = std::max<std::size_t>(1, path.nodes() / states_of_motion);
-  std::vector<double> z(w.size());
-  const auto at_node = [&](const std::vector<double>& of, std::size_t node) {
-    const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * n);
-    return model.from_si({begin, begin + static_cast<std::ptrdiff_t>(n)});
-  };
-  for (std::size_t node = 0; node < path.nodes(); node += every) {
-    const std::vector<double> q = at_node(path.q, node);
-    const std::vector<double> v = at_node(path.v, node);
-    for (std::size_t k = 0; k < z.size(); ++k) {
-      z[k] = q[static_cast<std::size_t>(independent_[k])];
-      w[k] = v[static_cast<std::size_t>(independent_[k])];
-    }
-    own.reduced.expect(q.data());
-    if (own.reduced.place(path.t[node], z.data()) != Reduced::Status::ok || own.reduced.pivot() < least_pivot) continue;
-    add(path.t[node], z.data(), w.data());
+    return std::move(out_);
   }
-  // The time at which a load jumps changes accelerations at that time alone, and rates from then on.
-  for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    std::size_t jumps = 0;
-    own.influences[i].for_each_function(model.scene(), [&](const TimeFunction& function, int number, double) {
-      if (!function.is_smooth_in(number)) ++jumps;
-    });
-    for (std::size_t j = 0; j < jumps; ++j) {
-      double when = 0.0;
-      const auto jump_in = [&](Acting& acting) -> Eigen::MatrixXd {
-        std::size_t at_jump = 0;
-        Eigen::MatrixXd jump;
-        acting.influences[i].for_each_function(acting.model.scene(), [&](const TimeFunction& function, int number,
-                                                                         double by) {
-          if (function.is_smooth_in(number) || at_jump++ != j) return;
-          const auto& step = std::get<StepInTime>(function.law);
-          when = step.at;
-          std::size_t node = 0;
-          while (node + 1 < path.nodes() && path.t[node] < step.at) ++node;
-          if (step.at <= 0 || path.nodes() == 0 || path.t[node] < step.at) return;
-          const std::vector<double> q = at_node(path.q, node);
-          for (std::size_t k = 0; k < z.size(); ++k) z[k] = q[static_cast<std::size_t>(independent_[k])];
-          std::fill(w.begin(), w.end(), 0.0);
-          acting.reduced.expect(q.data());
-          if (acting.reduced.place(step.at, z.data()) != Reduced::Status::ok) return;
-          acting.reduced.move(w.data());
-          if (acting.reduced.accelerate() != Reduced::Status::ok) return;
-          Influence by_to;
-          by_to.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
-          by_to.force.item = function.item;
-          by_to.force.time_number = 2;
-          std::vector<double> alpha(z.size());
-          acting.reduced.influence(by_to, alpha.data());
-          jump = Eigen::MatrixXd::Zero(acting.rows(), this->unknowns());
-          for (int k = 0; k < freedoms_; ++k) {
-            jump(k, static_cast<Eigen::Index>(i)) = by * (step.from - step.to) * alpha[static_cast<std::size_t>(k)];
-          }
+
+ private:
+  /// A load that jumps at a time that depends on a number, and by how much that time does.
+  struct Jump {
+    TimeFunction::Of of;
+    int item;
+    StepInTime step;
+    double by;
+  };
+
+  std::vector<Sensor> sensors_that_are_read(const double* unknowns) {
+    std::vector<Sensor> out;
+    const std::vector<Scaling> scaling = run_.scalings(unknowns);
+    for (std::size_t k = 0; k < run_.times_.size(); ++k) {
+      if (run_.times_[k].empty()) continue;
+      for (std::size_t i = 0; i < run_.sensor_numbers_.size(); ++i) {
+        const SensorNumber& number = run_.sensor_numbers_[i];
+        if (number.sensor != k) continue;
+        of_sensors_.push_back({number.of, out.size(), scaling[k].zero, scaling[k].factor});
+        places_.push_back(static_cast<Eigen::Index>(run_.numbers_.size() + i));
+      }
+      out.push_back(run_.experiment_.sensors[k]);
+    }
+    return out;
+  }
+
+  Built changes_of(const std::shared_ptr<const MotionModel>& model) const {
+    Built out;
+    run_.vary(model, out);
+    if (run_.set_by_equilibrium_) {
+      out.influences.push_back(run_.set_by_equilibrium_->influence(model->scene(), run_.scales_));
+    }
+    return out;
+  }
+
+  bool follow(Acting& acting, Eigen::RowVectorXd& by) const {
+    const double z = x_[static_cast<std::size_t>(run_.independent_[0])];
+    const std::vector<double> still(static_cast<std::size_t>(run_.freedoms_), 0.0);
+    acting.reduced.expect(x_.data());
+    if (acting.reduced.place(0.0, &z) != Reduced::Status::ok) return false;
+    const Eigen::MatrixXd rows = acting.at(still.data(), numbers_);
+    if (rows.rows() == 0 || rows(0, p_) == 0) return false;
+    by = -rows.row(0).head(p_) / rows(0, p_);
+    return true;
+  }
+
+  /// At the pose placed.
+  void add(double t, const double* z, const double* w) {
+    Eigen::MatrixXd here = own_.at(w, numbers_);
+    changed_.reduced.expect(own_.reduced.q());
+    // Rounding that no number takes part in, of the sine of an angle say, follows the state.
+    std::vector<double> near_z(z, z + run_.freedoms_);
+    std::vector<double> near_w(w, w + run_.freedoms_);
+    for (auto* values : {&near_z, &near_w}) {
+      for (double& value : *values) value *= 1 + random_.uniform(-disturbance, disturbance);
+    }
+    if (here.rows() == 0 || changed_.reduced.place(t, near_z.data()) != Reduced::Status::ok) return;
+    Eigen::MatrixXd there = changed_.at(near_w.data(), numbers_);
+    if (there.rows() == 0) return;
+    if (run_.set_by_equilibrium_) {
+      here.leftCols(p_) += here.col(p_) * own_follows_;
+      there.leftCols(p_) += there.col(p_) * changed_follows_;
+      own_.terms.leftCols(p_) += own_.terms.col(p_) * own_follows_.cwiseAbs();
+    }
+    if (!here.allFinite() || !there.allFinite()) return;
+    errors_.push_back(lost_by_rounding());
+    rows_.push_back(with_sensors(own_, here));
+    rows_again_.push_back(with_sensors(changed_, there));
+    add_state(t);
+    if (!shifts_) return;
+    rates_.push_back(own_.rates());
+    rates_again_.push_back(changed_.rates());
+  }
+
+  Eigen::MatrixXd lost_by_rounding() const {
+    Eigen::MatrixXd lost = Eigen::MatrixXd::Zero(own_.rows(), run_.unknowns());
+    for (int k = 0; k < run_.freedoms_; ++k) {
+      const double whole = std::abs(own_.reduced.alpha()[k]);
+      for (Eigen::Index i = 0; i < p_; ++i) {
+        lost(k, i) = lost_in_terms * own_.terms(k, i);
+        if (unknowns_[i] != 0) lost(k, i) = std::max(lost(k, i), lost_in_whole * whole / std::abs(unknowns_[i]));
+      }
+    }
+    return lost;
+  }
+
+  Eigen::MatrixXd with_sensors(Acting& acting, const Eigen::MatrixXd& of_scene) const {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(acting.rows(), run_.unknowns());
+    all.leftCols(p_) = of_scene.leftCols(p_);
+    all(Eigen::all, places_) = acting.by_sensor_numbers(of_sensors_);
+    return all;
+  }
+
+  void add_state(double t) {
+    out_.states.push_back({t, model_.to_si({own_.reduced.q(), own_.reduced.q() + x_.size()}),
+                           model_.to_si({own_.reduced.v(), own_.reduced.v() + x_.size()})});
+  }
+
+  static std::vector<Jump> jumps_by(const Acting& acting, std::size_t number) {
+    std::vector<Jump> out;
+    acting.influences[number].for_each_function(
+        acting.model.scene(), [&](const TimeFunction& function, int of_function, double by) {
+          if (function.is_smooth_in(of_function)) return;
+          out.push_back({function.of, function.item, std::get<StepInTime>(function.law), by});
         });
-        return jump;
-      };
-      Eigen::MatrixXd here = jump_in(own);
-      Eigen::MatrixXd there = jump_in(changed);
-      if (here.rows() == 0 || there.rows() == 0) continue;
-      errors.emplace_back(Eigen::MatrixXd::Zero(own.rows(), this->unknowns()));
-      rows.push_back(std::move(here));
-      rows_again.push_back(std::move(there));
-      out.states.push_back({when, model.to_si({own.reduced.q(), own.reduced.q() + x.size()}),
-                            model.to_si({own.reduced.v(), own.reduced.v() + x.size()})});
+    return out;
+  }
+
+  /// None where the motion does not reach the jump.
+  Eigen::MatrixXd row_of(Acting& acting, const Jump& jump, std::size_t number, const Trajectory& path) {
+    const double when = jump.step.at;
+    std::size_t node = 0;
+    while (node + 1 < path.nodes() && path.t[node] < when) ++node;
+    if (when <= 0 || path.nodes() == 0 || path.t[node] < when) return {};
+    const std::vector<double> q = at_node(path.q, node);
+    z_ = independent_in(q);
+    std::fill(w_.begin(), w_.end(), 0.0);
+    acting.reduced.expect(q.data());
+    if (acting.reduced.evaluate(when, z_.data(), w_.data()) != Reduced::Status::ok) return {};
+    Influence by_to;
+    by_to.force.of = jump.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
+    by_to.force.item = jump.item;
+    by_to.force.time_number = 2;
+    std::vector<double> alpha(z_.size());
+    acting.reduced.influence(by_to, alpha.data());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(acting.rows(), run_.unknowns());
+    for (int k = 0; k < run_.freedoms_; ++k) {
+      out(k, static_cast<Eigen::Index>(number)) =
+          jump.by * (jump.step.from - jump.step.to) * alpha[static_cast<std::size_t>(k)];
     }
+    return out;
   }
-  out.rows_per_state = static_cast<int>(own.rows());
-  out.rows.resize(static_cast<Eigen::Index>(rows.size()) * own.rows(), this->unknowns());
-  out.again.resize(out.rows.rows(), out.rows.cols());
-  out.error.resize(out.rows.rows(), out.rows.cols());
-  for (std::size_t s = 0; s < rows.size(); ++s) {
-    out.rows.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows[s];
-    out.again.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rows_again[s];
-    out.error.middleRows(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = errors[s];
+
+  std::vector<double> at_node(const std::vector<double>& of, std::size_t node) const {
+    const auto begin = of.begin() + static_cast<std::ptrdiff_t>(node * x_.size());
+    return model_.from_si({begin, begin + static_cast<std::ptrdiff_t>(x_.size())});
   }
-  if (!shifts) return out;
-  out.rate.resize(out.rows.rows());
-  out.rate_again.resize(out.rows.rows());
-  for (std::size_t s = 0; s < rates.size(); ++s) {
-    out.rate.segment(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rates[s];
-    out.rate_again.segment(static_cast<Eigen::Index>(s) * own.rows(), own.rows()) = rates_again[s];
+
+  std::vector<double> independent_in(const std::vector<double>& full) const {
+    std::vector<double> out;
+    for (const int i : run_.independent_) out.push_back(full[static_cast<std::size_t>(i)]);
+    return out;
   }
-  return out;
+
+  const RunModel& run_;
+  const MotionModel& model_;
+  const double* unknowns_;
+  std::vector<double> x_;
+  std::vector<SceneParameter> numbers_;
+  std::vector<ReadNumber> of_sensors_;
+  std::vector<Eigen::Index> places_;  // of these among the unknowns
+  std::vector<Sensor> sensors_;
+  std::shared_ptr<const MotionModel> near_model_;
+  Built changes_;
+  Acting own_, changed_;
+  Eigen::Index p_;
+  bool timed_ = false, shifts_ = false;
+  Eigen::RowVectorXd own_follows_, changed_follows_;
+  solvers::RandomStream random_{4};
+  std::vector<double> z_, w_;
+  std::vector<Eigen::MatrixXd> rows_, rows_again_, errors_;
+  std::vector<Eigen::VectorXd> rates_, rates_again_;
+  Actions out_;
+};
+
+RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisances, int states) const {
+  Actions none;
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
+  if (!built.model) return none;
+  const Trajectory path = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr).trajectory;
+  ActionRows rows(*this, built, unknowns);
+  none.scene = built.model->scene();
+  if (!rows.follow_equilibrium()) return none;
+  rows.add_random_states(states);
+  rows.add_motion(path);
+  rows.add_jumps(path);
+  return rows.take();
 }
 
 }  // namespace poise

@@ -45,6 +45,22 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
       held_(is_held(experiment, run_)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
   scene_ = resisted_by_joints(std::move(scene_));
+  take_inputs();
+  start_unknown_ = run_.unknown_start;
+  equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
+  const MotionModel as_written(scene_);
+  scales_ = as_written.scales();
+  size_ = as_written.layout().size * scales_.length;
+  varying_ = varying_numbers();
+  start_drives_in(*assemble());
+  const MotionModel assembled(scene_, scales_, varying_);
+  choose_coordinates(assembled);
+  if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
+  release(assembled);
+  take_times(run);
+}
+
+void RunModel::take_inputs() {
   for (const RunInput& input : run_.inputs) {
     inputs_.push_back(input.motion);
     if (input.motion.of != MotionInput::Of::drive) continue;
@@ -55,7 +71,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
         place.number = static_cast<int>(k);
         if (dependent_number(scene_, place) == nullptr) continue;
         throw InputError(
-            at_line(experiment.file_of(run_.part), run_.line) +
+            at_line(experiment_.file_of(run_.part), run_.line) +
             fmt::format("run \"{}\".inputs: expected numbers in drive \"{}\", whose place the input takes, "
                         "found an expression; write its value",
                         run_.name, drive.name));
@@ -72,60 +88,69 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
       function.law = SineInTime{drive.rate, 0.5 * std::numbers::inv_pi, 0.0, *drive.start};
     }
   }
-  start_unknown_ = run_.unknown_start;
-  equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
-  const MotionModel as_written(scene_);
-  scales_ = as_written.scales();
-  size_ = as_written.layout().size * scales_.length;
+}
+
+/// Those of the unknowns that move the geometry.
+VaryingNumbers RunModel::varying_numbers() const {
   std::vector<ParameterPlace> varying;
   for (const SceneParameter& number : numbers_) {
     if (number.is_friction() && !number.allows(scene_, number.get(scene_))) {
       throw InputError(
-          at_line(experiment.file_of(run_.part), run_.line) +
+          at_line(experiment_.file_of(run_.part), run_.line) +
           fmt::format("run \"{}\": expected {} > 0 where it is an unknown, found 0: a slide without length "
                       "carries couples without friction; give it a length",
                       run_.name, number.path()));
     }
     if (number.is_geometric()) varying.push_back(number.place());
   }
-  varying_ = VaryingNumbers(scene_, varying);
+  return {scene_, varying};
+}
+
+/// Closes the loops, in the equilibrium pose if there is one. Returns the model of the scene as it is then.
+std::unique_ptr<const MotionModel> RunModel::assemble() {
   std::string written;
   std::vector<StartValue> wanted;
-  const MotionModel model(scene_, scales_, varying_);
+  auto model = std::make_unique<const MotionModel>(scene_, scales_, varying_);
   if (run_.equilibrium) {
-    written = at_line(experiment.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
+    written = at_line(experiment_.file_of(run_.part), run_.equilibrium->line) + "rest.at: ";
     set_by_equilibrium_ = SceneParameter::find(scene_, run_.equilibrium->by);
     if (!set_by_equilibrium_ || set_by_equilibrium_->place().owner != Owner::element ||
         set_by_equilibrium_->scales_with_force()) {
-      throw InputError(at_line(experiment.file_of(run_.part), run_.equilibrium->line) +
+      throw InputError(at_line(experiment_.file_of(run_.part), run_.equilibrium->line) +
                        "rest.by: expected the free length of a spring or the free angle "
                        "of a torsion spring, found \"" +
                        run_.equilibrium->by + "\"; give spring.NAME.free_length");
     }
-    wanted.push_back(equilibrium_in(model, run_.equilibrium->at));
+    wanted.push_back(equilibrium_in(*model, run_.equilibrium->at));
     equilibrium_coordinate_ = wanted.back().coordinate;
   }
-  closed_ = start_at(written, [&] { return start_motion(model, wanted); }).q;
-  start_drives_in(model);
-  const MotionModel assembled(scene_, scales_, varying_);
+  closed_ = start_at(written, [&] { return start_motion(*model, wanted); }).q;
+  return model;
+}
+
+void RunModel::choose_coordinates(const MotionModel& assembled) {
   Reduced reduced(assembled.scaled_scene(), assembled.mechanism(), assembled.inertia());
   const std::vector<double> x = assembled.from_si(closed_);
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false);
+  reduced.begin(0.0, x.data());
   freedoms_ = reduced.freedoms();
   const bool is_regular = reduced.rank() == assembled.mechanism().equalities() + reduced.drives();
+  repeats_joints_ = !is_regular;
   mobility_ = freedoms_at(assembled, x, is_regular ? std::optional(0) : std::nullopt);
   independent_ = reduced.independent();
   if (run_.equilibrium && freedoms_ != 1) {
     throw InputError(
-        at_line(experiment.file_of(run_.part), run_.equilibrium->line) +
+        at_line(experiment_.file_of(run_.part), run_.equilibrium->line) +
         fmt::format(
             "rest: expected a mechanism with one degree of freedom, found {}; make {} an unknown per run instead",
             freedoms_, run_.equilibrium->by));
   }
-  if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
+}
+
+/// Finds the start as it is written.
+void RunModel::release(const MotionModel& assembled) {
+  std::string written;
   if (!run_.release.empty() || first_readings_ != nullptr) {
-    written = at_line(experiment.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
+    written = at_line(experiment_.file_of(run_.part), run_.release.empty() ? run_.line : run_.release.front().line) +
               fmt::format("run \"{}\".{}: ", run_.name,
                           run_.release.empty()         ? "start_known, by its first readings"
                           : first_readings_ != nullptr ? "release, with its first readings"
@@ -135,19 +160,22 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   const MotionState state = start_at(written, [&] { return start_in(assembled, parts, closed_); });
   released_ = independent_of(state);
   complete_start(assembled, state);
+}
+
+void RunModel::take_times(std::size_t run) {
   left_out_ = run_.left_out;
   delayed_ = std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
                          [](const SensorNumber& number) { return number.of == SensorNumber::Of::delay; });
-  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+  for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
     if (run_.is_simulated()) {
-      times_.push_back(simulated_times(experiment, run_, k));
+      times_.push_back(simulated_times(experiment_, run_, k));
       const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
       if (run_.reads(k)) left_out_ += count - times_[k].size();
     } else {
-      times_.push_back(experiment.records[run].sensors[k].time);
+      times_.push_back(experiment_.records[run].sensors[k].time);
     }
     if (times_[k].empty()) continue;
-    const Sensor& sensor = experiment.sensors[k];
+    const Sensor& sensor = experiment_.sensors[k];
     delayed_ = delayed_ || sensor.delay != 0;
     end_ = std::max(end_, times_[k].back() - sensor.least_delay);
     for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
@@ -386,6 +414,29 @@ void RunModel::vary(const std::shared_ptr<const MotionModel>& model, Built& out)
     out.influences.push_back({.variation = static_cast<int>(out.variations.size())});
     out.influences.back().in_time = number.in_time(model->scene(), scales_);
     out.variations.emplace_back(model, number.place());
+  }
+  if (repeats_joints_) refuse_what_opens_loops(*model, out);
+}
+
+/// Throws InputError for a number of which joints that repeat each other leave no other value.
+void RunModel::refuse_what_opens_loops(const MotionModel& model, const Built& built) const {
+  constexpr double rounding = 1e-6;  // near the pose in which joints repeat others it is no more exact
+  const std::vector<double> x = model.from_si(built.q.empty() ? closed_ : built.q);
+  const std::vector<double> still(independent_.size(), 0.0);
+  std::vector<double> alpha(independent_.size());
+  Reduced motion(model.scaled_scene(), model.mechanism(), model.inertia());
+  motion.set_inputs(model.scaled_scene(), scaled(inputs_in(model.scene()), model.scene(), scales_));
+  motion.set_variations(built.variations);
+  if (!place_at_start(motion, x, x, independent_)) return;
+  motion.move(still.data());
+  if (motion.accelerate() != Reduced::Status::ok) return;
+  motion.linearize();
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    if (built.influences[i].variation < 0) continue;
+    motion.influence(built.influences[i], alpha.data());
+    if (motion.gap_by() <= rounding) continue;
+    throw InputError(
+        fmt::format("joints repeat each other, so that loops close for this value of {} alone", numbers_[i].path()));
   }
 }
 

@@ -179,7 +179,14 @@ class RunModel {
                                              Built& out) const;
   void vary(const std::shared_ptr<const MotionModel>& model, Built& out) const;
   void vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const;
+  void refuse_what_opens_loops(const MotionModel& model, const Built& built) const;
+  void take_inputs();
+  VaryingNumbers varying_numbers() const;
+  std::unique_ptr<const MotionModel> assemble();
   void start_drives_in(const MotionModel& model);
+  void choose_coordinates(const MotionModel& assembled);
+  void release(const MotionModel& assembled);
+  void take_times(std::size_t run);
   MotionState released_in(const MotionModel& model, std::vector<double> q) const;
   MotionState start_in(const MotionModel& model, const std::vector<StartPart>& parts,
                        const std::vector<double>& q) const;
@@ -200,6 +207,7 @@ class RunModel {
   std::vector<Reading> due(const std::vector<Scaling>& scalings, double until) const;
   /// What the sensors read along one motion.
   class Readings;
+  class ActionRows;
   void fill_row(const Built& built, std::size_t k, const Scaling& own, double gain, double quantity, double change,
                 const std::vector<double>& by, double* to) const;
   bool is_exact(std::size_t sensor) const;
@@ -223,6 +231,7 @@ class RunModel {
   std::vector<int> independent_;
   int freedoms_ = 0;
   Freedoms mobility_{};
+  bool repeats_joints_ = false;  // rows of closures and drives repeat others
   bool equilibrium_unknown_ = false, start_unknown_ = true;
   int equilibrium_coordinate_ = -1;
   std::vector<std::vector<double>> times_;

@@ -31,8 +31,7 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
   ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(model.scene()), model.scene(), model.scales()));
   const std::vector<double> x = model.from_si(built.q);
-  reduced.start_drives(x.data());
-  reduced.choose(0.0, x.data(), false, &independent_);
+  reduced.begin(0.0, x.data(), &independent_);
   const std::vector<Scaling> scaling = scalings(unknowns);
   std::vector<std::pair<std::size_t, SensorReader>> readers;
   for (std::size_t k = 0; k < times_.size(); ++k) {
@@ -49,9 +48,7 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
       w[k] = rates[static_cast<std::size_t>(independent_[k])];
     }
     reduced.expect(near.data());
-    if (reduced.place(states[s].t, z.data()) != ReducedMotion<double>::Status::ok) return {};
-    reduced.move(w.data());
-    if (reduced.accelerate() != ReducedMotion<double>::Status::ok) return {};
+    if (reduced.evaluate(states[s].t, z.data(), w.data()) != ReducedMotion<double>::Status::ok) return {};
     for (int k = 0; k < freedoms_; ++k) out(row, k) = reduced.alpha()[k];
     const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + near.size()});
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + near.size()});

@@ -78,9 +78,7 @@ class ActingIn50Digits {
       w.emplace_back(state.v[static_cast<std::size_t>(i)]);
     }
     motion_.expect(q.data());
-    if (motion_.place(Real50(0), z.data()) != Reduced50::Status::ok) return false;
-    motion_.move(w.data());
-    return motion_.accelerate() == Reduced50::Status::ok;
+    return motion_.evaluate(Real50(0), z.data(), w.data()) == Reduced50::Status::ok;
   }
 
   /// d alpha/d(number). The inertia of a body about its origin is (m, m c, J + m c.c), in doubles only rounded.
