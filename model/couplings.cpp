@@ -150,6 +150,41 @@ constexpr Number positive_value(std::string_view key) {
 }
 constexpr std::array<Number, 1> rope_numbers{positive_value("length")};
 
+// Of the three stops of a chain. The radii are factors of the first; in the second, what its measure is held at.
+// A scene whose numbers are scaled has that value scaled once, with the first of them.
+template <int Term>
+constexpr Number radius_number(std::string_view key) {
+  Number radius = needed(factor_number<Term>(key, dimension::length, Range::positive));
+  radius.get = [](const void* item) {
+    return std::optional<double>(std::abs(static_cast<const Stop*>(item)->on.terms[Term].factor));
+  };
+  radius.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    double& factor = rows[0].on.terms[Term].factor;
+    factor = std::copysign(value, factor);
+    const double a = rows[0].sense * std::abs(rows[0].on.terms[1].factor);
+    const double b = rows[0].sense * std::abs(rows[0].on.terms[2].factor);
+    rows[1].min = rows[1].max = (rows[1].table == "chain_crossed_line" ? -b : b) - a;
+  };
+  if (Term == 1) {
+    radius.scale = [](void* item, double factor) {
+      Stop& line = static_cast<Stop*>(item)[1];
+      line.min *= factor;
+      line.max *= factor;
+    };
+  }
+  return radius;
+}
+constexpr std::array<Number, 3> chain_numbers{radius_number<1>("radius_a"), radius_number<2>("radius_b"),
+                                              value_number("length")};
+constexpr std::array<CouplingPart, 3> chain_parts{CouplingPart{Of::factor, 1, 0, -1.0, true},
+                                                  CouplingPart{Of::factor, 2, 1, 1.0, true},
+                                                  CouplingPart{Of::value, 0, 2}};
+constexpr std::array<CouplingPart, 2> strand_parts{CouplingPart{Of::value, 0, 1, 1.0, true},
+                                                   CouplingPart{Of::value, 0, 0, -1.0, true}};
+constexpr std::array<CouplingPart, 2> crossed_strand_parts{CouplingPart{Of::value, 0, 1, -1.0, true},
+                                                           CouplingPart{Of::value, 0, 0, -1.0, true}};
+
 // "friction.1" ...
 constexpr std::array<std::string_view, most_rubbing_rims> rim_keys{
     "friction.1",  "friction.2",  "friction.3",  "friction.4",  "friction.5",  "friction.6",
@@ -349,12 +384,16 @@ constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::f
                                                               CouplingPart{Of::value, 0, 1}};
 constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
 
-constexpr std::array<CouplingKind, 26> kinds{{{"gear", gear_numbers, factor_and_value},
+constexpr std::array<CouplingKind, 30> kinds{{{"gear", gear_numbers, factor_and_value},
                                               {"belt", belt_numbers, factor_and_value},
                                               {"rack", rack_numbers, factor_and_value},
                                               {"cam", cam_numbers, cam_parts},
                                               {"coupling", coupling_numbers, value_only},
                                               {"rope", rope_numbers, value_only},
+                                              {"chain", chain_numbers, chain_parts},
+                                              {"chain_line", {}, strand_parts, 1},
+                                              {"chain_crossed_line", {}, crossed_strand_parts, 1},
+                                              {"chain_straight", {}, {}, 2},
                                               {"circular_slot", circle_numbers, value_only},
                                               {"circular_slot_line", {}, {}, 1},
                                               {"circular_slot_ends", {}, arc_ends, 2},

@@ -47,6 +47,12 @@ struct CouplingKind {
 ///   cam       follower >= base + lift P((angle - phase) / turn); = where it is guided on both sides
 ///   coupling  sum of factor times measure = value
 ///   rope      length of a rope over points and pulleys <= length
+///   chain     length of the strand from the rim of one sprocket to that of another, with what is wound off and on,
+///             = length (<= length of one that may go slack): in the frame of the strand, at an angle psi, component
+///             along it of the way between the centres + R_a (psi - angle of a) - R_b (psi - angle of b), with radii
+///             positive where the strand passes counter-clockwise, as of a rope; behind it
+///     _line, _crossed_line  component of that way across the strand = R_b - R_a
+///     _straight    straight length >= 0
 ///   circular_slot  distance of the pin from the centre = radius; of one with ends the component of the pin along the
 ///                line of centres, which turns with it, and behind it
 ///     _line        component across that line = 0

@@ -23,10 +23,10 @@ inline bool is_rider(const Scene& scene, int body) {
 }
 
 /// The massless body that turns with the line of centres of a stop's circle: of a wheel that rolls on a circle, and of
-/// a circular slot with ends, whose pin it guides; with the contact, of a profile that rolls on a circle
-/// (add_lines_of_centres()). -1 of other stops.
+/// a circular slot with ends, whose pin it guides; with the contact, of a profile that rolls on a circle; with its
+/// strand, of a chain (add_lines_of_centres()). -1 of other stops.
 inline int line_of_centres(const Stop& stop) {
-  if (stop.table == "rolling_profile_on_circle") return stop.on.terms[0].measure.a.body;
+  if (stop.table == "rolling_profile_on_circle" || stop.table == "chain") return stop.on.terms[0].measure.a.body;
   const bool is_slot = stop.table == "circular_slot" && stop.on.kind == Measure::Kind::component;
   return is_slot || stop.table == "rolling_on_circle" ? stop.on.a.body : -1;
 }

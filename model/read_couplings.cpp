@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,8 @@
 
 #include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
+#include "model/measures/rope.hpp"
+#include "model/mechanism.hpp"
 #include "model/meshing.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
@@ -39,6 +42,7 @@ class CouplingReader {
     if (kind.table == "rolling_profile") return read_rolling_profile(kind, table, rider);
     if (kind.table == "rolling_profile_on_circle") return read_profile_on_circle(kind, table, rider, line);
     if (kind.table == "circular_slot" && line >= 0) return read_arc(kind, table, line);
+    if (kind.table == "chain") return read_chain(kind, table, line);
     return {read_row(kind, table)};
   }
 
@@ -181,6 +185,36 @@ class CouplingReader {
       table.place_of("to").fail("expected an arc from a smaller angle to a larger one, of less than a full turn");
     }
     read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
+    return rows;
+  }
+
+  // In the frame of the strand, which begins at the centre of sprocket a: along it and over the rims, across it, and
+  // its straight length.
+  std::vector<Stop> read_chain(const CouplingKind& kind, const TomlTable& table, int strand) const {
+    table.allow_keys({"name", "a", "b", "radius_a", "radius_b", "turn", "crossed", "length", "slack"});
+    const auto [b, a] = points_of(table, "b", "a");
+    const bool is_crossed = table.flag("crossed", false);
+    const std::optional<TomlText> turn = table.find_text("turn");
+    const double sense = turn && choose(*turn, {"counterclockwise", "clockwise"}) == 1 ? -1.0 : 1.0;
+    const PointRef origin{strand, 0};
+    const Measure straight = Measure::component_along(origin, b, {1, 0});
+    std::vector<Stop> rows(3);
+    for (Stop& row : rows) row.sense = sense;
+    rows[0].table = kind.table;
+    // Signed radii: those of sprocket b have the other sign where the strand crosses the line of centres.
+    rows[0].on = Measure::sum_of(
+        {{1.0, straight},
+         {-sense, Measure::angle_between(strand, a.body)},
+         {sense, is_crossed ? Measure::angle_between(b.body, strand) : Measure::angle_between(strand, b.body)}});
+    rows[0].min = rows[0].max = not_given;
+    rows[1].table = is_crossed ? "chain_crossed_line" : "chain_line";
+    rows[1].on = Measure::component_along(origin, b, {0, 1});
+    rows[1].min = rows[1].max = 0.0;
+    rows[2].table = "chain_straight";
+    rows[2].on = straight;
+    rows[2].min = 0.0;
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    if (table.flag("slack", false)) rows[0].min = -std::numeric_limits<double>::infinity();
     return rows;
   }
 
@@ -514,9 +548,10 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
 /// A circular slot that has ends.
 bool has_ends(const TomlTable& table) { return table.has("from") || table.has("to"); }
 
-/// Couplings with a rider, and those that may have a line of centres, in the order in which they are read.
+/// Couplings with a rider, and those that may have a line of centres or a strand, in the order in which they are read.
 constexpr std::array<std::string_view, 3> curves{"curved_slot", "rolling_profile", "rolling_profile_on_circle"};
-constexpr std::array<std::string_view, 3> circles{"circular_slot", "rolling_on_circle", "rolling_profile_on_circle"};
+constexpr std::array<std::string_view, 4> circles{"chain", "circular_slot", "rolling_on_circle",
+                                                  "rolling_profile_on_circle"};
 
 /// What is behind the name of a coupling in those of its rows.
 std::string name_of_row(const std::string& name, const Stop& row) {
@@ -524,6 +559,7 @@ std::string name_of_row(const std::string& name, const Stop& row) {
   if (row.table == "curved_slot_y") return name + " y";
   if (row.table.ends_with("_line")) return name + " line";
   if (row.table.ends_with("_ends")) return name + " ends";
+  if (row.table.ends_with("_straight")) return name + " straight";
   if (row.table.ends_with("_tangent")) return name + " tangent";
   return row.table.ends_with("_friction") ? name + " friction" : name;
 }
@@ -597,6 +633,40 @@ std::optional<double> guessed(const Scene& scene, const Measure& measure) {
   }
 }
 
+/// Of a chain, whose first stop this is, where the guesses of the scene put its sprockets: gives the angle of its
+/// strand, and the length that is not given. Throws InputError where the sprockets have no strand there.
+void fit_chain(Stop* rows, const TomlTable& table, Scene& scene) {
+  const Mechanism<double> mechanism(scene);
+  const std::vector<BodyPose<double>> poses = mechanism.poses(mechanism.start().data());
+  const Measure& straight = rows[0].on.terms[0].measure;
+  const PointRef a = straight.a, b = straight.b;
+  const Vec2 d = poses[static_cast<std::size_t>(b.body)].world(scene.local(b)) -
+                 poses[static_cast<std::size_t>(a.body)].world(scene.local(a));
+  const double offset = rows[1].min, apart = norm(d);
+  if (!(apart > std::abs(offset))) {
+    table.place_of("b").fail(fmt::format(
+        "expected centres that are further apart than the {} of the radii, {:.6g}, found {:.6g} where [start] puts "
+        "the bodies; move the centres apart, give other radii, or guesses in [start] that part them",
+        rows[1].table == "chain_crossed_line" ? "sum" : "difference", std::abs(offset) / scene.units.length,
+        apart / scene.units.length));
+  }
+  const RopeSpan<double> span(d, offset);
+  std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(a.body)];
+  double angle = std::atan2(span.along.y, span.along.x);
+  if (guess)
+    angle += full_turn * std::round((*guess - angle) / full_turn);
+  else
+    guess = angle;
+  if (!std::isnan(rows[0].max)) return;
+  const auto angle_of = [&](int body) { return body == a.body ? angle : poses[static_cast<std::size_t>(body)].angle; };
+  double length = span.length;
+  for (const Measure::Term& term : std::span(rows[0].on.terms).subspan(1)) {
+    length += term.factor * (angle_of(term.measure.body_b) - angle_of(term.measure.body_a));
+  }
+  rows[0].max = length;
+  if (std::isnan(rows[0].min)) rows[0].min = length;
+}
+
 }  // namespace
 
 std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scene& scene) {
@@ -648,7 +718,7 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
     for (std::size_t i = 0; i < tables.size(); ++i) {
       lines.push_back(-1);
       if (kind == "circular_slot" && !has_ends(tables[i])) continue;
-      const PointRef center = names.point(tables[i].text("center"));
+      const PointRef center = names.point(tables[i].text(kind == "chain" ? "a" : "center"));
       lines.back() = scene.add_body(own[i]);
       scene.bodies.back().line = tables[i].place().line;
       const PointRef origin = scene.add_point(lines.back(), "O", {});
@@ -717,6 +787,7 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
     for (Stop& stop : scene.stops) {
       if (stop.table != kind.table) continue;
       const TomlTable& table = *given.at(next++);
+      if (kind.table == "chain") fit_chain(&stop, table, scene);
       if (!std::isnan(stop.min)) continue;
       if (kind.table == "cam") {
         table.place().fail("expected the key base, the follower's measure where the lift is zero; add base = NUMBER");

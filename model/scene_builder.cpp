@@ -333,6 +333,15 @@ SceneBuilder& SceneBuilder::rope(const std::vector<RopePoint>& over, const std::
   return *this;
 }
 
+SceneBuilder& SceneBuilder::chain(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                                  const std::string& name) {
+  toml::table& table = document_->next("chain", name);
+  document_->set(table, "a", a);
+  document_->set(table, "b", b);
+  document_->add_keys(table, "chain", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::circular_slot(const std::string& pin, const std::string& center,
                                           const std::vector<Key>& keys, const std::string& name) {
   toml::table& table = document_->next("circular_slot", name);

@@ -141,8 +141,8 @@ class SceneBuilder {
   /// A stop with its "min", "max" or both.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
-  /// Gears, cams, ropes, slots, rolling wheels and profiles, as docs/scene-files.md#gears-cams-and-ropes and the two
-  /// sections behind it describe their tables; `keys` are the keys of these that are not named here:
+  /// Gears, cams, ropes, chains, slots, rolling wheels and profiles, as docs/scene-files.md#gears-cams-and-ropes and
+  /// the two sections behind it describe their tables; `keys` are the keys of these that are not named here:
   /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
   SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
@@ -157,6 +157,8 @@ class SceneBuilder {
   SceneBuilder& cam(const std::string& a, const std::string& b, const MeasureByName& follower,
                     const std::vector<CamPart>& law, const std::vector<Key>& keys, const std::string& name = {});
   SceneBuilder& rope(const std::vector<RopePoint>& over, const std::vector<Key>& keys, const std::string& name = {});
+  SceneBuilder& chain(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                      const std::string& name = {});
   SceneBuilder& circular_slot(const std::string& pin, const std::string& center, const std::vector<Key>& keys,
                               const std::string& name = {});
   SceneBuilder& curved_slot(const std::string& pin, const std::string& at, const std::vector<Vec2>& curve,
