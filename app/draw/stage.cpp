@@ -70,6 +70,10 @@ Box extent_of(const Scene& scene, const Readings& readings) {
       for (const Vec2& point : points_of_profile(scene, readings, s)) box.include(point);
       if (stop.table == "rolling_profile_on_circle")
         box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
+    } else if (stop.table == "chain") {
+      const std::vector<Measure::Term>& terms = stop.on.terms;
+      box.include(world(scene, readings, terms[0].measure.a), std::abs(terms[1].factor));
+      box.include(world(scene, readings, terms[0].measure.b), std::abs(terms[2].factor));
     } else if (stop.table == "cam") {
       for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
     } else if (stop.table == "rolling") {

@@ -1,4 +1,4 @@
-// Slots that are curved, and wheels and profiles that roll on a line or a circle.
+// Slots that are curved, wheels and profiles that roll on a line or a circle, and chains.
 
 #include <algorithm>
 #include <cmath>
@@ -62,12 +62,32 @@ void draw_circular_slot(Stage& stage, std::size_t place) {
   label_force(stage, stop, place, has_ends ? 2 : 1, stage.page(stop.on.b));
 }
 
-void draw_wheel(Stage& stage, PointRef centre, double radius) {
+/// Of this body.
+void draw_wheel(Stage& stage, PointRef centre, int body, double radius) {
   const Vec2 at = stage.page(centre);
   stage.canvas.circle(at, radius, {.stroke = ink::dark, .width = 1.3});
   // A spoke shows how far the wheel has turned.
-  const Vec2 spoke = Stage::page_direction(unit(stage.now.poses[static_cast<std::size_t>(centre.body)].angle));
+  const Vec2 spoke = Stage::page_direction(unit(stage.now.poses[static_cast<std::size_t>(body)].angle));
   stage.canvas.line(at, at + radius * spoke, {.stroke = ink::free_stop, .width = 1.0});
+}
+
+/// The pitch circles, and the strand from rim to rim: dashed where it may be slack and carries nothing.
+void draw_chain(Stage& stage, std::size_t first) {
+  const Stop& stop = stage.scene.stops[first];
+  const std::vector<Measure::Term>& terms = stop.on.terms;
+  const PointRef a = terms[0].measure.a, b = terms[0].measure.b;
+  draw_wheel(stage, a, terms[1].measure.body_b, stage.scale * std::abs(terms[1].factor));
+  draw_wheel(stage, b, b.body, stage.scale * std::abs(terms[2].factor));
+  // The strand is on the right of a sprocket round which it passes counter-clockwise.
+  const Vec2 right = -quarter_turn(unit(stage.now.poses[static_cast<std::size_t>(a.body)].angle));
+  const double radius_b = terms[2].measure.body_b == a.body ? -terms[2].factor : terms[2].factor;
+  const Vec2 from = stage.page(world(stage.scene, stage.now, a) - terms[1].factor * right);
+  const Vec2 to = stage.page(world(stage.scene, stage.now, b) + radius_b * right);
+  const Reaction* const carried = stage.picture.reactions ? reaction_of_stop(*stage.picture.reactions, first) : nullptr;
+  const bool is_loose = !stop.holds() && stage.picture.reactions && carried == nullptr;
+  stage.canvas.line(from, to, {.stroke = ink::dark, .width = 1.6, .dash = is_loose ? "2 4" : ""});
+  stage.setter.avoid(from, to, 2.0);
+  label_force(stage, stop, first, 1, 0.5 * (from + to));
 }
 
 void draw_rolling_on_circle(Stage& stage, std::size_t first) {
@@ -75,7 +95,7 @@ void draw_rolling_on_circle(Stage& stage, std::size_t first) {
   const double radius = stage.scale * circle_of(stage.scene.stops, first);
   const Vec2 centre = stage.page(stop.on.a);
   stage.canvas.circle(centre, radius, {.stroke = ink::ground, .width = 1.8});
-  draw_wheel(stage, stop.on.b, stage.scale * wheel_of(stage.scene.stops, first));
+  draw_wheel(stage, stop.on.b, stop.on.b.body, stage.scale * wheel_of(stage.scene.stops, first));
   const Vec2 out = stage.page(stop.on.b) - centre;
   if (norm(out) > 0.0) label_force(stage, stop, first, 2, centre + (radius / norm(out)) * out);
 }
@@ -111,7 +131,7 @@ void draw_rolling(Stage& stage, std::size_t first) {
   std::vector<Vec2> reaches{stage.page(stop.on.a)};
   for (const Readings& other : stage.others) reaches.push_back(stage.page(world(stage.scene, other, stop.on.b)));
   draw_line_under(stage, contact, across, reaches, 1.2 * radius + 8.0);
-  draw_wheel(stage, stop.on.b, radius);
+  draw_wheel(stage, stop.on.b, stop.on.b.body, radius);
   label_force(stage, stop, first, 2, contact);
 }
 
@@ -195,14 +215,18 @@ void draw_tracks(Stage& stage) {
       draw_rolling_on_circle(stage, s);
     else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle")
       draw_profile(stage, s);
-    stage.signs.insert(stop.table.starts_with("rolling") ? Sign::rolling : Sign::track);
+    else if (stop.table == "chain")
+      draw_chain(stage, s);
+    stage.signs.insert(stop.table.starts_with("rolling") ? Sign::rolling
+                       : stop.table.starts_with("chain") ? Sign::wheels
+                                                         : Sign::track);
   }
   stage.canvas.close();
 }
 
 bool has_track(const Stop& stop) {
   return stop.table.starts_with("circular_slot") || stop.table.starts_with("curved_slot") ||
-         stop.table.starts_with("rolling");
+         stop.table.starts_with("rolling") || stop.table.starts_with("chain");
 }
 
 }  // namespace poise::app
