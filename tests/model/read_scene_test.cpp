@@ -688,14 +688,15 @@ INSTANTIATE_TEST_SUITE_P(
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
-            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, curved_slot, rolling, "
-            "rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, torque, "
+            "friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, curved_slot, "
+            "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, "
+            "torque, "
             "stop, start; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
-                 "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, circular_slot, "
+                 "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, "
                  "distributed_load, torque, stop, start; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",

@@ -39,8 +39,8 @@ std::vector<Case> cases() {
   std::vector<Case> out;
   for (const char* name :
        {"toggle_clamp", "four_bar_gravity", "lift", "gas_lid", "knee_press", "hencky_cantilever", "block_and_tackle",
-        "planetary_gear", "cam_follower", "offset_cam", "arc_slot", "curved_slot", "rolling_wheel", "rocking_chair",
-        "friction/hoist", "hard/follower_four_bar", "structures/three_hinged_portal"}) {
+        "planetary_gear", "eccentric_chain", "cam_follower", "offset_cam", "arc_slot", "curved_slot", "rolling_wheel",
+        "rocking_chair", "friction/hoist", "hard/follower_four_bar", "structures/three_hinged_portal"}) {
     out.push_back({name, read_scene(test::dataset(name + std::string(".toml")))});
   }
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {

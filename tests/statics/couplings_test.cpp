@@ -412,6 +412,236 @@ TEST(Cams, AGuidedFollowerIsPulledDown) {
 
 // --- input ----------------------------------------------------------------------------------------------------------
 
+// --- chains ---------------------------------------------------------------------------------------------------------
+
+/// A torque on sprocket a, whose shaft is at the origin, and a torsion spring on b, with these centres in the
+/// sprockets.
+std::string chain_drive(Vec2 a, Vec2 b, const std::string& coupling) {
+  return fmt::format(R"(
+    [ground]
+    points = {{ O = [0, 0], Q = [0.3, 0.4] }}
+    [body.a]
+    points = {{ O = [0, 0], C = [{}, {}] }}
+    inertia = 0.02
+    [body.b]
+    points = {{ Q = [0, 0], C = [{}, {}] }}
+    inertia = 0.05
+    [[pin]]
+    points = ["ground.O", "a.O"]
+    [[pin]]
+    points = ["ground.Q", "b.Q"]
+    [[torque]]
+    name = "motor"
+    on = "a"
+    value = 6
+    [[torsion_spring]]
+    name = "load"
+    bodies = ["ground", "b"]
+    stiffness = 12
+    {}
+  )",
+                     a.x, a.y, b.x, b.y, coupling);
+}
+
+std::string chain_of(const std::string& more) {
+  return "[[chain]]\nname = \"chain\"\na = \"a.C\"\nb = \"b.C\"\nradius_a = 0.05\nradius_b = 0.08\n" + more;
+}
+
+/// The straight line that touches both circles, from one with centre A to one with centre B, by their distances from
+/// it: counted to the right of its direction, as the centres are of a strand that passes clockwise.
+struct Tangent {
+  Vec2 along{}, from{};
+};
+Tangent tangent(Vec2 A, Vec2 B, double right_a, double right_b) {
+  const Vec2 d = B - A;
+  // The direction in which B is by right_b - right_a further to the right than A.
+  const Vec2 along = unit(std::atan2(d.y, d.x) + std::asin((right_b - right_a) / norm(d)));
+  return {along, A + right_a * quarter_turn(along)};
+}
+
+/// Of a line that pulls, about a shaft: its torque per force.
+double arm_about(Vec2 shaft, const Tangent& line) {
+  const Vec2 r = line.from - shaft;
+  return r.x * line.along.y - r.y * line.along.x;
+}
+
+struct Strand {
+  std::string keys;
+  double right_a, right_b;
+};
+const std::vector<Strand> strands{{"", -0.05, -0.08},
+                                  {"turn = \"clockwise\"", 0.05, 0.08},
+                                  {"crossed = true", -0.05, 0.08},
+                                  {"turn = \"clockwise\"\ncrossed = true", 0.05, -0.08}};
+
+// With the centres on the shafts it is a belt, whose ratio is that of the radii.
+TEST(Chains, OnTheirShaftsTheyAreBelts) {
+  for (const bool is_crossed : {false, true}) {
+    const std::string crossed = is_crossed ? "crossed = true\n" : "turn = \"clockwise\"\n";
+    const StaticModel belt(
+        parse_scene(chain_drive({}, {},
+                                std::string("[[belt]]\nname = \"chain\"\nbodies = [\"a\", \"b\"]\nratio = 0.625\n") +
+                                    (is_crossed ? "crossed = true\n" : "")),
+                    "belt.toml"));
+    const StaticModel chain(parse_scene(chain_drive({}, {}, chain_of(crossed)), "chain.toml"));
+    EXPECT_EQ(analyse_mobility(chain).freedoms, 1);
+    EXPECT_EQ(analyse_mobility(chain).gruebler, 1);
+    const Equilibrium known = solve(belt, test::by(Method::virtual_work, Seek::stable));
+    for (const Equilibrium& found : found_both_ways(chain)) {
+      EXPECT_NEAR(test::angle_of(chain, found.x, "a"), test::angle_of(belt, known.x, "a"), tolerance(found.method));
+      EXPECT_NEAR(test::angle_of(chain, found.x, "b"), test::angle_of(belt, known.x, "b"), tolerance(found.method));
+      EXPECT_NEAR(norm(test::reaction_of(found.check, "chain").force), 6 / 0.05, 1e-5);
+    }
+  }
+}
+
+// Over more than two turns of the sprocket: the strand goes round with none.
+TEST(Chains, TheirRatioIsThatOfTheArmsOfTheStrand) {
+  const Vec2 a{0.02, 0.005}, b{-0.01, 0.03}, Q{0.3, 0.4};
+  for (const Strand& strand : strands) {
+    const Scene scene = parse_scene(chain_drive(a, b, chain_of(strand.keys)), "chain.toml");
+    const KinematicsResult swept = sweep(scene, {{.name = "a", .from = 0.0, .to = 14.0}}, {.steps = 28});
+    ASSERT_TRUE(swept.complete) << swept.why;
+    for (const KinematicSample& sample : swept.samples) {
+      const Vec2 A = sample.bodies[1].pose.world(a), B = sample.bodies[2].pose.world(b);
+      const Tangent line = tangent(A, B, strand.right_a, strand.right_b);
+      EXPECT_NEAR(sample.bodies[2].rate, arm_about({}, line) / arm_about(Q, line), 1e-10);
+      EXPECT_NEAR(sample.bodies[3].pose.angle, std::atan2(line.along.y, line.along.x), 1e-10);
+    }
+  }
+}
+
+// The strand winds off a and on b: with the rims' arcs from one mark in each sprocket it stays as long as it is. All
+// may be carried round by an arm, and the strand with them.
+TEST(Chains, KeepTheirLengthWhileTheyAreCarriedRound) {
+  const std::string arm = R"(
+    [body.arm]
+    points = { O = [0, 0], P = [0, 0], Q = [0.3, 0.4] }
+    [[pin]]
+    points = ["ground.O", "arm.O"]
+  )";
+  std::string text = chain_drive({0.02, 0.005}, {-0.01, 0.03}, chain_of("") + arm);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("[\"ground.O\", \"a.O\"]", "[\"arm.P\", \"a.O\"]");
+  replace("[\"ground.Q\", \"b.Q\"]", "[\"arm.Q\", \"b.Q\"]");
+  const Scene scene = parse_scene(text, "chain.toml");
+  const KinematicsResult swept =
+      sweep(scene, {{.name = "arm", .from = 0.0, .to = 9.0}, {.name = "a", .from = 0.0, .to = 5.0}}, {.steps = 18});
+  ASSERT_TRUE(swept.complete) << swept.why;
+  double turned = 0.0, first = 0.0, before = 0.0;
+  for (const KinematicSample& sample : swept.samples) {
+    const Vec2 A = sample.bodies[1].pose.world({0.02, 0.005}), B = sample.bodies[2].pose.world({-0.01, 0.03});
+    const Tangent line = tangent(A, B, -0.05, -0.08);
+    const double straight = dot(B - A, line.along);
+    const double angle = std::atan2(line.along.y, line.along.x);
+    const bool is_first = &sample == &swept.samples.front();
+    turned = is_first ? angle : turned + std::remainder(angle - before, 2 * pi);
+    before = angle;
+    const double length =
+        straight + 0.05 * (turned - sample.bodies[1].pose.angle) - 0.08 * (turned - sample.bodies[2].pose.angle);
+    if (is_first) first = length;
+    EXPECT_NEAR(length, first, 1e-12);
+  }
+  EXPECT_GT(turned, 2 * pi);
+}
+
+// The motor's torque over the arm of the strand is its tension, which loads both shafts along it.
+TEST(Chains, TheTensionLoadsTheShafts) {
+  const Vec2 a{0.02, 0.005}, b{-0.01, 0.03}, Q{0.3, 0.4};
+  for (const Strand& strand : strands) {
+    const StaticModel model(parse_scene(chain_drive(a, b, chain_of(strand.keys)), "chain.toml"));
+    for (const Equilibrium& found : found_both_ways(model)) {
+      const double at_b = test::angle_of(model, found.x, "b");
+      const Tangent line = tangent(test::place_of(model, found.x, "a.C"), test::place_of(model, found.x, "b.C"),
+                                   strand.right_a, strand.right_b);
+      const double tension = -6 / arm_about({}, line);
+      EXPECT_NEAR(12 * at_b, -tension * arm_about(Q, line), 1e-5);
+      EXPECT_NEAR(norm(test::reaction_of(found.check, "chain").force), std::abs(tension), 1e-4);
+      EXPECT_LT(norm(test::reaction_of(found.check, "chain line").force), 1e-5);
+      EXPECT_NEAR(norm(test::reaction_of(found.check, "pin 1").force), std::abs(tension), 1e-4);
+      EXPECT_NEAR(norm(test::reaction_of(found.check, "pin 2").force), std::abs(tension), 1e-4);
+    }
+  }
+}
+
+// One that may go slack holds where the motor winds it on, and lets go where the motor would push.
+TEST(Chains, MayGoSlack) {
+  const std::string held = R"(
+    [[torsion_spring]]
+    bodies = ["ground", "a"]
+    stiffness = 3
+  )";
+  const auto drive = [&](const std::string& keys) {
+    return parse_scene(chain_drive({0.02, 0.005}, {-0.01, 0.03}, chain_of(keys) + held), "chain.toml");
+  };
+  const StaticModel tight(drive("turn = \"clockwise\"\nslack = true")), both(drive("turn = \"clockwise\""));
+  const Equilibrium known = solve(both, test::by(Method::virtual_work, Seek::stable));
+  for (const Equilibrium& found : found_both_ways(tight)) {
+    EXPECT_NEAR(test::angle_of(tight, found.x, "a"), test::angle_of(both, known.x, "a"), tolerance(found.method));
+  }
+  const StaticModel loose(drive("slack = true"));
+  for (const Equilibrium& found : found_both_ways(loose)) {
+    EXPECT_NEAR(test::angle_of(loose, found.x, "a"), 2.0, tolerance(found.method));
+    EXPECT_NEAR(test::angle_of(loose, found.x, "b"), 0.0, tolerance(found.method));
+  }
+}
+
+TEST(Chains, NumbersHaveTheirExactSensitivities) {
+  for (const Strand& strand : strands) {
+    const Scene scene = parse_scene(chain_drive({0.02, 0.005}, {-0.01, 0.03}, chain_of(strand.keys)), "chain.toml");
+    const Sensitivities found = sensitivities(StaticModel(scene), {find_quantity(scene, "angle.a")});
+    ASSERT_EQ(found.of.size(), 1U) << found.why;
+    const auto angle_with = [&](const std::string& number, double value) {
+      Scene changed = scene;
+      set_value(changed, number, value);
+      const StaticModel model(changed);
+      const Equilibrium at = solve(model, test::by(Method::virtual_work, Seek::stable));
+      EXPECT_EQ(at.status, Status::confirmed) << at.why;
+      return test::angle_of(model, at.x, "a");
+    };
+    int met = 0;
+    for (const std::string number :
+         {"chain.chain.radius_a", "chain.chain.radius_b", "chain.chain.length", "point.a.C.x", "point.b.C.y"}) {
+      for (const Sensitivity& by : found.of[0].by) {
+        if (by.number != number) continue;
+        ++met;
+        constexpr double h = 1e-5;
+        const double value = get_value(scene, number);
+        const double slope = (angle_with(number, value + h) - angle_with(number, value - h)) / (2 * h);
+        EXPECT_NEAR(by.derivative, slope, 1e-6 * (1 + std::abs(slope))) << number << " " << strand.keys;
+      }
+    }
+    EXPECT_EQ(met, 5);
+  }
+}
+
+TEST(Chains, AreTheSameInOtherUnits) {
+  const Scene scene = parse_scene(chain_drive({0.02, 0.005}, {}, chain_of("crossed = true")), "chain.toml");
+  Scene other = scaled(scene, {.length = 0.25, .force = 8.0});
+  for (const std::size_t row : {0U, 1U, 2U}) EXPECT_EQ(other.stops[row].min, 4 * scene.stops[row].min);
+  EXPECT_EQ(other.stops[0].on.terms[1].factor, -0.2);
+  EXPECT_EQ(other.stops[1].min, -4 * 0.13);
+}
+
+TEST(Chains, NameWhatIsWrong) {
+  const auto with = [&](const std::string& chain) { return message_of(chain_drive({}, {}, "[[chain]]\n" + chain)); };
+  const auto has = [&](const std::string& chain, const std::string& words) {
+    EXPECT_NE(with(chain).find(words), std::string::npos) << with(chain);
+  };
+  const std::string ends = "a = \"a.C\"\nb = \"b.C\"\n";
+  has(ends + "radius_a = 0.1\n", "radius_b");
+  has(ends + "radius_a = 0.1\nradius_b = 0\n", "> 0");
+  has("a = \"a.C\"\nradius_a = 0.1\nradius_b = 0.1\n", "expected the key b");
+  has("a = \"a.C\"\nb = \"a.O\"\nradius_a = 0.1\nradius_b = 0.1\n", "another body than that of the key a");
+  has("a = \"a.C\"\nb = \"b.D\"\nradius_a = 0.1\nradius_b = 0.1\n", "b.C");
+  has(ends + "radius_a = 0.1\nradius_b = 0.1\nturn = \"clokwise\"\n", "did you mean \"clockwise\"");
+  has(ends + "radius_a = 0.1\nradius_b = 0.7\n", "move the centres apart");
+  has(ends + "radius_a = 0.2\nradius_b = 0.4\ncrossed = true\n", "sum of the radii, 0.6, found 0.5");
+  has(ends + "radius_a = 0.1\nradius_b = 0.1\nbodies = [\"a\", \"b\"]\n", "bodies");
+}
+
 TEST(Couplings, TakeTheirConstantFromTheStart) {
   const Scene scene = parse_scene(planetary + "[start]\nsun = 1\nplanet = 2\narm = 0.5\n", "planetary.toml");
   EXPECT_NEAR(get_value(scene, "gear.sun and planet.phase"), 1.5 + 2.0 / 3.0 * 0.5, 1e-15);
