@@ -75,7 +75,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::massless_bar, "massless bar, tension +", bar},
       {Sign::centre_of_mass, "centre of mass", centre},
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},
-      {Sign::wheels, "gears, rack or belt, at their pitch circles", pitch_circle},
+      {Sign::wheels, "gears, rack, belt or chain, at their pitch circles", pitch_circle},
       {Sign::cam, "cam: path of the roller's centre, or larger where it lifts", cam},
       {Sign::track, "slot along a curve", track},
       {Sign::rolling, "wheel or curve that rolls without slipping", rolling},

@@ -251,6 +251,14 @@ length = 400
 over = ["ground.T", "bead.P"]
 stiffness = 2
 free_length = 90
+[[chain]]
+name = "strand"
+a = "arm.O"
+b = "ground.T"
+radius_a = 5
+radius_b = 8
+turn = "clockwise"
+slack = true
 [[circular_slot]]
 pin = "bead.P"
 center = "ground.O"
@@ -330,6 +338,7 @@ SceneBuilder couplings_builder() {
            {{"curve", {{0, 0}, {90, 1}, {180, 0.5}, {360, 0}}}, {"lift", 4}, {"base", 20}})
       .rope({"ground.S", {"arm.L", 5, "clockwise"}, "bead.P"}, {{"length", 400}}, "hoist")
       .rope({"ground.T", "bead.P"}, {{"stiffness", 2}, {"free_length", 90}})
+      .chain("arm.O", "ground.T", {{"radius_a", 5}, {"radius_b", 8}, {"turn", "clockwise"}, {"slack", true}}, "strand")
       .circular_slot("bead.P", "ground.O", {{"radius", 20}})
       .circular_slot("bead.P", "arm.O", {{"radius", 20}, {"from", -30}, {"to", 60}}, "arc")
       .curved_slot("bead.P", "arm.P", {{0, 0}, {10, 4}, {20, 0}}, {{"closed", true}}, "groove")

@@ -65,6 +65,7 @@ std::vector<NamedMeasure> measures_of(Scene& scene, Random& random, bool with_co
        Measure::sum_of({{1.0, y()}, {random.uniform(-0.5, 0.5), angle(), profile, random.uniform(-1.0, 1.0)}})});
   all.push_back({"profile of a length", Measure::sum_of({{1.0, rope()}, {0.3, component(), profile, 0.1, 2.0}})});
   all.push_back({"rack", Measure::sum_of({{1.0, x()}, {random.uniform(-0.5, 0.5), angle()}})});
+  all.push_back({"chain", Measure::sum_of({{1.0, component()}, {-0.3, angle()}, {0.4, angle()}})});
   const auto track =
       std::make_shared<const Profile>(Profile::spline({0.0, 0.3, 0.55, 1.0}, {0.1, 0.9, 0.4, -0.2}, false));
   all.push_back({"pin in a curved slot", Measure::sum_of({{1.0, component()}, {-0.4, x(), track, 0.0, 1.5}})});
