@@ -63,6 +63,9 @@ struct HeldFactor {
   TimeFunction at(std::span<const double> named) const;
   /// The derivative of c(t) of this function along changes of the named numbers; not a number where it has none.
   double slope(const TimeFunction& function, std::span<const double> named, std::span<const double> slopes) const;
+  /// The second derivative, where these change at the rates `slopes` and those rise at the rates `bends`.
+  double bend(const TimeFunction& function, std::span<const double> named, std::span<const double> slopes,
+              std::span<const double> bends) const;
 };
 
 /// Makes the dependent numbers of a scene those of the scene at the time t: to be called before its functions of time

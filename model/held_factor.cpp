@@ -89,25 +89,26 @@ double DependentNumber::slope(std::span<const double> named, std::span<const dou
   return own * function.at(factor->time) + expression.value(named) * factor->slope(function, named, slopes);
 }
 
-// Functions of time have first derivatives by their numbers; the second is the difference of these along the change.
+double HeldFactor::bend(const TimeFunction& function_there, std::span<const double> named,
+                        std::span<const double> slopes, std::span<const double> bends) const {
+  std::vector<TimeFunction::Change> changes;
+  for (const DependentNumber& one : numbers) {
+    const double unit = one.dimension.unit(units);
+    const TimeFunction::Change change{one.at.place.number, one.expression.slope(named, slopes) * unit,
+                                      one.expression.bend(named, slopes, bends) * unit};
+    if (change.slope != 0.0 || change.bend != 0.0) changes.push_back(change);
+  }
+  return changes.empty() ? 0.0 : function_there.bend(time, changes);
+}
+
 double DependentNumber::bend(std::span<const double> named, std::span<const double> slopes,
                              std::span<const double> bends) const {
   const double own = expression.bend(named, slopes, bends);
   if (!factor) return own;
   const TimeFunction function = factor->at(named);
-  const double factor_slope = factor->slope(function, named, slopes);
-  constexpr double step = 1e-5;
-  const auto slope_at = [&](double e) {
-    std::vector<double> there(named.begin(), named.end()), slopes_there(slopes.begin(), slopes.end());
-    for (std::size_t k = 0; k < there.size(); ++k) {
-      there[k] += e * (slopes[k] + 0.5 * e * bends[k]);
-      slopes_there[k] += e * bends[k];
-    }
-    return factor->slope(factor->at(there), there, slopes_there);
-  };
-  const double factor_bend = factor_slope == 0.0 ? 0.0 : (slope_at(step) - slope_at(-step)) / (2.0 * step);
-  return own * function.at(factor->time) + 2.0 * expression.slope(named, slopes) * factor_slope +
-         expression.value(named) * factor_bend;
+  return own * function.at(factor->time) +
+         2.0 * expression.slope(named, slopes) * factor->slope(function, named, slopes) +
+         expression.value(named) * factor->bend(function, named, slopes, bends);
 }
 
 std::vector<int> DependentNumber::uses() const {

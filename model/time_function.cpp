@@ -12,8 +12,9 @@
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/laws/force_curve.hpp"
-#include "model/profile.hpp"
 #include "model/scene.hpp"
+#include "model/second_dual.hpp"
+#include "model/spline.hpp"
 
 namespace poise {
 namespace {
@@ -24,10 +25,19 @@ double sine_derivative(double turn, int derivative) {
   return derivative == 0 ? std::sin(turn) : derivative == 1 ? std::cos(turn) : -std::sin(turn);
 }
 
-double value_of(const SineInTime& sine, double t, int derivative, double) {
+/// c(t) where the numbers of the law, in their order, are these: scalars S, which may carry derivatives.
+template <class S>
+S value_with(const SineInTime&, std::span<const S> numbers, double t, double) {
+  using std::sin;
+  return numbers[3] + numbers[0] * sin(S(two_pi) * numbers[1] * S(t) + numbers[2]);
+}
+
+double value_of(const SineInTime& sine, double t, int derivative, double near) {
+  if (derivative == 0) {
+    return value_with<double>(sine, std::array{sine.amplitude, sine.frequency, sine.phase, sine.offset}, t, near);
+  }
   const double omega = two_pi * sine.frequency;
-  return (derivative == 0 ? sine.offset : 0.0) +
-         sine.amplitude * std::pow(omega, derivative) * sine_derivative(omega * t + sine.phase, derivative);
+  return sine.amplitude * std::pow(omega, derivative) * sine_derivative(omega * t + sine.phase, derivative);
 }
 
 double value_by(const SineInTime& sine, int number, double t, int derivative, double) {
@@ -50,12 +60,17 @@ double value_by(const SineInTime& sine, int number, double t, int derivative, do
   }
 }
 
+template <class S>
+S smooth_way(const S& s) {
+  return s * s * s * (S(10) + s * (S(-15) + s * S(6)));
+}
+
 /// The way s -> P(s) of a ramp, or one of its first three derivatives.
 double way(bool smooth, double s, int derivative) {
   if (!smooth) return derivative == 0 ? s : derivative == 1 ? 1.0 : 0.0;
   switch (derivative) {
     case 0:
-      return s * s * s * (10 + s * (-15 + s * 6));
+      return smooth_way(s);
     case 1:
       return 30 * s * s * (1 - s) * (1 - s);
     case 2:
@@ -65,13 +80,21 @@ double way(bool smooth, double s, int derivative) {
   }
 }
 
+template <class S>
+S value_with(const RampInTime& ramp, std::span<const S> numbers, double t, double near) {
+  const S &from = numbers[0], &to = numbers[1], &start = numbers[2], &end = numbers[3];
+  if (near < ramp.start) return from;
+  if (near >= ramp.end) return to;
+  const S s = (S(t) - start) / (end - start);
+  return from + (to - from) * (ramp.smooth ? smooth_way(s) : s);
+}
+
 double value_of(const RampInTime& ramp, double t, int derivative, double near) {
-  if (near < ramp.start) return derivative == 0 ? ramp.from : 0.0;
-  if (near >= ramp.end) return derivative == 0 ? ramp.to : 0.0;
+  if (derivative == 0) return value_with<double>(ramp, std::array{ramp.from, ramp.to, ramp.start, ramp.end}, t, near);
+  if (near < ramp.start || near >= ramp.end) return 0.0;
   const double takes = ramp.end - ramp.start;
   const double s = (t - ramp.start) / takes;
-  const double moved = (ramp.to - ramp.from) * way(ramp.smooth, s, derivative) / std::pow(takes, derivative);
-  return derivative == 0 ? ramp.from + moved : moved;
+  return (ramp.to - ramp.from) * way(ramp.smooth, s, derivative) / std::pow(takes, derivative);
 }
 
 double value_by(const RampInTime& ramp, int number, double t, int derivative, double near) {
@@ -91,9 +114,13 @@ double value_by(const RampInTime& ramp, int number, double t, int derivative, do
          (way(ramp.smooth, s, derivative + 1) * s_by * power - derivative * by_takes * way_here / takes);
 }
 
-double value_of(const StepInTime& step, double, int derivative, double near) {
-  if (derivative > 0) return 0.0;
-  return near < step.at ? step.from : step.to;
+template <class S>
+S value_with(const StepInTime& step, std::span<const S> numbers, double, double near) {
+  return numbers[near < step.at ? 1 : 2];
+}
+
+double value_of(const StepInTime& step, double t, int derivative, double near) {
+  return derivative > 0 ? 0.0 : value_with<double>(step, std::array{step.at, step.from, step.to}, t, near);
 }
 
 double value_by(const StepInTime& step, int number, double, int derivative, double near) {
@@ -101,26 +128,46 @@ double value_by(const StepInTime& step, int number, double, int derivative, doub
   return (number == 1) == (near < step.at) ? 1.0 : 0.0;
 }
 
-double value_of(const TimeTable& table, double t, int derivative, double near) {
-  const bool before = near < table.t.front(), after = near >= table.t.back();
-  if ((before || after) && table.between != TimeTable::Between::spline) {
-    return derivative > 0 ? 0.0 : before ? table.value.front() : table.value.back();
-  }
+/// Whether a table stays at the value of its first point, or of its last one.
+bool is_held(const TimeTable& table, double near) {
+  return table.between != TimeTable::Between::spline && (near < table.t.front() || near >= table.t.back());
+}
+
+/// A place in a table: u behind the beginning of a piece, and from there on along the tangent.
+template <class S>
+struct TablePlace {
+  std::size_t piece;
+  S u, beyond;
+};
+
+/// The place of the time t where the points have the times `times`.
+template <class S>
+TablePlace<S> place_in(const TimeTable& table, const std::vector<S>& times, double t, double near) {
   const auto next = std::upper_bound(table.t.begin() + 1, table.t.end() - 1, near);
   const auto k = static_cast<std::size_t>(next - table.t.begin()) - 1;
-  const std::array<double, 4>& c = table.pieces[k];
-  double u = t - table.t[k];
-  // Along the tangent at an end.
-  double beyond = 0.0;
-  if (before) std::swap(u, beyond);
-  if (after) {
-    beyond = t - table.t.back();
-    u = table.t.back() - table.t[k];
-  }
-  const double slope = c[1] + u * (2 * c[2] + u * 3 * c[3]);
-  if (derivative == 0) return c[0] + u * (c[1] + u * (c[2] + u * c[3])) + slope * beyond;
-  if (derivative == 1) return slope;
-  return before || after ? 0.0 : 2 * c[2] + 6 * c[3] * u;
+  if (near < table.t.front()) return {k, S(0), S(t) - times[k]};
+  if (near >= table.t.back()) return {k, times.back() - times[k], S(t) - times.back()};
+  return {k, S(t) - times[k], S(0)};
+}
+
+template <class S>
+S slope_in(const std::array<S, 4>& c, const S& u) {
+  return c[1] + u * (S(2) * c[2] + u * S(3) * c[3]);
+}
+
+template <class S>
+S value_in(const std::array<S, 4>& c, const TablePlace<S>& at) {
+  return c[0] + at.u * (c[1] + at.u * (c[2] + at.u * c[3])) + slope_in(c, at.u) * at.beyond;
+}
+
+double value_of(const TimeTable& table, double t, int derivative, double near) {
+  const bool before = near < table.t.front(), after = near >= table.t.back();
+  if (is_held(table, near)) return derivative > 0 ? 0.0 : before ? table.value.front() : table.value.back();
+  const TablePlace<double> place = place_in(table, table.t, t, near);
+  const std::array<double, 4>& c = table.pieces[place.piece];
+  if (derivative == 0) return value_in(c, place);
+  if (derivative == 1) return slope_in(c, place.u);
+  return before || after ? 0.0 : 2 * c[2] + 6 * c[3] * place.u;
 }
 
 double value_of(const TableInTime& of, double t, int derivative, double near) {
@@ -142,34 +189,50 @@ bool ascends(const std::vector<double>& t) {
 
 bool is_linear(const TimeTable& table) { return table.between == TimeTable::Between::linear || table.t.size() == 2; }
 
-/// The slopes at the points, of which a cubic on each piece follows.
-std::vector<double> slopes_of(const TimeTable& table) {
-  std::vector<double> slopes;
+/// The slopes at the points, of which a cubic on each piece follows; none of lines.
+template <class T>
+std::vector<T> slopes_of(const TimeTable& table, const std::vector<T>& t, const std::vector<T>& value) {
+  std::vector<T> slopes;
   if (is_linear(table)) return slopes;
   if (table.between == TimeTable::Between::monotone) {
-    const ForceCurve curve(table.t, table.value);
-    for (const double t : table.t) slopes.push_back(curve.force(t).second);
+    const CurveThrough<T, T> curve(t, value.data());
+    for (std::size_t k = 0; k < t.size(); ++k) slopes.push_back(curve.template slope_at<T>(k));
   } else {
-    const Profile curve = Profile::spline(table.t, table.value, false);
-    for (const double t : table.t) slopes.push_back(curve.at(t).first);
+    const Spline<T> curve(t, value, false);
+    for (const T& one : t) slopes.push_back(curve.at(one).first);
   }
   return slopes;
 }
 
-/// The cubic of the piece between the points k and k + 1 by their times and the slopes there, if any: of a line.
+/// The cubic of the piece between the points k and k + 1, with the slopes there, if any: of a line.
 template <class T>
-std::array<T, 4> piece_of(const TimeTable& table, std::size_t k, const std::vector<T>& t,
+std::array<T, 4> piece_of(std::size_t k, const std::vector<T>& t, const std::vector<T>& value,
                           const std::vector<T>& slopes) {
   const T h = t[k + 1] - t[k];
-  const T secant = T(table.value[k + 1] - table.value[k]) / h;
-  if (slopes.empty()) return {T(table.value[k]), secant, T(0), T(0)};
+  const T secant = T(value[k + 1] - value[k]) / h;
+  if (slopes.empty()) return {value[k], secant, T(0), T(0)};
   const T &a = slopes[k], &b = slopes[k + 1];
-  return {T(table.value[k]), a, T((T(3) * secant - T(2) * a - b) / h), T((a + b - T(2) * secant) / (h * h))};
+  return {value[k], a, T((T(3) * secant - T(2) * a - b) / h), T((a + b - T(2) * secant) / (h * h))};
 }
 
 void make_pieces(TimeTable& table) {
-  const std::vector<double> slopes = slopes_of(table);
-  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) table.pieces.push_back(piece_of(table, k, table.t, slopes));
+  const std::vector<double> slopes = slopes_of(table, table.t, table.value);
+  for (std::size_t k = 0; k + 1 < table.t.size(); ++k) {
+    table.pieces.push_back(piece_of(k, table.t, table.value, slopes));
+  }
+}
+
+template <class S>
+S value_with(const TableInTime& of, std::span<const S> numbers, double t, double near) {
+  const TimeTable& table = *of.table;
+  std::vector<S> times, values;
+  for (std::size_t k = 0; k < table.t.size(); ++k) {
+    values.push_back(numbers[2 * k]);
+    times.push_back(numbers[2 * k + 1]);
+  }
+  if (is_held(table, near)) return near < table.t.front() ? values.front() : values.back();
+  const TablePlace<S> place = place_in(table, times, t, near);
+  return value_in(piece_of(place.piece, times, values, slopes_of(table, times, values)), place);
 }
 
 /// The derivative by the value of one point, which a linear table and a spline have as the table of 1 there and 0 at
@@ -190,27 +253,26 @@ TimeTable derivative_by(const TimeTable& table, std::size_t point) {
 ///   d/dp sum_j c_j u^j = sum_j (dc_j/dp) u^j - (dt_k/dp) sum_j j c_j u^(j - 1).
 TimeTable derivative_by_time(const TimeTable& table, std::size_t point) {
   using Dual = ceres::Jet<double, 1>;
-  std::vector<Dual> t(table.t.begin(), table.t.end()), slopes;
+  std::vector<Dual> t(table.t.begin(), table.t.end());
+  const std::vector<Dual> value(table.value.begin(), table.value.end());
   t[point].v[0] = 1.0;
-  if (!is_linear(table) && table.between == TimeTable::Between::monotone) {
-    const ForceCurve curve(table.t, table.value);
-    for (std::size_t k = 0; k < t.size(); ++k) {
-      slopes.emplace_back(curve.force(table.t[k]).second);
-      slopes.back().v[0] = curve.slope_by_x(k, point);
-    }
-  } else if (!is_linear(table)) {
-    const Spline<Dual> curve(t, {table.value.begin(), table.value.end()}, false);
-    for (const Dual& one : t) slopes.push_back(curve.at(one).first);
-  }
+  const std::vector<Dual> slopes = slopes_of(table, t, value);
   TimeTable out{table.t, std::vector<double>(table.t.size(), 0.0), table.between, {}};
   for (std::size_t k = 0; k + 1 < t.size(); ++k) {
-    const std::array<Dual, 4> c = piece_of(table, k, t, slopes);
+    const std::array<Dual, 4> c = piece_of(k, t, value, slopes);
     std::array<double, 4>& by = out.pieces.emplace_back();
     for (std::size_t j = 0; j < 4; ++j) {
       by[j] = c[j].v[0] - (k == point && j < 3 ? static_cast<double>(j + 1) * c[j + 1].a : 0.0);
     }
   }
   return out;
+}
+
+/// Whether the second derivative by a number jumps at t, the time of an inner point of a monotone table.
+bool bends_at_time_of(const TimeLaw& law, int number, double t) {
+  const auto* const of = std::get_if<TableInTime>(&law);
+  return of != nullptr && number % 2 == 1 && of->table->between == TimeTable::Between::monotone &&
+         t == of->table->t[static_cast<std::size_t>(number / 2)];
 }
 
 void expect_time(const RampInTime& ramp) {
@@ -318,6 +380,23 @@ double TimeFunction::at(double t, int derivative, double near) const {
 
 double TimeFunction::by(int number, double t, int derivative, double near) const {
   return std::visit([&](const auto& l) { return value_by(l, number, t, derivative, near); }, law);
+}
+
+double TimeFunction::bend(double t, std::span<const Change> changes) const {
+  std::vector<SecondDual> all;
+  std::visit(
+      [&](const auto& l) {
+        for (const Number& number : numbers()) all.emplace_back(number.get(&l).value());
+      },
+      law);
+  for (const Change& change : changes) {
+    const bool changes_time = change.slope != 0.0 && bends_at_time_of(law, change.number, t);
+    if (changes_time || !has_derivative_at(change.number, t)) return std::numeric_limits<double>::quiet_NaN();
+    SecondDual& own = all[static_cast<std::size_t>(change.number)];
+    own = second_dual(own.derivative(0, 0), change.slope, change.slope, change.bend);
+  }
+  // Both variables are the same path, by which c is differentiated twice.
+  return std::visit([&](const auto& l) { return value_with<SecondDual>(l, all, t, t).derivative(1, 1); }, law);
 }
 
 bool TimeFunction::is_smooth_in(int number) const { return !jumps() || number > 0; }

@@ -115,6 +115,14 @@ struct TimeFunction {
   double at(double t) const { return at(t, 0, t); }
   /// The derivative of at(t, derivative, near) by numbers()[number]; of is_smooth_in() numbers.
   double by(int number, double t, int derivative, double near) const;
+  /// How a number changes along a path of them: its index, and its first and second derivative along that.
+  struct Change {
+    int number = 0;
+    double slope = 0.0, bend = 0.0;
+  };
+  /// The second derivative of the value at the time t along such a path of the numbers that change; not a number where
+  /// it has none, also at the time t of an inner point of a monotone table that is moved.
+  double bend(double t, std::span<const Change> changes) const;
   /// Whether motions have a derivative by the number: not by the time at which a step jumps, where their rates have
   /// one that jumps too. Elsewhere the value has one at all times but single ones.
   bool is_smooth_in(int number) const;

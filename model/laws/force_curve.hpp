@@ -21,11 +21,11 @@ namespace poise {
 /// Stat. Comput. 5, 1984; K. W. Brodlie's weights). At an end it is the one for which the curvature is zero there,
 /// (3 d - slope at the next point) / 2, which keeps the piece monotone: beyond its ends the curve goes on along the
 /// tangents, and there its curvature is continuous too. Two points make a line.
-/// Refers to the points.
-template <class N>
+/// Refers to the points, whose x may be scalars with derivatives too.
+template <class N, class X = double>
 class CurveThrough {
  public:
-  CurveThrough(std::span<const double> x, const N* force) : x_(x), force_(force) {}
+  CurveThrough(std::span<const X> x, const N* force) : x_(x), force_(force) {}
 
   std::size_t points() const { return x_.size(); }
 
@@ -73,7 +73,7 @@ class CurveThrough {
   }
 
   /// Where the distances of piece k count from. Piece 0 lies before the first point, piece points() behind the last.
-  double begin(std::size_t k) const { return x_[k == 0 ? 0 : k - 1]; }
+  X begin(std::size_t k) const { return x_[k == 0 ? 0 : k - 1]; }
 
   template <class S>
   S width(std::size_t k) const {
@@ -134,7 +134,7 @@ class CurveThrough {
   }
 
  private:
-  std::span<const double> x_;
+  std::span<const X> x_;
   const N* force_;
 };
 
@@ -206,14 +206,6 @@ class ForceCurve {
     const Piece<double> piece = piece_by<double>(k + 1, point);
     return {piece.force, piece.first, piece.second, piece.third};
   }
-  /// The derivative of the slope at one point by the x of another, or of itself.
-  double slope_by_x(std::size_t point, std::size_t moved) const {
-    const std::size_t last = points() - 1;
-    if (last == 1) return secant_by_x(1, moved);
-    if (point == 0) return (3 * secant_by_x(1, moved) - inside_by_x(1, moved)) / 2;
-    if (point == last) return (3 * secant_by_x(last, moved) - inside_by_x(last - 1, moved)) / 2;
-    return inside_by_x(point, moved);
-  }
   /// Whether those by the forces exist at every x.
   bool has_derivatives_by(std::size_t point) const {
     const bool flat_before = point > 0 && force_[point] == force_[point - 1];
@@ -266,22 +258,6 @@ class ForceCurve {
         return hull(S(0), S(change_before / a)) + hull(S(0), S(change_after / (S(1) - a)));
     }
     return S(0);
-  }
-
-  double width_by_x(std::size_t k, std::size_t moved) const { return moved == k ? 1.0 : moved + 1 == k ? -1.0 : 0.0; }
-  double secant_by_x(std::size_t k, std::size_t moved) const {
-    return -secant<double>(k) / width<double>(k) * width_by_x(k, moved);
-  }
-  // No secant changes its sign, or becomes zero, with the places of points.
-  double inside_by_x(std::size_t point, std::size_t moved) const {
-    const double before = secant<double>(point), after = secant<double>(point + 1);
-    if (CurveThrough<double>::differ_in_sign(before, after)) return 0.0;
-    const double h0 = width<double>(point), h1 = width<double>(point + 1);
-    const double slope = through().slope_inside<double>(point);
-    const double by_share = -slope * slope * (1 / before - 1 / after);
-    return by_share * (h0 * width_by_x(point + 1, moved) - h1 * width_by_x(point, moved)) /
-               (3 * (h0 + h1) * (h0 + h1)) +
-           slope_inside_by(point, secant_by_x(point, moved), secant_by_x(point + 1, moved));
   }
 
   /// Of piece k, its derivative by the force at one point.

@@ -1,9 +1,15 @@
 // Loads that follow named numbers through their functions of time, in the scene and in the scene at one time.
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <boost/math/constants/constants.hpp>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +17,7 @@
 #include "model/parameters.hpp"
 #include "model/rewritten_scene.hpp"
 #include "model/scene.hpp"
+#include "solvers/real50.hpp"
 #include "tests/support/message_of.hpp"
 
 namespace poise::held_factor_test {
@@ -126,6 +133,101 @@ TEST(HeldFactor, HasItsDerivatives) {
       }
     }
   }
+}
+
+// c(t) of some laws, by named numbers F and T, in 50 digits.
+struct ExactFactor {
+  std::string time;
+  std::function<Real50(const Real50& F, const Real50& T, double t)> at;
+};
+
+Real50 on_smooth_ramp(const Real50& from, const Real50& to, const Real50& s) {
+  return from + (to - from) * s * s * s * (10 - 15 * s + 6 * s * s);
+}
+
+std::vector<ExactFactor> exact_factors() {
+  const auto degrees = [](const Real50& a) { return Real50(a * boost::math::constants::pi<Real50>() / 180); };
+  const auto turns = [](const Real50& a) { return Real50(2 * boost::math::constants::pi<Real50>() * a); };
+  return {
+      {"{ sine = { amplitude = \"F/2\", frequency = \"1/F\", phase = \"40*T\", offset = \"F^2\" } }",
+       [=](const Real50& F, const Real50& T, double t) {
+         return Real50(F / 2 * sin(turns(Real50(t) / F) + degrees(40 * T)) + F * F);
+       }},
+      {"{ ramp = { from = \"F\", to = \"T^3\", start = \"T/5\", end = \"twice*T\" } }",
+       [](const Real50& F, const Real50& T, double t) {
+         return Real50(F + (T * T * T - F) * (t - T / 5) / (2 * F * T - T / 5));
+       }},
+      {"{ ramp = { from = \"F\", to = 3, start = \"T/5\", end = \"twice*T\", law = \"polynomial_345\" } }",
+       [](const Real50& F, const Real50& T, double t) {
+         return on_smooth_ramp(F, 3, Real50((t - T / 5) / (2 * F * T - T / 5)));
+       }},
+      {"{ step = { to = \"F/T\", at = 0.1 } }", [](const Real50& F, const Real50& T, double) { return Real50(F / T); }},
+      {"{ table = [[-0.1, \"F\"], [\"T/5\", \"T*F\"], [\"T + F\", 3]] }",
+       [](const Real50& F, const Real50& T, double t) {
+         const Real50 h = T + F - T / 5;
+         return Real50(T * F + (3 - T * F) * (t - T / 5) / h);
+       }},
+      // Before the second point force and time fall and rise again, so that the slope there is zero.
+      {"{ table = [[-0.1, 5], [\"T/5\", \"T\"], [\"T + F\", \"F/2\"], [6, 8]], interpolation = \"monotone\" }",
+       [](const Real50& F, const Real50& T, double t) {
+         const Real50 h = T + F - T / 5, after = 6 - T - F;
+         const Real50 secant = (F / 2 - T) / h, next = (8 - F / 2) / after;
+         const Real50 share = (h + 2 * after) / (3 * (h + after));
+         const Real50 slope = 1 / (share / secant + (1 - share) / next), s = (t - T / 5) / h;
+         return Real50(T + (F / 2 - T) * s * s * (3 - 2 * s) - h * slope * s * s * (1 - s));
+       }},
+      {"{ table = [[0, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]], interpolation = \"spline\" }",
+       [](const Real50& F, const Real50& T, double t) {
+         const Real50 before = T / 5, h = T + F - T / 5;
+         const Real50 curvature = 3 * ((3 - T) / h - (T - F) / before) / (before + h);
+         const Real50 s = (t - T / 5) / h, r = 1 - s;
+         return Real50(T * r + 3 * s + curvature * h * h / 6 * (r * r * r - r));
+       }}};
+}
+
+// The second derivative of the first component of the load, in the units of the file, along a line of F and T.
+double bend_of_load(const Scene& held, double by_f, double by_t) {
+  const auto load = std::find_if(held.dependents->begin(), held.dependents->end(), [](const DependentNumber& one) {
+    return one.at.place.owner == Owner::force && one.at.component == 0;
+  });
+  const std::vector<double> slopes{by_f, by_t, 2 * by_f};
+  return load->bend(named_values(held), slopes, std::vector<double>(slopes.size(), 0.0));
+}
+
+// Second differences in 50 digits, of a load F c(t).
+TEST(HeldFactor, HasItsSecondDerivatives) {
+  for (const ExactFactor& factor : exact_factors()) {
+    for (const double t : {0.3, 0.7}) {
+      const Scene held = at_time(parse_scene(scene_with("[\"F\", 0]", factor.time), "time.toml"), t);
+      for (const auto& [by_f, by_t] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {1.0, -0.75}}) {
+        const auto load = [&, f = by_f, along_t = by_t](const Real50& e) {
+          const Real50 F = 2 + e * f, T = Real50(0.5) + e * along_t;
+          return Real50(F * factor.at(F, T, t));
+        };
+        const Real50 h = 1e-12;
+        const auto second = static_cast<double>(Real50((load(h) - 2 * load(0) + load(-h)) / (h * h)));
+        EXPECT_NEAR(bend_of_load(held, by_f, by_t), second, 4e-14 * (1 + std::abs(second)))
+            << factor.time << " " << t << " along " << by_f << ", " << by_t;
+      }
+    }
+  }
+}
+
+// A sine at its crest.
+TEST(HeldFactor, BendsWhereItsSlopeIsZero) {
+  const std::string sine = "{ sine = { amplitude = 3, frequency = 0, phase = \"45*F\" } }";
+  const Scene held = at_time(parse_scene(scene_with("[1, 0]", sine), "time.toml"), 0.0);
+  EXPECT_NEAR(bend_of_load(held, 1.0, 0.0), -3.0 * std::pow(std::numbers::pi / 4, 2), 1e-14);
+}
+
+// The second derivative of a monotone table jumps where a piece begins.
+TEST(HeldFactor, HasNoSecondDerivativeByTheTimeOfAPointOfAMonotoneTable) {
+  const std::string table = "{ table = [[0, 1], [\"T\", 3], [1, 4], [2, 9]], interpolation = \"monotone\" }";
+  const Scene scene = parse_scene(scene_with("[1, 0]", table), "time.toml");
+  const auto is_known = [&](double t) { return std::isfinite(bend_of_load(at_time(scene, t), 0.0, 1.0)); };
+  EXPECT_FALSE(is_known(0.5));
+  EXPECT_TRUE(is_known(0.50001));
+  EXPECT_TRUE(is_known(1.0));
 }
 
 TEST(HeldFactor, SaysWhatALoadFollows) {
