@@ -79,6 +79,17 @@ class PhasorSum {
     }
   }
 
+  /// use(i, m . D2 p[e_i, u]) by slots i of the support, of a slot perhaps several times: how the gradient of m . p
+  /// changes along u, with part(v) = m . v for a vector m that stays.
+  template <class Part, class Use>
+  void bend(const Phasors<T>& phasors, const Planar<T>* pose, const T* u, Part part, Use use) const {
+    second_derivative(phasors, pose, [&](int i, int j, const Planar<T>& d_ij) {
+      const T along = part(d_ij);
+      use(i, T(along * u[support_[j]]));
+      if (i != j) use(j, T(along * u[support_[i]]));
+    });
+  }
+
   /// D p[u], from the derivatives d_i over the support; u has a value per coordinate.
   Planar<T> along(const Planar<T>* d_i, const T* u) const {
     Planar<T> sum{};

@@ -101,11 +101,9 @@ void BearingLoads<T, NumbersOfScene>::add_change(const Contact& contact, const T
     const Planar<Dual>& origin = poses[static_cast<std::size_t>(index)].origin;
     const Planar<T> force = sign * value(whole);
     const std::vector<int>& support = body.origin.support();
-    body.origin.second_derivative(phasors_, pose, [&](int i, int j, const Planar<T>& d_ij) {
-      const T along = dot(force, d_ij);
-      g[support[i]] -= along * dq[support[j]];
-      if (i != j) g[support[j]] -= along * dq[support[i]];
-    });
+    body.origin.bend(
+        phasors_, pose, dq, [&](const Planar<T>& v) { return dot(force, v); },
+        [&](int i, const T& change_of_g) { g[support[i]] -= change_of_g; });
     if (body.frame >= 0) g[body.frame] -= cross(change(load.at) - change(origin), force);
     act(index, sign * change(whole), value(load.at), pose, g);
   };

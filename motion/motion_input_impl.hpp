@@ -53,11 +53,9 @@ void InputLoad<T>::add_change(const Planar<T>* pose, const T* dq, T* g) const {
   if (path_.size() == 0) return;
   const std::vector<int>& support = path_.support();
   const Planar<T> force = extra_force(pose);
-  path_.second_derivative(phasors_, pose, [&](int i, int j, const Planar<T>& d_ij) {
-    const T along = dot(force, d_ij);
-    g[support[i]] -= along * dq[support[j]];
-    if (i != j) g[support[j]] -= along * dq[support[i]];
-  });
+  path_.bend(
+      phasors_, pose, dq, [&](const Planar<T>& v) { return dot(force, v); },
+      [&](int i, const T& change) { g[support[i]] -= change; });
   if (frame_ < 0) return;
   const Planar<T> turned = dq[frame_] * quarter_turn(force);
   path_.derivative(phasors_, pose, derivative_.data());

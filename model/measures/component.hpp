@@ -120,11 +120,9 @@ class ComponentMeasure {
     const T& u_f = u[frame_];
     for (int i = 0; i < d_.size(); ++i) use(slots_[i], T(u_f * dot(turned, at.scratch[i])));
     use(frame_slot_, T(dot(turned, d_u) - u_f * dot(e, d_.at(at.pose))));
-    d_.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& d_ij) {
-      const T part = dot(e, d_ij);
-      use(slots_[i], T(part * u[d_.support()[j]]));
-      if (i != j) use(slots_[j], T(part * u[d_.support()[i]]));
-    });
+    d_.bend(
+        at.phasors, at.pose, u, [&](const Planar<T>& v) { return dot(e, v); },
+        [&](int i, const T& value) { use(slots_[i], value); });
   }
 
  private:

@@ -89,11 +89,8 @@ class DistanceMeasure {
     for (int i = 0; i < d_.size(); ++i) {
       use(i, T(dot(d_u, at.scratch[i]) / r - by_length * dot(d, at.scratch[i])));
     }
-    d_.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& d_ij) {
-      const T part = dot(d, d_ij) / r;
-      use(i, T(part * u[d_.support()[j]]));
-      if (i != j) use(j, T(part * u[d_.support()[i]]));
-    });
+    d_.bend(
+        at.phasors, at.pose, u, [&](const Planar<T>& v) { return T(dot(d, v) / r); }, use);
   }
 
  private:

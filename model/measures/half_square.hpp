@@ -70,11 +70,8 @@ class HalfSquareMeasure {
     d_.derivative(at.phasors, at.pose, at.scratch);
     const Planar<T> d_u = d_.along(at.scratch, u);
     for (int i = 0; i < d_.size(); ++i) use(i, dot(d_u, at.scratch[i]));
-    d_.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& d_ij) {
-      const T part = dot(d, d_ij);
-      use(i, T(part * u[d_.support()[j]]));
-      if (i != j) use(j, T(part * u[d_.support()[i]]));
-    });
+    d_.bend(
+        at.phasors, at.pose, u, [&](const Planar<T>& v) { return dot(d, v); }, use);
   }
 
  private:

@@ -61,11 +61,8 @@ class PositionMeasure {
 
   template <class Use>
   void bend(const Configuration<T>& at, const T* u, Use use) const {
-    p_.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& p_ij) {
-      const T part = dot(e_, p_ij);
-      use(i, T(part * u[p_.support()[j]]));
-      if (i != j) use(j, T(part * u[p_.support()[i]]));
-    });
+    p_.bend(
+        at.phasors, at.pose, u, [&](const Planar<T>& v) { return dot(e_, v); }, use);
   }
 
  private:

@@ -165,11 +165,9 @@ class RopeMeasure {
       part.d.derivative(at.phasors, at.pose, at.scratch);
       const T across = dot(n, part.d.along(at.scratch, u)) / span.length;
       for (int i = 0; i < part.d.size(); ++i) use(part.slots[i], T(across * dot(n, at.scratch[i])));
-      part.d.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& d_ij) {
-        const T along = dot(span.along, d_ij);
-        use(part.slots[i], T(along * u[part.d.support()[j]]));
-        if (i != j) use(part.slots[j], T(along * u[part.d.support()[i]]));
-      });
+      part.d.bend(
+          at.phasors, at.pose, u, [&](const Planar<T>& v) { return dot(span.along, v); },
+          [&](int i, const T& value) { use(part.slots[i], value); });
     }
   }
 
