@@ -34,7 +34,7 @@ void add_cams(std::vector<ForceCourse>& out, const Scene& scene, const ForcesAlo
     for (CamReading& cam : cams.back()) cam.contact.reset();
   }
   const auto add = [&](std::size_t k, const std::string& what, Quantity quantity, double CamContact::*number) {
-    ForceCourse course{"cam." + cams.front()[k].name + what, quantity, {}};
+    ForceCourse course{"cam." + cams.front()[k].name + what, quantity};
     for (const std::vector<CamReading>& pose : cams) {
       course.value.push_back(pose[k].contact ? (*pose[k].contact).*number : std::numeric_limits<double>::quiet_NaN());
     }
@@ -58,7 +58,7 @@ bool rubs(const ForcesAlong& forces) {
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces) {
   std::vector<ForceCourse> out;
   const auto add = [&](const std::string& name, Quantity quantity, auto value) {
-    ForceCourse course{name, quantity, {}};
+    ForceCourse course{name, quantity};
     for (const Forces& pose : forces.poses) course.value.push_back(value(pose));
     out.push_back(std::move(course));
   };
@@ -89,6 +89,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     const double sign = element.on.is_angle() ? -1.0 : 1.0;
     add(element.table + "." + element.name, effort_of(element.on),
         [i, sign](const Forces& f) { return sign * f.element_force[i]; });
+    out.back().element = static_cast<int>(i);
   }
   add_cams(out, scene, forces);
   if (rubs(forces)) {
@@ -125,13 +126,12 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
 std::vector<LoadedParallel> loaded_parallels(const MotionModel& model, const std::vector<ForceCourse>& courses) {
   std::vector<LoadedParallel> out;
   for (const ParallelElement& parallel : parallel_elements(model, model.scene().drives)) {
-    const Element& element = model.scene().elements[parallel.element];
-    const auto course = std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) {
-      return c.name == element.table + "." + element.name;
-    });
+    const auto index = static_cast<int>(parallel.element);
+    const auto course =
+        std::find_if(courses.begin(), courses.end(), [&](const ForceCourse& c) { return c.element == index; });
     if (course == courses.end()) continue;
     if (std::any_of(course->value.begin(), course->value.end(), [](double v) { return v != 0.0; })) {
-      out.push_back({element, parallel.drive, *course});
+      out.push_back({model.scene().elements[parallel.element], parallel.drive, *course});
     }
   }
   return out;

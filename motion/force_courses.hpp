@@ -12,7 +12,8 @@ namespace poise {
 struct ForceCourse {
   std::string name;
   Quantity quantity = Quantity::force;
-  std::vector<double> value;
+  std::vector<double> value{};
+  int element = -1;  ///< index in Scene::elements of the one whose force it is; -1 of all else
 };
 
 /// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME and

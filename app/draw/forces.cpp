@@ -2,7 +2,6 @@
 #include <cmath>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include <fmt/format.h>
@@ -248,13 +247,11 @@ void draw_loads(Stage& stage) {
 
 void draw_reactions(Stage& stage) {
   if (!stage.picture.reactions || !stage.shows_ground) return;
-  std::unordered_map<std::string_view, const Joint*> joints;
-  for (const Joint& joint : stage.scene.joints) joints.emplace(joint.name, &joint);
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
-    const auto joint = joints.find(reaction.name);
-    if (!reaction.of_stop() && joint != joints.end() && !is_of_track(stage.scene, *joint->second))
-      draw_reaction(stage, reaction, *joint->second);
+    if (reaction.joint < 0) continue;
+    const Joint& joint = stage.scene.joints[static_cast<std::size_t>(reaction.joint)];
+    if (!is_of_track(stage.scene, joint)) draw_reaction(stage, reaction, joint);
   }
   stage.canvas.close();
 }

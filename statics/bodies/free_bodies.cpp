@@ -28,6 +28,7 @@ std::vector<Reaction> reactions_of(const Equations& equations) {
     Reaction& reaction = out.emplace_back();
     reaction.name = *item.name;
     reaction.kind = item.kind;
+    reaction.joint = item.joint;
     reaction.stop = item.stop;
     reaction.at = item.at;
   }

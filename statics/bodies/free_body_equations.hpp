@@ -39,6 +39,7 @@ class FreeBodyEquations {
     std::string_view kind;  ///< of a joint, a stop's table, or "drive"
     Planar<T> at{};
     bool axial = false;  ///< its unknown is a pressure: of bars, and of stops and drives on lengths
+    int joint = -1;      ///< index of Scene::joints
     int stop = -1;       ///< index of Scene::stops
     /// Of a stop: +1 where it acts at its max, only to reduce its measure, -1 at its min, only to increase it, 2 either
     /// way.
@@ -83,6 +84,7 @@ class FreeBodyEquations {
       const Joint& joint = scene_.joints[j];
       Item& item = add_item(joint.name, joint.traits().key);
       item.axial = joint.keeps_length();
+      item.joint = static_cast<int>(j);
       bodies_.for_each_joint_effort(static_cast<int>(j), [&](const UnitEffortOf<T>& effort) {
         item.at = from_world(effort.b);
         unknowns_.push_back(

@@ -177,14 +177,13 @@ class Actions {
     if (reaction.of_stop()) {
       return add_stop(name, scene_.stops[static_cast<std::size_t>(reaction.stop)], reaction);
     }
-    const auto joint = std::find_if(scene_.joints.begin(), scene_.joints.end(),
-                                    [&](const Joint& one) { return one.name == reaction.name; });
-    const bool on_b = joint->b.body == out_.frame;
-    if (!on_b && joint->a.body != out_.frame) return;
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(reaction.joint)];
+    const bool on_b = joint.b.body == out_.frame;
+    if (!on_b && joint.a.body != out_.frame) return;
     expect_determined(name, reaction);
     const double sign = on_b ? 1.0 : -1.0;
     // The force of a bar acts at each of its ends, all others where the point of the second body is.
-    const Vec2 at = joint->keeps_length() ? scene_.local(on_b ? joint->b : joint->a) : local(reaction.at);
+    const Vec2 at = joint.keeps_length() ? scene_.local(on_b ? joint.b : joint.a) : local(reaction.at);
     joints_.emplace_back(name, at);
     act(name, at, sign * turned_back(reaction.force), sign * reaction.moment);
   }
@@ -623,9 +622,9 @@ class BentElement {
 Vec2 force_between(const Scene& scene, const Check& check, int a, int b) {
   const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(),
                                   [&](const Joint& one) { return one.a.body == a && one.b.body == b; });
-  const auto found = std::find_if(check.reactions.begin(), check.reactions.end(), [&](const Reaction& one) {
-    return one.name == joint->name && one.kind == joint->traits().key;
-  });
+  const auto index = static_cast<int>(joint - scene.joints.begin());
+  const auto found = std::find_if(check.reactions.begin(), check.reactions.end(),
+                                  [&](const Reaction& one) { return one.joint == index; });
   if (!found->determined) throw Refusal{"statics does not determine the forces in it: a joint more than needed"};
   return found->force;
 }

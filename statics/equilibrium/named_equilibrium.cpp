@@ -20,8 +20,8 @@ double NamedEquilibrium::force(const std::string& element) const {
 }
 
 Reaction NamedEquilibrium::reaction(const std::string& joint) const {
-  find_joint(joint);
-  const std::optional<Reaction> found = find_reaction(joint, false);
+  const auto index = static_cast<int>(&find_joint(joint) - scene().joints.data());
+  const std::optional<Reaction> found = find_reaction(&Reaction::joint, index);
   if (!found) {
     throw InputError(fmt::format("{}: expected an equilibrium, the result is \"{}\"; joint \"{}\" has no known force",
                                  scene().file, to_string(result().status), joint));
@@ -31,7 +31,7 @@ Reaction NamedEquilibrium::reaction(const std::string& joint) const {
 
 Reaction NamedEquilibrium::stop_reaction(const std::string& stop) const {
   const auto index = static_cast<int>(&find_stop(stop) - scene().stops.data());
-  return find_reaction(stop, true).value_or(Reaction{.name = stop, .kind = "stop", .stop = index});
+  return find_reaction(&Reaction::stop, index).value_or(Reaction{.name = stop, .kind = "stop", .stop = index});
 }
 
 std::optional<double> NamedEquilibrium::energy() const {
@@ -45,9 +45,9 @@ NamedEquilibrium NamedEquilibrium::in(const Units& units) const {
   return other;
 }
 
-std::optional<Reaction> NamedEquilibrium::find_reaction(const std::string& name, bool of_stop) const {
+std::optional<Reaction> NamedEquilibrium::find_reaction(int Reaction::*index, int of) const {
   for (const Reaction& reaction : result().check.reactions) {
-    if (reaction.name != name || reaction.of_stop() != of_stop) continue;
+    if (reaction.*index != of) continue;
     Reaction converted = reaction;
     converted.at = shown(reaction.at, dimension::length);
     converted.force = shown(reaction.force, dimension::force);

@@ -41,7 +41,7 @@ class NamedEquilibrium : public NamedPose {
 
  private:
   /// The reaction so called, in units(); empty where the check has none.
-  std::optional<Reaction> find_reaction(const std::string& name, bool of_stop) const;
+  std::optional<Reaction> find_reaction(int Reaction::*index, int of) const;
 
   std::shared_ptr<const Equilibrium> equilibrium_;
 };

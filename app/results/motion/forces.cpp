@@ -206,11 +206,7 @@ void add_position(Group& group, const MotionModel& model, const Forces& forces) 
   add("Slides", "joint", Quantity::length, slides);
 }
 
-bool is_element(const ForceCourse& course) {
-  static const std::set<std::string> others = {"effort",    "effort_without_friction", "power", "reaction", "stop",
-                                               "imbalance", "joint_friction",          "lost",  "overrun",  "cam"};
-  return !others.contains(course.name.substr(0, course.name.find('.')));
-}
+bool is_element(const ForceCourse& course) { return course.element >= 0; }
 
 std::vector<double> efficiencies(const ForcesAlong& found, bool back) {
   return each(found.poses,
@@ -335,7 +331,7 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   const Scene& scene = model.scene();
   std::vector<ForceCourse> shown;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    ForceCourse size{"reaction." + scene.joints[j].name, Quantity::force, {}};
+    ForceCourse size{"reaction." + scene.joints[j].name, Quantity::force};
     for (const Forces& f : found.poses) {
       size.value.push_back(f.friction.has_no_forces() ? std::numeric_limits<double>::quiet_NaN()
                                                       : norm(f.reactions[j].force));

@@ -433,13 +433,12 @@ void add_pose(Group& group, const StaticModel& model, const Answer& answer) {
   add_springs(group, model, *answer.readings);
   add_torsion_springs(group, model, *answer.readings);
   // The rider along a curved slot carries nothing, a line of centres what the contact does.
-  std::set<std::string> hidden;
-  for (const Joint& joint : model.scene().joints) {
-    if (is_of_track(model.scene(), joint)) hidden.insert(joint.name);
-  }
+  const auto is_hidden = [&scene = model.scene()](const Reaction& r) {
+    return r.joint >= 0 && is_of_track(scene, scene.joints[static_cast<std::size_t>(r.joint)]);
+  };
   std::vector<Reaction> reactions;
   for (const Reaction& reaction : answer.equilibrium.check.reactions) {
-    if (reaction.of_stop() || hidden.count(reaction.name) == 0) reactions.push_back(reaction);
+    if (!is_hidden(reaction)) reactions.push_back(reaction);
   }
   reactions = reaction_rows(reactions);
   Table& table = add_reactions(group, model, reactions, answer.equilibrium.check.redundancy);
