@@ -337,12 +337,17 @@ class Finder {
     return turns_.distance(out.x, x) <= same_search ? out : Equilibrium();
   }
 
-  // The place of the equilibrium among those found, which it joins if it is new; -1 of what is none.
+  // The place of the equilibrium among those found, or -1.
+  int place_of(const Equilibrium& equilibrium) const {
+    const auto found = std::find_if(out_.equilibria.begin(), out_.equilibria.end(),
+                                    [&](const Equilibrium& known) { return is_same(known, equilibrium); });
+    return found == out_.equilibria.end() ? -1 : static_cast<int>(found - out_.equilibria.begin());
+  }
+
+  // Its place, with those found if it is new; -1 of what is none.
   int add(Equilibrium equilibrium) {
     if (!equilibrium.found() && equilibrium.status != Status::checked) return -1;
-    for (std::size_t k = 0; k < out_.equilibria.size(); ++k) {
-      if (is_same(out_.equilibria[k], equilibrium)) return static_cast<int>(k);
-    }
+    if (const int known = place_of(equilibrium); known >= 0) return known;
     out_.equilibria.push_back(std::move(equilibrium));
     return static_cast<int>(out_.equilibria.size()) - 1;
   }
@@ -381,7 +386,9 @@ class Finder {
     solving.interrupt = options_.interrupt;
     const Equilibrium settled = solve(model_, start_, solving);
     if (settled.found()) {
-      out_.settles_into = add(examine_at(settled.x));
+      // Most often it is one of those found, and certified, before.
+      out_.settles_into = place_of(settled);
+      if (out_.settles_into < 0) out_.settles_into = add(examine_at(settled.x));
     } else {
       out_.settles_nowhere = settled.why;
     }
