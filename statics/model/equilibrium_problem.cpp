@@ -3,10 +3,6 @@
 namespace poise {
 namespace {
 
-struct PhasorPose final : solvers::Scratch {
-  std::vector<Planar<double>> phasors;
-};
-
 Planar<double>* phasors_of(solvers::Evaluation& at) { return static_cast<PhasorPose&>(*at.scratch).phasors.data(); }
 
 }  // namespace

@@ -1,13 +1,24 @@
 #pragma once
 
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "model/mechanism.hpp"
+#include "model/planar.hpp"
 #include "solvers/problem.hpp"
 
 namespace poise {
 
+/// The phasors of a pose, and the scratch of its mechanism.
+struct PhasorPose : solvers::Scratch {
+  std::vector<Planar<double>> phasors;
+};
+
 /// A compiled mechanism as a problem for the solvers:
 ///   x = q,  f = V(q),  F = -Q(q),  c = loop closures,  lower <= stops <= upper.
-/// The mechanism should be compiled in its own Scales, and must outlive this.
+/// The mechanism should be compiled in its own Scales, and must outlive this. Evaluations may have any PhasorPose as
+/// their scratch, with phasors of Mechanism::pose_size().
 class EquilibriumProblem final : public solvers::Problem {
  public:
   explicit EquilibriumProblem(const Mechanism<double>& mechanism);

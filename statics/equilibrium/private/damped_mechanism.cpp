@@ -15,8 +15,7 @@ namespace {
 constexpr int most_judged = 200;        // coordinates up to which the dampers are considered
 constexpr double least_damping = 1e-8;  // relative: of the freedom that dampers resist least
 
-struct DampedPose final : solvers::Scratch {
-  std::vector<Planar<double>> phasors;
+struct DampedPose final : PhasorPose {
   std::vector<Planar<double>> measure;  // scratch of dampers and one-way springs
   std::vector<double> slopes;           // of one damper
 };
@@ -122,22 +121,9 @@ std::unique_ptr<solvers::Scratch> DampedMechanism::make_scratch() const {
   return pose;
 }
 
-void DampedMechanism::evaluate(solvers::Evaluation& at) const {
-  const double* q = at.x.data();
-  Planar<double>* pose = damped_pose_of(at).phasors.data();
-  mechanism_.place(q, pose);
-  mechanism_.negative_force(q, pose, at.gradient.data());
-  mechanism_.constraint(q, pose, at.constraint.data());
-  mechanism_.jacobian(pose, at.jacobian.data());
-}
-
-double DampedMechanism::objective(solvers::Evaluation& at) const {
-  return mechanism_.energy(at.x.data(), damped_pose_of(at).phasors.data());
-}
-
 void DampedMechanism::tangent(solvers::Evaluation& at, std::span<const double> multipliers,
                               std::span<double> values) const {
-  mechanism_.tangent(damped_pose_of(at).phasors.data(), multipliers.data(), values.data());
+  problem_.tangent(at, multipliers, values);
   std::fill(values.begin() + problem_.tangent_pattern().size(), values.end(), 0.0);
 }
 

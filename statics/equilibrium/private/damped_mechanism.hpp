@@ -30,8 +30,8 @@ class DampedMechanism final : public solvers::DampedProblem {
   bool has_objective() const override { return problem_.has_objective(); }
   const solvers::Pattern& jacobian_pattern() const override { return problem_.jacobian_pattern(); }
   const solvers::Pattern& tangent_pattern() const override { return tangent_pattern_; }
-  void evaluate(solvers::Evaluation& at) const override;
-  double objective(solvers::Evaluation& at) const override;
+  void evaluate(solvers::Evaluation& at) const override { problem_.evaluate(at); }
+  double objective(solvers::Evaluation& at) const override { return problem_.objective(at); }
   void tangent(solvers::Evaluation& at, std::span<const double> multipliers, std::span<double> values) const override;
   std::unique_ptr<solvers::Scratch> make_scratch() const override;
 
