@@ -21,6 +21,8 @@ struct DensePoint {
   /// Least-squares multipliers of the kept rows: minimal |F + J^T y|.
   Vector multipliers() const;
   Matrix tangent(const Vector& y);
+  /// The derivative by (q, y) of the equations  F + J^T y = 0,  c = 0  of the kept rows: (tangent, J^T; J, 0).
+  Matrix equations(const Vector& y);
 
   const Mechanism<T>& mechanism;
   std::vector<Planar<T>> pose;

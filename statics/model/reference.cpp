@@ -161,10 +161,7 @@ class Refinement {
     const Eigen::Index n = mechanism_.coordinates();
     const auto m = static_cast<Eigen::Index>(rows_.size());
     const Vector y = point.multipliers();
-    DenseReal system = DenseReal::Zero(n + m, n + m);
-    system.topLeftCorner(n, n) = point.tangent(y);
-    system.topRightCorner(n, m) = point.jacobian.transpose();
-    system.bottomLeftCorner(m, n) = point.jacobian;
+    const DenseReal system = point.equations(y);
     Vector right(n + m);
     right << -(point.force + point.jacobian.transpose() * y), -gaps(point.constraint);
     return solvers::minimum_norm_solution(system, right, solvers::known_to::half_of_50_digits).head(n);

@@ -46,4 +46,14 @@ typename DensePoint<T>::Matrix DensePoint<T>::tangent(const Vector& y) {
   return out;
 }
 
+template <class T>
+typename DensePoint<T>::Matrix DensePoint<T>::equations(const Vector& y) {
+  const Eigen::Index n = force.size(), k = y.size();
+  Matrix out = Matrix::Zero(n + k, n + k);
+  out.topLeftCorner(n, n) = tangent(y);
+  out.topRightCorner(n, k) = jacobian.transpose();
+  out.bottomLeftCorner(k, n) = jacobian;
+  return out;
+}
+
 }  // namespace poise

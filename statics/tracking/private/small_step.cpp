@@ -57,12 +57,12 @@ class SmallStep {
     if (largest_of(left) > start_in_balance * heaviest) return std::nullopt;
     if (largest_of(gaps(from_.mechanism(), begin)) > closed_start) return std::nullopt;
     const VectorXd first = y;
-    const MatrixXd equations = equations_at(begin, y);
+    const MatrixXd equations = begin.equations(y);
     std::vector<double> x = x_;
     double last = longest;
     for (int i = 0; i < most_iterations; ++i) {
       DensePoint<double> here(to_.mechanism(), x, rows_);
-      const MatrixXd k = equations_at(here, y);
+      const MatrixXd k = here.equations(y);
       VectorXd right(k.rows());
       right.head(n_) = -here.force;
       right.tail(y.size()) = -gaps(to_.mechanism(), here);
@@ -84,15 +84,6 @@ class SmallStep {
   }
 
  private:
-  MatrixXd equations_at(DensePoint<double>& point, const VectorXd& y) const {
-    const Index k = y.size();
-    MatrixXd out = MatrixXd::Zero(n_ + k, n_ + k);
-    out.topLeftCorner(n_, n_) = point.tangent(y);
-    out.topRightCorner(n_, k) = point.jacobian.transpose();
-    out.bottomLeftCorner(k, n_) = point.jacobian;
-    return out;
-  }
-
   // Of the rows kept.
   VectorXd gaps(const Mechanism<double>& m, const DensePoint<double>& point) const {
     VectorXd out(static_cast<Index>(rows_.size()));
