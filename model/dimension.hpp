@@ -33,6 +33,7 @@ struct Dimension {
   friend constexpr Dimension operator*(const Dimension& a, const Dimension& b) {
     return {a.mass + b.mass, a.force + b.force, a.length + b.length, a.angle + b.angle, a.time + b.time};
   }
+  friend constexpr bool operator==(const Dimension&, const Dimension&) = default;
   constexpr Dimension power(int n) const { return {n * mass, n * force, n * length, n * angle, n * time}; }
 
  private:

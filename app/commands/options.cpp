@@ -119,10 +119,27 @@ void add_seek_option(Command& command, std::string& seek) {
 
 void add_quantities_option(Command& command, std::vector<std::string>& names) {
   command.add({"--of", &names, "NAMES",
-               "What to look at, with commas between: angle.BODY, travel.JOINT,\nBODY.POINT.x, the length or angle of "
-               "an ELEMENT; force.ELEMENT;\nreaction.JOINT or its .x, .y, .moment, .axial; stop.NAME; energy;\n"
-               "load_at_fold.LOAD, the load at which the mechanism snaps",
+               "What to look at, with commas between: angle.BODY, travel.JOINT,\nx.BODY.POINT, length.ELEMENT, "
+               "force.ELEMENT, reaction.JOINT or its\n.x, .y, .moment, .axial; stop.NAME; energy; d(A)/d(B); "
+               "fold.load.LOAD, the\nload at which the mechanism snaps (docs/quantities.md)",
                Presence::required});
+}
+
+void add_show_option(Command& command, std::vector<std::string>& names) {
+  command.add({"--show", &names, "NAMES",
+               "Quantities to show, with commas between: angle.BODY, x.BODY.POINT,\nlength.ELEMENT, force.ELEMENT, "
+               "reaction.JOINT, push.BODY.POINT.x,\nd(A)/d(B), energy, ..., and expressions of them "
+               "(docs/quantities.md)"});
+}
+
+void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& of) {
+  for (const SoughtQuantity& one : of) {
+    if (!one.has(SoughtQuantity::Kind::load_at_fold)) continue;
+    throw InputError(
+        fmt::format("{} {}: a load at a fold belongs to a path, not to a position; expected another "
+                    "quantity, or poise sensitivity --of {}",
+                    option, one.name, one.name));
+  }
 }
 
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
@@ -132,12 +149,18 @@ std::vector<SoughtQuantity> read_quantities(const std::string& option, const std
     for (const std::string& name : comma_separated(list)) {
       if (name.empty())
         throw InputError(fmt::format("{} \"{}\": expected a name before and after each comma", option, list));
-      if (std::any_of(out.begin(), out.end(), [&](const SoughtQuantity& one) { return one.name == name; })) continue;
+      SoughtQuantity found;
       try {
-        out.push_back(find_quantity(scene, name));
+        found = find_quantity(scene, name);
       } catch (const InputError& error) {
         throw InputError(option + " " + error.what());
       }
+      // These options have always answered with the name that was asked for.
+      const bool keeps_name = option == "--of" || option == "--measure";
+      if (keeps_name && found.of.empty()) found.name = name;
+      if (std::any_of(out.begin(), out.end(), [&](const SoughtQuantity& one) { return one.name == found.name; }))
+        continue;
+      out.push_back(std::move(found));
     }
   }
   return out;

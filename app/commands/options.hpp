@@ -64,6 +64,10 @@ Seek read_seek(const std::string& word);
 /// --of, required; its words go to `names`, which must outlive the command.
 void add_quantities_option(Command& command, std::vector<std::string>& names);
 /// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.
+/// Adds --show NAMES, quantities that are shown at each position.
+void add_show_option(Command& command, std::vector<std::string>& names);
+/// Throws InputError for a load at a fold, which belongs to no position.
+void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& of);
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
                                             const Scene& scene);
 

@@ -28,7 +28,7 @@ namespace {
 struct PathRequest {
   Request common;
   std::string curve = "equilibria", from = "settle", follow = "unstable", at;
-  std::vector<std::string> vary, measures;
+  std::vector<std::string> vary, measures, show;
   bool branches = false;
   int search = 0;
   std::optional<double> proof_seconds;
@@ -63,7 +63,7 @@ VariedPair read_pair(const PathRequest& request) {
     throw InputError(fmt::format("--curve fold: expected --vary twice, found {} of it", request.vary.size()));
   }
   for (const auto& [option, given] :
-       {std::pair("--at", !request.at.empty()), std::pair("--measure", !request.measures.empty()),
+       {std::pair("--at", !request.at.empty()), std::pair("--show", !request.measures.empty() || !request.show.empty()),
         std::pair("--branches", request.branches), std::pair("--search", request.search != 0),
         std::pair("--proof-seconds", request.proof_seconds.has_value()),
         std::pair("--follow", request.follow != "unstable")}) {
@@ -88,18 +88,6 @@ std::vector<double> read_at(const std::string& text, const VariedScene& varied) 
                                    varied.name(), varied.from() / varied.unit(), varied.to() / varied.unit(), value));
     }
     out.push_back(si);
-  }
-  return out;
-}
-
-std::vector<PathMeasure> read_measures(const std::vector<std::string>& names, const Scene& scene) {
-  std::vector<PathMeasure> out;
-  for (const std::string& name : names) {
-    try {
-      out.push_back(path_measure(scene, name));
-    } catch (const InputError& error) {
-      throw InputError(std::string("--measure ") + error.what());
-    }
   }
   return out;
 }
@@ -171,8 +159,10 @@ int run_path(const PathRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const VariedScene varied = read_vary(request);
   options.at = read_at(request.at, varied);
-  PathView view{
-      .measures = read_measures(request.measures, varied.scene()), .at = options.at, .follow = options.follow};
+  std::vector<SoughtQuantity> shown = read_quantities("--measure", request.measures, varied.scene());
+  for (SoughtQuantity& one : read_quantities("--show", request.show, varied.scene())) shown.push_back(std::move(one));
+  refuse_folds("--show", shown);
+  PathView view{.measures = shown, .at = options.at, .follow = options.follow};
   OutputFiles files(request.common);
   progress.now("following the curve of equilibria");
   options.progress = progress_of(progress, varied);
@@ -181,7 +171,7 @@ int run_path(const PathRequest& request, const Palette& palette) {
 
   const bool any = std::any_of(found.branches.begin(), found.branches.end(),
                                [](const PathBranch& branch) { return !branch.points.empty(); });
-  const std::vector<PathMeasure> asked = view.measures;
+  const std::vector<SoughtQuantity> asked = view.measures;
   if (any && view.measures.empty() && !varied.is_driven()) view.measures = {most_changing(varied, found)};
   const Result result = path_result(varied, found, view, request.common.settings);
   const bool proved = found.status == Path::Status::traced && found.unproved() == 0;
@@ -224,9 +214,8 @@ Command path_command() {
                "Search also for curves that are not connected with the start, by\ndeflation from N starts at each of "
                "five values (0)"});
   command.add({"--at", &request->at, "NUMBERS", "Show the equilibria at these values of the number: 1,2.5,5"});
-  command.add({"--measure", &request->measures, "NAME",
-               "Show this at every point: a body's angle, a slide's travel,\nBODY.POINT.x, BODY.POINT.y, the length or "
-               "angle of a force element;\nseveral times (what changes most)"});
+  add_show_option(command, request->show);
+  command.add({"--measure", &request->measures, "NAME", "The same, of one; several times"});
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the curve, and the mechanism at its start, end, folds, snaps and\nstops, into FILE",

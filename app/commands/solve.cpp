@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
@@ -20,6 +21,7 @@ struct SolveRequest {
   std::string method = "virtual-work", seek = "settle";
   std::optional<double> proof_seconds;
   std::optional<double> time;
+  std::vector<std::string> show;
 };
 
 /// The scene at the time asked for. Throws InputError where nothing of it depends on time.
@@ -47,13 +49,15 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(scene_at_time(words));
+  const std::vector<SoughtQuantity> show = read_quantities("--show", words.show, model.scene());
+  refuse_folds("--show", show);
   OutputFiles files(request);
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);
 
   std::optional<HeldPose> as_drawn;
   if (has_friction(model.scene())) as_drawn = held_pose(model, assemble(model));
-  const Result result = solve_result(model, answer, request.settings, as_drawn ? &*as_drawn : nullptr);
+  const Result result = solve_result(model, answer, request.settings, as_drawn ? &*as_drawn : nullptr, show);
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
   const bool drawn = answer.readings && !interrupted;
   Pictures pictures;
@@ -74,6 +78,7 @@ Command solve_command() {
   add_seek_option(command, request->seek);
   command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
   command.add({"--time", &request->time, "S", "Time at which loads that follow functions of time are taken (0)"});
+  add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism in equilibrium, with loads and joint forces, into\nFILE"});

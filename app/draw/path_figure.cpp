@@ -83,15 +83,14 @@ std::string parameter_words(const VariedScene& varied, double value) {
 }
 
 /// "snaps to handle = 23.4 deg".
-std::string snap_words(const VariedScene& varied, const PathEvent& event, const std::vector<PathMeasure>& measures) {
+std::string snap_words(const VariedScene& varied, const PathEvent& event, const std::vector<SoughtQuantity>& measures) {
   if (!event.landing || measures.empty()) return "snaps";
   PathReader reader(varied);
-  const PathMeasure& measure = measures.front();
-  const Quantity quantity = quantity_of(measure.on);
+  const SoughtQuantity& measure = measures.front();
   const Units& units = varied.scene().units;
   return fmt::format("snaps to {} = {} {}", measure.name,
-                     significant(in_unit(reader.value(measure, *event.landing), quantity, units), 4),
-                     unit_name(quantity, units));
+                     significant(reader.value(measure, *event.landing) / measure.dimension.unit(units), 4),
+                     measure.dimension.unit_name(units));
 }
 
 std::string caption_of(const VariedScene& varied, const Shown& at) {
@@ -148,7 +147,7 @@ Position position_of(const VariedScene& varied, PathReader& reader, const Scene&
 
 }  // namespace
 
-Figure path_figure(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures) {
+Figure path_figure(const VariedScene& varied, const Path& path, const std::vector<SoughtQuantity>& measures) {
   const double range = std::abs(varied.to() - varied.from());
   const PathCharts charts = charts_of(varied, path, measures);
   double length = 0.0;

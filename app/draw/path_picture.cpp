@@ -46,7 +46,7 @@ std::string multiples_of(const VariedScene& varied, const std::vector<PathMark>&
 
 }  // namespace
 
-std::string path_picture(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
+std::string path_picture(const VariedScene& varied, const Path& path, const std::vector<SoughtQuantity>& measures,
                          const std::string& heading, bool confirmed) {
   const PathCharts charts = charts_of(varied, path, measures);
   const std::string chart = draw_plot(charts.panels);

@@ -7,42 +7,47 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
-#include "model/nearest_name.hpp"
 #include "statics/bodies/body_measures.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise {
 namespace {
 
+SoughtQuantity measured(std::string name, const Measure& on) {
+  return {.name = std::move(name), .on = on, .dimension = on.dimension()};
+}
+
 /// Coordinates of all points of bodies: "arm.tip.x", "arm.tip.y".
-std::vector<PathMeasure> coordinates_of(const Scene& scene) {
-  std::vector<PathMeasure> out;
+std::vector<SoughtQuantity> coordinates_of(const Scene& scene) {
+  std::vector<SoughtQuantity> out;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     for (std::size_t p = 0; p < scene.bodies[i].points.size(); ++p) {
       const PointRef point{static_cast<int>(i), static_cast<int>(p)};
-      out.push_back({scene.name_of(point) + ".x", Measure::x_of(point)});
-      out.push_back({scene.name_of(point) + ".y", Measure::y_of(point)});
+      out.push_back(measured(scene.name_of(point) + ".x", Measure::x_of(point)));
+      out.push_back(measured(scene.name_of(point) + ".y", Measure::y_of(point)));
     }
   }
   return out;
 }
 
 /// Angles of bodies, travels of joints and coordinates of points, in the order in which names are looked for.
-std::vector<PathMeasure> measures_of_pose(const Scene& scene) {
-  std::vector<PathMeasure> out;
+std::vector<SoughtQuantity> measures_of_pose(const Scene& scene) {
+  std::vector<SoughtQuantity> out;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    out.push_back({scene.bodies[i].name, Measure::angle_between(0, static_cast<int>(i))});
+    out.push_back(measured(scene.bodies[i].name, Measure::angle_between(0, static_cast<int>(i))));
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (scene.joints[j].has_travel()) out.push_back({scene.joints[j].name, Measure::travel_of(static_cast<int>(j))});
+    if (!scene.joints[j].has_travel()) continue;
+    out.push_back(measured(scene.joints[j].name, Measure::travel_of(static_cast<int>(j))));
   }
-  for (PathMeasure& coordinate : coordinates_of(scene)) out.push_back(std::move(coordinate));
+  for (SoughtQuantity& coordinate : coordinates_of(scene)) out.push_back(std::move(coordinate));
   return out;
 }
 
 /// Angles of bodies that can turn and all travels, or else coordinates.
-std::vector<PathMeasure> moving_measures(const StaticModel& model) {
-  std::vector<PathMeasure> out;
-  for (PathMeasure& measure : measures_of_pose(model.scene())) {
+std::vector<SoughtQuantity> moving_measures(const StaticModel& model) {
+  std::vector<SoughtQuantity> out;
+  for (SoughtQuantity& measure : measures_of_pose(model.scene())) {
     const bool turns = measure.on.is_angle() && model.layout().links[measure.on.body_b].frame >= 0;
     if (turns || measure.on.kind == Measure::Kind::travel) out.push_back(std::move(measure));
   }
@@ -50,28 +55,6 @@ std::vector<PathMeasure> moving_measures(const StaticModel& model) {
 }
 
 }  // namespace
-
-PathMeasure path_measure(const Scene& scene, const std::string& name) {
-  std::vector<std::string> known;
-  for (PathMeasure& measure : measures_of_pose(scene)) {
-    if (measure.name == name) return std::move(measure);
-    known.push_back(measure.name);
-  }
-  std::vector<const Element*> found;
-  for (const Element& element : scene.elements) {
-    const std::string path = element.table + "." + element.name;
-    if (path == name) return {name, element.on};
-    if (element.name == name) found.push_back(&element);
-    known.push_back(element.name);
-  }
-  if (found.size() == 1) return {name, found.front()->on};
-  if (found.size() > 1) {
-    throw InputError(fmt::format("{}: expected one element, found {}.{} and {}.{}; give one of these", name,
-                                 found[0]->table, name, found[1]->table, name));
-  }
-  throw InputError(fmt::format("{}: expected a body, a slide, BODY.POINT.x, BODY.POINT.y or a force element{}", name,
-                               did_you_mean_or_list(name, known)));
-}
 
 const StaticModel& PathReader::model(const PathPoint& point) {
   // Poses do not depend on loads, stiffnesses and driven measures.
@@ -81,16 +64,20 @@ const StaticModel& PathReader::model(const PathPoint& point) {
   return *model_;
 }
 
-double PathReader::value(const PathMeasure& measure, const PathPoint& point) {
-  const StaticModel& at = model(point);
-  std::vector<BodyPose<double>> poses = at.poses(point.x);
-  poses.resize(at.scene().bodies.size());
-  return value_of(at.scene(), measure.on, poses);
+double PathReader::value(const SoughtQuantity& quantity, const PathPoint& point) {
+  if (quantity.kind == SoughtQuantity::Kind::measure) {
+    return quantities_at(model(point), point.x, {}, {quantity}).front();
+  }
+  const auto at = varied_.model_at(point.parameter);
+  std::vector<int> active = point.active_stops;
+  const int driven = varied_.is_driven() ? static_cast<int>(at->scene().stops.size()) - 1 : -1;
+  if (driven >= 0) active.push_back(driven);
+  return quantities_at(*at, point.x, active, {quantity}, driven).front();
 }
 
-PathMeasure most_changing(const VariedScene& varied, const Path& path) {
+SoughtQuantity most_changing(const VariedScene& varied, const Path& path) {
   PathReader reader(varied);
-  std::vector<PathMeasure> measures;
+  std::vector<SoughtQuantity> measures;
   std::vector<double> least, most;
   const auto read = [&](const PathPoint& point) {
     const StaticModel& model = reader.model(point);

@@ -6,19 +6,9 @@
 
 #include "statics/model/readings.hpp"
 #include "statics/paths/path.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise {
-
-/// A measure that is read along a path.
-struct PathMeasure {
-  std::string name;
-  Measure on;
-};
-
-/// The measure so called, in this order: the angle of a body; the travel of a slide or pin in a slot; a coordinate of a
-/// point, "BODY.POINT.x" or "BODY.POINT.y"; what a force element acts on, "NAME" or "TABLE.NAME". Throws InputError
-/// with the nearest name where there is none, or where several elements have the name.
-PathMeasure path_measure(const Scene& scene, const std::string& name);
 
 /// Reads the points of a path by the names of the scene.
 class PathReader {
@@ -30,8 +20,8 @@ class PathReader {
   const StaticModel& model(const PathPoint& point);
   /// Where bodies, slides and springs are at the point, SI. Forces of springs may be those of another point.
   Readings read(const PathPoint& point) { return read_off(model(point), point.x); }
-  /// SI.
-  double value(const PathMeasure& measure, const PathPoint& point);
+  /// SI; not a number where the quantity is undefined (quantities_at()).
+  double value(const SoughtQuantity& quantity, const PathPoint& point);
 
  private:
   const VariedScene& varied_;
@@ -41,6 +31,6 @@ class PathReader {
 
 /// The angle or travel that changes most along the path, in rad or mechanism sizes; of mechanisms that have neither a
 /// coordinate of a point. The first where several do. There is one point at least.
-PathMeasure most_changing(const VariedScene& varied, const Path& path);
+SoughtQuantity most_changing(const VariedScene& varied, const Path& path);
 
 }  // namespace poise

@@ -12,12 +12,11 @@
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
-#include "model/named_item.hpp"
-#include "model/nearest_name.hpp"
 #include "statics/model/static_numbers.hpp"
 #include "statics/paths/path.hpp"
 #include "statics/paths/path_measures.hpp"
-#include "statics/sensitivity/private/linear_response.hpp"
+#include "statics/quantities/linear_response.hpp"
+#include "statics/quantities/quantity_value.hpp"
 
 namespace poise {
 namespace {
@@ -25,144 +24,6 @@ namespace {
 constexpr int most_dense_unknowns = 1200;  // whose dense factors are computed in seconds
 constexpr double sum_rounding = 1e-13;     // parts of a sum's terms below which it is zero
 constexpr double nothing = 1e-9;           // parts of a vector below which it has no component along another
-
-// --- names ----------------------------------------------------------------------------------------------------------
-
-/// Index of the item so called; throws InputError with the nearest name.
-template <class Items>
-int item_called(const Items& items, const std::string& name, const std::string& whole, const std::string& kind) {
-  const NamedItem found = find_item(items, name);
-  if (found) return found.index;
-  throw InputError(
-      fmt::format("{}: expected the name of a {}{}", whole, kind, did_you_mean_or_list(name, found.known)));
-}
-
-SoughtQuantity measured(const std::string& name, const Measure& on) {
-  return {.name = name, .on = on, .dimension = on.dimension()};
-}
-
-int element_called(const Scene& scene, const std::string& name, const std::string& whole) {
-  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
-    if (scene.elements[e].table + "." + scene.elements[e].name == name) return static_cast<int>(e);
-  }
-  const int found = item_called(scene.elements, name, whole, "force element");
-  for (std::size_t e = found + 1; e < scene.elements.size(); ++e) {
-    if (scene.elements[e].name != name) continue;
-    throw InputError(fmt::format("{}: expected one element, found {}.{} and {}.{}; give one of these", whole,
-                                 scene.elements[found].table, name, scene.elements[e].table, name));
-  }
-  return found;
-}
-
-SoughtQuantity reaction_called(const Scene& scene, const std::string& name, const std::string& whole) {
-  SoughtQuantity out{.name = whole, .kind = SoughtQuantity::Kind::reaction, .dimension = dimension::force};
-  const auto is = [&](const std::string& joint) {
-    return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const Joint& j) { return j.name == joint; });
-  };
-  using Part = SoughtQuantity::Part;
-  if (is(name)) {
-    out.item = item_called(scene.joints, name, whole, "joint");
-    out.part = scene.joints[out.item].keeps_length() ? Part::axial : Part::size;
-    return out;
-  }
-  const std::size_t dot = name.rfind('.');
-  const std::string joint = name.substr(0, dot), part = dot == std::string::npos ? "" : name.substr(dot + 1);
-  const std::vector<std::string> parts{"size", "x", "y", "moment", "axial"};
-  const auto at = std::find(parts.begin(), parts.end(), part);
-  if (dot == std::string::npos || (at == parts.end() && !is(joint))) {
-    out.item = item_called(scene.joints, name, whole, "joint");
-  }
-  out.item = item_called(scene.joints, joint, whole, "joint");
-  if (at == parts.end()) {
-    throw InputError(fmt::format("{}: expected size, x, y, moment or axial after the joint, found {}", whole, part));
-  }
-  out.part = static_cast<Part>(at - parts.begin());
-  const Joint& of = scene.joints[out.item];
-  if (out.part == Part::moment && !of.keeps_angle()) {
-    throw InputError(fmt::format("{}: a {} transmits no moment; of slides and welds only", whole, of.traits().key));
-  }
-  if (out.part == Part::axial && !of.keeps_length()) {
-    throw InputError(fmt::format("{}: a {} has no axial force; of bars only", whole, of.traits().key));
-  }
-  if (out.part == Part::moment) out.dimension = dimension::torque;
-  return out;
-}
-
-}  // namespace
-
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
-  const auto after = [&](const std::string& prefix) -> std::optional<std::string> {
-    if (!name.starts_with(prefix)) return std::nullopt;
-    return name.substr(prefix.size());
-  };
-  if (const auto body = after("angle.")) {
-    const int found = item_called(scene.bodies, *body, name, "body");
-    if (found == 0) throw InputError(name + ": the ground does not turn; expected another body");
-    return measured(name, Measure::angle_between(0, found));
-  }
-  if (const auto joint = after("travel.")) {
-    const NamedItem found = find_item(scene.joints, *joint, [](const Joint& of) { return of.has_travel(); });
-    if (found) return measured(name, Measure::travel_of(found.index));
-    if (const NamedItem other = find_item(scene.joints, *joint)) {
-      throw InputError(fmt::format("{}: expected a slide or pin in a slot, {} is a {}", name, *joint,
-                                   scene.joints[other.index].traits().key));
-    }
-    throw InputError(fmt::format("{}: expected the name of a slide or pin in a slot{}", name,
-                                 did_you_mean_or_list(*joint, found.known)));
-  }
-  if (const auto element = after("force.")) {
-    const int found = element_called(scene, *element, name);
-    const Element& of = scene.elements[found];
-    if (!stores_energy(of.law)) {
-      throw InputError(
-          fmt::format("{}: a {} has no force at rest; expected a spring or constant force", name, of.family()));
-    }
-    return {.name = name,
-            .kind = SoughtQuantity::Kind::element_force,
-            .item = found,
-            .dimension = of.on.effort_dimension()};
-  }
-  if (const auto joint = after("reaction.")) return reaction_called(scene, *joint, name);
-  if (const auto stop = after("stop.")) {
-    const int found = item_called(scene.stops, *stop, name, "stop");
-    return {.name = name,
-            .kind = SoughtQuantity::Kind::stop_reaction,
-            .item = found,
-            .dimension = scene.stops[found].on.effort_dimension()};
-  }
-  if (name == "energy") {
-    for (const Force& force : scene.forces) {
-      if (force.follows < 0) continue;
-      throw InputError(fmt::format(
-          "energy: force \"{}\" follows a body and has no potential; expected another quantity", force.name));
-    }
-    return {.name = name, .kind = SoughtQuantity::Kind::energy, .dimension = dimension::torque};
-  }
-  if (const auto load = after("load_at_fold.")) {
-    std::vector<std::string> known;
-    for (const ParameterRow& row : parameter_table(scene)) {
-      if (row.place.owner != Owner::force && row.place.owner != Owner::torque) continue;
-      known.emplace_back(row.path.parts[1]);
-      if (known.back() != *load) continue;
-      return {.name = name,
-              .kind = SoughtQuantity::Kind::load_at_fold,
-              .load = row.path.text(),
-              .dimension = row.dimension};
-    }
-    throw InputError(fmt::format("{}: expected the name of a load{}", name, did_you_mean_or_list(*load, known)));
-  }
-  try {
-    return measured(name, path_measure(scene, name).on);
-  } catch (const InputError& error) {
-    throw InputError(std::string(error.what()) +
-                     "; or angle.BODY, travel.JOINT, force.ELEMENT, reaction.JOINT, stop.NAME, energy, "
-                     "load_at_fold.LOAD");
-  }
-}
-
-// --- derivatives ----------------------------------------------------------------------------------------------------
-
-namespace {
 
 /// A number that may change alone, and its derivative.
 struct Column {
@@ -350,7 +211,8 @@ class AtEquilibrium {
   QuantitySensitivity of(const SoughtQuantity& quantity) const {
     QuantitySensitivity out;
     out.of = quantity;
-    const QuantityGradient gradient = response_.gradient(quantity, response_.z());
+    const QuantityGradient gradient =
+        gradient_of(quantity, response_.equations(), response_.equations().numbers(), response_.z());
     out.value = gradient.value / quantity.dimension.per_scale(scales_);
     if (!gradient.by_unknowns.allFinite() || !gradient.by_numbers.allFinite()) {
       out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
@@ -388,8 +250,9 @@ class AtEquilibrium {
       out.why = "the equilibrium is neutral: how this changes depends on where on its curve of equilibria it stands";
       return out;
     }
-    const Eigen::VectorXd known = derivatives_of(
-        places_, transposed_, [&](const std::vector<double>& z) { return response_.gradient(quantity, z); });
+    const Eigen::VectorXd known = derivatives_of(places_, transposed_, [&](const std::vector<double>& z) {
+      return gradient_of(quantity, response_.equations(), response_.equations().numbers(), z);
+    });
     fill(out, response_.equations(), columns_, scales_, [&](int row, std::string& why) {
       if (left_null_.cols() > 0) {
         const auto by_number = response_.by_numbers().col(row);
@@ -516,7 +379,7 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
       condition.on = equations.scene().elements[found.spring].on;
     }
     const auto gradient = [&](const std::vector<double>& z) {
-      QuantityGradient of = response.gradient(condition, z);
+      QuantityGradient of = gradient_of(condition, response.equations(), response.equations().numbers(), z);
       for (std::size_t k = 0; k < equations.rows().size(); ++k) {
         const ParameterPlace& place = equations.rows()[k].place;
         if (place.owner == Owner::element && place.item == found.spring && place.number == 1) {

@@ -8,40 +8,9 @@
 #include "model/measure.hpp"
 #include "model/scene.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise {
-
-/// Something that depends on the numbers of a scene.
-struct SoughtQuantity {
-  enum class Kind {
-    measure,        ///< of the pose
-    element_force,  ///< T of a force element, positive where it tends to reduce its measure
-    reaction,       ///< of a joint, on the body of its second point
-    stop_reaction,  ///< with which a stop pushes, >= 0
-    energy,
-    load_at_fold,  ///< value of a load at the first fold of the path on which it grows
-  };
-  enum class Part { size, x, y, moment, axial };  ///< of a reaction; axial: tension of a bar
-
-  std::string name;
-  Kind kind = Kind::measure;
-  Part part = Part::size;
-  Measure on{};
-  int item = -1;       ///< index of Scene::elements, joints or stops
-  std::string load{};  ///< of a load at a fold: its path, "load.P"
-  Dimension dimension{};
-};
-
-/// The quantity so called:
-///   angle.BODY, travel.JOINT, or what path_measure() knows: BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT
-///   force.ELEMENT         (ELEMENT or TABLE.ELEMENT)
-///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
-///   stop.NAME             with which a stop pushes
-///   energy
-///   load_at_fold.LOAD     the value of load LOAD at the first fold, from the settled equilibrium with growing
-///   magnitude
-/// Throws InputError with the nearest name where there is none.
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
 
 /// How one number of the scene moves a quantity.
 struct Sensitivity {
@@ -73,7 +42,7 @@ struct Sensitivities {
 };
 
 /// Derivatives of quantities by every number of the scene, at its settled equilibrium. With z the places of the bodies
-/// and the joint forces, R(z, p) = 0 the equations of equilibrium (statics/sensitivity/private/numbered_equations.hpp)
+/// and the joint forces, R(z, p) = 0 the equations of equilibrium (statics/quantities/numbered_equations.hpp)
 /// with the stops that act, and m(z, p) the quantity,
 ///
 ///   dm/dp = dm/dp|_z - mu^T dR/dp,   (dR/dz)^T mu = dm/dz|_p

@@ -15,7 +15,8 @@
 #include "solvers/linear_algebra.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
-#include "statics/sensitivity/private/linear_response.hpp"
+#include "statics/quantities/linear_response.hpp"
+#include "statics/quantities/quantity_value.hpp"
 
 namespace poise {
 namespace {
@@ -311,7 +312,7 @@ class Sampler {
     if (!set_numbers(work)) return out;  // an expression has no value
     if (chord(work)) {
       out.fate = Fate::taken;
-      read(*nominal_.equations, work.numbers, work.z, work.placed, values);
+      read(*nominal_.equations, work.numbers, work.z, values);
       if (k % followed_besides == 0) {
         out.rechecked = true;
         Continuation continuation(scene_, nominal_, sign_);
@@ -328,7 +329,7 @@ class Sampler {
     }
     if (course == Course::continues) {
       out.fate = Fate::continued;
-      read(*continuation.state().equations, work.numbers, continuation.state().z, work.placed, values);
+      read(*continuation.state().equations, work.numbers, continuation.state().z, values);
       return out;
     }
     out.fate = settle(work, values) ? Fate::snapped : Fate::nowhere;
@@ -340,12 +341,12 @@ class Sampler {
   bool continued(Work& work, double* values) const {
     if (!set_numbers(work)) return false;
     if (chord(work)) {
-      read(*nominal_.equations, work.numbers, work.z, work.placed, values);
+      read(*nominal_.equations, work.numbers, work.z, values);
       return true;
     }
     Continuation continuation(scene_, nominal_, sign_);
     if (continuation.follow(equations().numbers(), work.numbers) != Course::continues) return false;
-    read(*continuation.state().equations, work.numbers, continuation.state().z, work.placed, values);
+    read(*continuation.state().equations, work.numbers, continuation.state().z, values);
     return true;
   }
 
@@ -435,10 +436,10 @@ class Sampler {
   }
 
   void read(const NumberedEquations& equations, const std::vector<double>& numbers, const std::vector<double>& z,
-            std::vector<Placed>& placed, double* values) const {
+            double* values) const {
+    QuantityPlace<double> place(equations, numbers.data(), z.data());
     for (std::size_t q = 0; q < of_.size(); ++q) {
-      values[q] =
-          value_of(of_[q], equations, numbers.data(), z.data(), placed) / of_[q].dimension.per_scale(model_.scales());
+      values[q] = place.value(of_[q]) / of_[q].dimension.per_scale(model_.scales());
     }
   }
 
@@ -461,7 +462,7 @@ class Sampler {
       const LinearResponse there =
           response_at(model, found.x, found.certificate.active_stops, solvers::known_to::solution);
       if (!there.why().empty()) return false;
-      read(there.equations(), there.equations().numbers(), there.z(), work.placed, values);
+      read(there.equations(), there.equations().numbers(), there.z(), values);
       return true;
     } catch (const InputError&) {  // the loops of the sample cannot be closed
       return false;

@@ -26,7 +26,7 @@ using nlohmann::json;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-PathView with_guide(const VariedScene& varied) { return {.measures = {path_measure(varied.scene(), "guide")}}; }
+PathView with_guide(const VariedScene& varied) { return {.measures = {find_quantity(varied.scene(), "guide")}}; }
 
 std::string text_of(const VariedScene& varied, const Path& path, const PathView& view) {
   return plain_text(path_result(varied, path, view, {}), {}, Verbosity::normal);
@@ -192,7 +192,7 @@ TEST(PathReport, HasOneLineInCsvForEachPoint) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
   PathView view = with_guide(varied);
-  view.measures.push_back(path_measure(varied.scene(), "apex.C.y"));
+  view.measures.push_back(find_quantity(varied.scene(), "apex.C.y"));
   const Result result = path_result(varied, path, view, {});
   ASSERT_NE(result.csv(), nullptr);
   const std::string lines = csv_text(*result.csv());
@@ -237,7 +237,7 @@ TEST(PathPicture, MarksWhatIsInTheTableAndDrawsTheMechanismThere) {
 TEST(PathChart, PutsTheLoadUpwardsAndBreaksTheLineAtFolds) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
-  const std::vector<PathMeasure> measures = {path_measure(varied.scene(), "guide")};
+  const std::vector<SoughtQuantity> measures = {find_quantity(varied.scene(), "guide")};
   const std::vector<PathMark> marks = path_marks(varied, path);
   ASSERT_EQ(marks.size(), 5u) << "start, fold with snap, landing, fold, end";
   const std::vector<Panel> panels = path_panels(varied, path, measures, marks, "");

@@ -298,6 +298,7 @@ TEST(JsonDocs, Solve) {
   const TempFolder folder;
   check_section("solve",
                 {{{"solve", scene("toggle_clamp"), "--set", "load.P=30"}},
+                 {{"solve", scene("toggle_clamp"), "--show", "force.rubber,d(angle.arm)/d(angle.handle)"}},
                  {{"solve", scene("thesis_four_bar_reversed")}},
                  {{"solve", scene("forced_machine"), "--time", "0.05"}},
                  {{"solve", scene("four_bar_torsion")}},

@@ -6,6 +6,7 @@
 
 #include "model/input_error.hpp"
 #include "statics/paths/path_words.hpp"
+#include "statics/quantities/quantity.hpp"
 #include "tests/app/fabricated_path.hpp"
 #include "tests/app/run_poise.hpp"
 
@@ -18,7 +19,7 @@ using app_tests::varied_toggle;
 
 std::string complaint(const Scene& scene, const std::string& name) {
   try {
-    path_measure(scene, name);
+    find_quantity(scene, name);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -27,12 +28,12 @@ std::string complaint(const Scene& scene, const std::string& name) {
 
 TEST(PathMeasures, AreFoundByTheNamesOfTheScene) {
   const Scene clamp = read_scene(dataset("toggle_clamp"));
-  EXPECT_EQ(path_measure(clamp, "handle").on.kind, Measure::Kind::angle);
-  EXPECT_EQ(path_measure(clamp, "arm.T.x").on.kind, Measure::Kind::x);
-  EXPECT_EQ(path_measure(clamp, "arm.T.y").on.kind, Measure::Kind::y);
-  EXPECT_EQ(path_measure(clamp, "rubber").on.kind, Measure::Kind::distance);
-  EXPECT_EQ(path_measure(clamp, "spring.rubber").on.kind, Measure::Kind::distance);
-  EXPECT_EQ(path_measure(read_scene(dataset("von_mises_toggle")), "guide").on.kind, Measure::Kind::travel);
+  EXPECT_EQ(find_quantity(clamp, "handle").on.kind, Measure::Kind::angle);
+  EXPECT_EQ(find_quantity(clamp, "arm.T.x").on.kind, Measure::Kind::x);
+  EXPECT_EQ(find_quantity(clamp, "arm.T.y").on.kind, Measure::Kind::y);
+  EXPECT_EQ(find_quantity(clamp, "rubber").on.kind, Measure::Kind::distance);
+  EXPECT_EQ(find_quantity(clamp, "spring.rubber").on.kind, Measure::Kind::distance);
+  EXPECT_EQ(find_quantity(read_scene(dataset("von_mises_toggle")), "guide").on.kind, Measure::Kind::travel);
   EXPECT_NE(complaint(clamp, "handel").find("did you mean \"handle\"?"), std::string::npos)
       << complaint(clamp, "handel");
 }
@@ -50,8 +51,8 @@ TEST(PathMeasures, ReadsPoses) {
   const Path path = toggle_path(varied);
   PathReader reader(varied);
   const PathPoint& point = path.branches.front().points[10];
-  EXPECT_NEAR(reader.value(path_measure(varied.scene(), "guide"), point), 0.4, 1e-15);
-  EXPECT_NEAR(reader.value(path_measure(varied.scene(), "apex.C.y"), point), 0.4, 1e-15);
+  EXPECT_NEAR(reader.value(find_quantity(varied.scene(), "guide"), point), 0.4, 1e-15);
+  EXPECT_NEAR(reader.value(find_quantity(varied.scene(), "apex.C.y"), point), 0.4, 1e-15);
   EXPECT_EQ(most_changing(varied, path).name, "guide");
 }
 
@@ -59,7 +60,7 @@ TEST(PathMeasures, ReadsDimensionsThatVary) {
   const VariedScene varied(read_scene(dataset("von_mises_toggle")), "point.ground.O.y", 0.0, 0.2);
   PathPoint point;
   PathReader reader(varied);
-  const PathMeasure height = path_measure(varied.scene(), "apex.C.y");
+  const SoughtQuantity height = find_quantity(varied.scene(), "apex.C.y");
   for (const double at : {0.1, 0.2}) {
     point.parameter = at;
     point.x = varied.model_at(at)->from_si({0.3});

@@ -17,7 +17,8 @@
 #include "model/parameters.hpp"
 #include "solvers/real50.hpp"
 #include "statics/model/reference.hpp"
-#include "statics/sensitivity/private/linear_response.hpp"
+#include "statics/quantities/linear_response.hpp"
+#include "statics/quantities/quantity_value.hpp"
 #include "tests/support/build_scene.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/random_mechanism.hpp"
@@ -129,7 +130,7 @@ int expect_differences(const Scene& given, const std::string& name) {
       numbers[row] = value + k * h;
       const std::vector<Real50> z = refined(equations, numbers, response.z(), factors);
       for (std::size_t q = 0; q < of.size(); ++q)
-        at[q].push_back(value_of(of[q], equations, numbers.data(), z.data(), placed));
+        at[q].push_back(QuantityPlace<Real50>(equations, numbers.data(), z.data()).value(of[q]));
     }
     for (std::size_t q = 0; q < of.size(); ++q) {
       const QuantitySensitivity& one = found.of[q];

@@ -55,12 +55,11 @@ Ordinate effort_of(const VariedScene& varied) {
           }};
 }
 
-Ordinate measure_of(const VariedScene& varied, PathReader& reader, const PathMeasure& measure,
+Ordinate measure_of(const VariedScene& varied, PathReader& reader, const SoughtQuantity& measure,
                     const std::string& remark) {
-  const Quantity quantity = quantity_of(measure.on);
   const Units& units = varied.scene().units;
-  return {label_with_unit(measure.name, unit_name(quantity, units)) + remark,
-          [&reader, measure, unit = unit_value(quantity, units)](const PathPoint& point) {
+  return {label_with_unit(measure.name, measure.dimension.unit_name(units)) + remark,
+          [&reader, measure, unit = measure.dimension.unit(units)](const PathPoint& point) {
             return reader.value(measure, point) / unit;
           }};
 }
@@ -71,12 +70,12 @@ struct Axes {
 };
 
 /// Those of all panels; they refer to the reader.
-std::vector<Axes> axes_of(const VariedScene& varied, PathReader& reader, const std::vector<PathMeasure>& measures,
+std::vector<Axes> axes_of(const VariedScene& varied, PathReader& reader, const std::vector<SoughtQuantity>& measures,
                           const std::string& remark) {
   std::vector<Axes> out;
   const Ordinate parameter = parameter_of(varied);
   if (varied.is_driven()) out.push_back({parameter, effort_of(varied)});
-  for (const PathMeasure& measure : measures) {
+  for (const SoughtQuantity& measure : measures) {
     const Ordinate read = measure_of(varied, reader, measure, out.empty() ? remark : "");
     out.push_back(varied.is_driven() ? Axes{parameter, read} : Axes{read, parameter});
   }
@@ -197,7 +196,7 @@ std::vector<PathMark> path_marks(const VariedScene& varied, const Path& path) {
   return marks;
 }
 
-std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures,
+std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, const std::vector<SoughtQuantity>& measures,
                                const std::vector<PathMark>& marks, const std::string& remark) {
   PathReader reader(varied);
   std::vector<Panel> panels;
@@ -207,7 +206,7 @@ std::vector<Panel> path_panels(const VariedScene& varied, const Path& path, cons
   return panels;
 }
 
-PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vector<PathMeasure>& measures) {
+PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vector<SoughtQuantity>& measures) {
   PathCharts charts{.marks = path_marks(varied, path), .measures = measures};
   std::string remark;
   if (measures.empty() && !varied.is_driven()) {
@@ -218,7 +217,7 @@ PathCharts charts_of(const VariedScene& varied, const Path& path, const std::vec
   return charts;
 }
 
-std::vector<ChartCursor> path_cursors(const VariedScene& varied, const std::vector<PathMeasure>& measures,
+std::vector<ChartCursor> path_cursors(const VariedScene& varied, const std::vector<SoughtQuantity>& measures,
                                       const std::vector<PathPoint>& points) {
   PathReader reader(varied);
   std::vector<ChartCursor> cursors;

@@ -36,8 +36,8 @@ struct PathReport {
   const Units& units() const { return varied.scene().units; }
   double parameter(double si) const { return si / varied.unit(); }
   double effort(double si) const { return si / varied.effort_dimension().unit(units()); }
-  double measure(const PathMeasure& measure, const PathPoint& point) {
-    return in_unit(reader.value(measure, point), quantity_of(measure.on), units());
+  double measure(const SoughtQuantity& measure, const PathPoint& point) {
+    return reader.value(measure, point) / measure.dimension.unit(units());
   }
   /// "load.P = 4.2 kN".
   std::string at(double si, int digits = digits_of_points) const { return varied.name() + " = " + amount(si, digits); }
@@ -81,8 +81,8 @@ void add_pose_data(Group& group, PathReport& report, const PathPoint& point) {
   places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.x); }));
   places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.y); }));
   Table& measures = group.table("measures", "", Rows::values, Verbosity::data);
-  measures.words("name", "", each(report.view.measures, &PathMeasure::name));
-  measures.data("value", each(report.view.measures, [&](const PathMeasure& m) { return report.measure(m, point); }));
+  measures.words("name", "", each(report.view.measures, &SoughtQuantity::name));
+  measures.data("value", each(report.view.measures, [&](const SoughtQuantity& m) { return report.measure(m, point); }));
 }
 
 std::optional<double> energy_of(const PathReport& report, const PathPoint& point) {
@@ -242,7 +242,7 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
     put(places_of(model, readings), Quantity::length);
   }
   for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
-  for (const PathMeasure& measure : report.view.measures) {
+  for (const SoughtQuantity& measure : report.view.measures) {
     add(measure.name, each(rows, [&](const PathRow& row) { return report.measure(measure, *row.point); }));
   }
 }
@@ -265,14 +265,13 @@ std::string proof_in_words(const PathPoint& point) {
 
 /// Columns of the measures, and of a driven measure the effort, at the points of the rows.
 void add_measures(Table& table, PathReport& report, const std::vector<const PathPoint*>& points) {
-  for (const PathMeasure& measure : report.view.measures) {
-    const Quantity quantity = quantity_of(measure.on);
+  for (const SoughtQuantity& measure : report.view.measures) {
     // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
     constexpr double rounding = 1e-13;
-    const double size = quantity == Quantity::angle ? 1.0 : report.varied.scales().length;
-    table.numbers("", measure.name, unit_name(quantity, report.units()),
+    const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
+    table.numbers("", measure.name, measure.dimension.unit_name(report.units()),
                   each(points, [&](const PathPoint* point) { return report.measure(measure, *point); }),
-                  {.digits = digits_of_points, .zero_below = in_unit(rounding * size, quantity, report.units())});
+                  {.digits = digits_of_points, .zero_below = rounding * size / measure.dimension.unit(report.units())});
   }
   if (!report.varied.is_driven()) return;
   const std::vector<double> efforts =
@@ -300,9 +299,9 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
 /// "guide = -0.548 m": the first measure shown; empty where there is none.
 std::string place_in_words(PathReport& report, const PathPoint& point) {
   if (report.view.measures.empty()) return "";
-  const PathMeasure& measure = report.view.measures.front();
+  const SoughtQuantity& measure = report.view.measures.front();
   return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), digits_of_points),
-                     unit_name(quantity_of(measure.on), report.units()));
+                     measure.dimension.unit_name(report.units()));
 }
 
 /// "load.P = 42.9 N, guide = -0.548 m".

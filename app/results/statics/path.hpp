@@ -11,8 +11,8 @@ namespace poise::app {
 
 /// What `poise path` was asked for.
 struct PathView {
-  std::vector<PathMeasure> measures{};  ///< shown at every point and event
-  std::vector<double> at{};             ///< SI: PathOptions::at
+  std::vector<SoughtQuantity> measures{};  ///< shown at every point and event
+  std::vector<double> at{};                ///< SI: PathOptions::at
   PathOptions::Follow follow = PathOptions::Follow::unstable;
 };
 

@@ -9,9 +9,11 @@
 #include "app/result/numbers.hpp"
 #include "app/results/cams.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "app/results/statics/hold.hpp"
 #include "app/results/statics/settling.hpp"
 #include "model/curved_slots.hpp"
+#include "statics/quantities/quantities_at.hpp"
 #include "statics/proof/enclosed_reactions.hpp"
 #include "statics/proof/principal_directions.hpp"
 
@@ -478,7 +480,7 @@ void add_answer_data(Group& group, const StaticModel& model, const Answer& answe
 }
 
 Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
-                    const HeldPose* as_drawn) {
+                    const HeldPose* as_drawn, const std::vector<SoughtQuantity>& show) {
   const Equilibrium& equilibrium = answer.equilibrium;
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(equilibrium);
@@ -507,6 +509,10 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
                      : equilibrium.status == Status::elsewhere ? "another equilibrium"
                                                                : "reached, no equilibrium"},
                     radius_of(equilibrium));
+    if (equilibrium.found()) {
+      const std::vector<int>& active = equilibrium.certificate.active_stops;
+      add_quantities(content, show, quantities_at(model, equilibrium.x, active, show), model.scene().units);
+    }
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);

@@ -6,13 +6,14 @@
 #include "app/result/result.hpp"
 #include "statics/equilibrium/answer.hpp"
 #include "statics/friction/held.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 
 /// What `poise solve` shows: verdict, positions, spring forces, joint forces, stops, what was left out, numerics.
-/// With the verdict on the assembled pose where the scene has friction.
+/// With the verdict on the assembled pose where the scene has friction, and the quantities asked for at an equilibrium.
 Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
-                    const HeldPose* as_drawn = nullptr);
+                    const HeldPose* as_drawn = nullptr, const std::vector<SoughtQuantity>& show = {});
 
 /// The data of an answer: method, seek, status, ..., see docs/json.md; what was not reached is null.
 void add_answer_data(Group& group, const StaticModel& model, const Answer& answer);

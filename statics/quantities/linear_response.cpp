@@ -1,4 +1,4 @@
-#include "statics/sensitivity/private/linear_response.hpp"
+#include "statics/quantities/linear_response.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -6,6 +6,7 @@
 #include <ceres/jet.h>
 
 #include "statics/bodies/body_measures.hpp"
+#include "statics/quantities/quantity_value.hpp"
 
 namespace poise {
 namespace {
@@ -94,9 +95,8 @@ QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& 
   QuantityGradient out;
   out.by_unknowns.resize(n);
   out.by_numbers.resize(static_cast<Eigen::Index>(numbers.size()));
-  std::vector<NumberedEquations::Placed<Dual>> placed;
   for_each_block(z, numbers, true, [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
-    const Dual value = value_of(of, equations, dual_p, dual_z, placed);
+    const Dual value = QuantityPlace<Dual>(equations, dual_p, dual_z).value(of);
     out.value = value.a;
     for (int k = 0; k < count; ++k) {
       (first + k < n ? out.by_unknowns[first + k] : out.by_numbers[first + k - n]) = value.v[k];

@@ -1,4 +1,4 @@
-#include "statics/sensitivity/private/numbered_equations.hpp"
+#include "statics/quantities/numbered_equations.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,51 +7,9 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "statics/model/static_model.hpp"
-#include "statics/sensitivity/private/numbered_equations.hpp"
-#include "statics/sensitivity/sensitivity.hpp"
+#include "statics/quantities/numbered_equations.hpp"
 
 namespace poise {
-
-/// Value of a quantity at z and its derivatives, in the units of the equations' scene.
-struct QuantityGradient {
-  double value = 0.0;
-  Eigen::VectorXd by_unknowns, by_numbers;
-};
-
-/// The value of a quantity, but of a load at a fold, in any scalar.
-template <class T>
-T value_of(const SoughtQuantity& of, const NumberedEquations& equations, const T* numbers, const T* z,
-           std::vector<NumberedEquations::Placed<T>>& placed) {
-  equations.place(z, placed);
-  const NumberedEquations::Bodies<T> bodies = equations.bodies(numbers, placed);
-  switch (of.kind) {
-    case SoughtQuantity::Kind::measure:
-      return bodies.value(of.on);
-    case SoughtQuantity::Kind::element_force:
-      return bodies.element_force(of.item);
-    case SoughtQuantity::Kind::energy:
-      return bodies.energy();
-    case SoughtQuantity::Kind::stop_reaction:
-      for (std::size_t h = 0; h < equations.acting().size(); ++h) {
-        if (equations.acting()[h].stop != of.item) continue;
-        const T& effort = z[equations.multiplier_of_stop(static_cast<int>(h))];
-        return equations.acting()[h].upper ? T(-effort) : effort;
-      }
-      return T(0);
-    case SoughtQuantity::Kind::reaction: {
-      const Joint& joint = equations.scene().joints[of.item];
-      const int first = equations.multiplier_of_joint(of.item);
-      if (of.part == SoughtQuantity::Part::axial) return -z[first];
-      if (of.part == SoughtQuantity::Part::moment) return z[first + joint.traits().constraints() - 1];
-      const Planar<T> force = bodies.joint_effort(of.item, z + first).force;
-      if (of.part == SoughtQuantity::Part::x) return force.x;
-      return of.part == SoughtQuantity::Part::y ? force.y : norm(force);
-    }
-    case SoughtQuantity::Kind::load_at_fold:
-      break;
-  }
-  return T(0);
-}
 
 /// Places of the bodies of a model at scaled coordinates: the first unknowns of its equations.
 std::vector<double> poses_of(const StaticModel& model, const std::vector<double>& x);
@@ -65,9 +23,6 @@ struct ResidualDerivatives {
 };
 ResidualDerivatives differentiate(const NumberedEquations& equations, const std::vector<double>& numbers,
                                   const std::vector<double>& z, bool by_numbers);
-QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& equations,
-                             const std::vector<double>& numbers, const std::vector<double>& z);
-
 /// The equations of equilibrium at an equilibrium, with their derivatives.
 class LinearResponse {
  public:
@@ -86,9 +41,6 @@ class LinearResponse {
   /// R and its derivatives at z, and those of a quantity.
   ResidualDerivatives at(const std::vector<double>& z) const {
     return differentiate(equations_, equations_.numbers(), z, true);
-  }
-  QuantityGradient gradient(const SoughtQuantity& of, const std::vector<double>& z) const {
-    return gradient_of(of, equations_, equations_.numbers(), z);
   }
 
  private:

@@ -5,6 +5,7 @@
 // is an unknown and every number of a scene file stands where it acts; equations of the compiled mechanism
 // (model/mechanism.hpp) have sums of numbers.
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -71,6 +72,16 @@ class NumberedEquations {
   Bodies<T> bodies(const T* numbers, const std::vector<Placed<T>>& placed) const {
     return {Numbers<T>(*list_, numbers), placed};
   }
+  /// Generalized forces on the places of the bodies, poses() values: of an effort of 1 on the row of a multiplier,
+  /// which is the derivative of that row; and of one on a measure, the same of that.
+  template <class T>
+  std::vector<T> row_gradient(int multiplier, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed) const;
+  template <class T>
+  std::vector<T> measure_gradient(const Measure& on, const Bodies<T>& bodies,
+                                  const std::vector<Placed<T>>& placed) const;
+  /// Adds those of all loads and elements to r.
+  template <class T>
+  void push_applied(const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, T* r) const;
   /// A gear or rack that acts on a joint by |Q|, where Q is at most `nothing`, so that there are no derivatives; null
   /// without one.
   const Stop* idle_teeth(int joint, const std::vector<double>& z, double nothing) const;
@@ -160,16 +171,48 @@ void NumberedEquations::add_stop(int acting, const Bodies<T>& bodies, const std:
 }
 
 template <class T>
+std::vector<T> NumberedEquations::row_gradient(int multiplier, const Bodies<T>& bodies,
+                                               const std::vector<Placed<T>>& placed) const {
+  std::vector<T> out(static_cast<std::size_t>(poses()), T(0));
+  for (std::size_t h = 0; h < acting_.size(); ++h) {
+    if (stop_[h] != multiplier) continue;
+    bodies.for_each_effort(
+        scene().stops[static_cast<std::size_t>(acting_[h].stop)].on, T(1),
+        [&](const UnitEffortOf<T>& on) { push(on, placed, out.data()); }, acting_[h].stop);
+    return out;
+  }
+  std::size_t joint = joint_.size() - 1;
+  while (joint_[joint] > multiplier) --joint;
+  std::array<T, 3> unit{T(0), T(0), T(0)};
+  unit[static_cast<std::size_t>(multiplier - joint_[joint])] = T(1);
+  push(bodies.joint_effort(static_cast<int>(joint), unit.data()), placed, out.data());
+  return out;
+}
+
+template <class T>
+std::vector<T> NumberedEquations::measure_gradient(const Measure& on, const Bodies<T>& bodies,
+                                                   const std::vector<Placed<T>>& placed) const {
+  std::vector<T> out(static_cast<std::size_t>(poses()), T(0));
+  bodies.for_each_effort(on, T(1), [&](const UnitEffortOf<T>& unit) { push(unit, placed, out.data()); });
+  return out;
+}
+
+template <class T>
+void NumberedEquations::push_applied(const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, T* r) const {
+  const auto push_on = [&](int body, const Planar<T>& at, const Planar<T>& force, const T& moment) {
+    push(body, at, force, moment, placed, r);
+  };
+  bodies.push_loads([&](std::string_view, const std::string&, int body, const Planar<T>& at, const Planar<T>& force,
+                        const T& moment) { push_on(body, at, force, moment); });
+  for (int e = 0; e < static_cast<int>(scene().elements.size()); ++e) bodies.push_element(e, push_on);
+}
+
+template <class T>
 void NumberedEquations::residual(const T* numbers, const T* z, T* r, std::vector<Placed<T>>& placed) const {
   place(z, placed);
   for (int i = 0; i < unknowns_; ++i) r[i] = T(0);
   const Bodies<T> bodies = this->bodies(numbers, placed);
-  bodies.push_loads([&](std::string_view, const std::string&, int body, const Planar<T>& at, const Planar<T>& force,
-                        const T& moment) { push(body, at, force, moment, placed, r); });
-  const auto push_on = [&](int body, const Planar<T>& at, const Planar<T>& force, const T& moment) {
-    push(body, at, force, moment, placed, r);
-  };
-  for (int e = 0; e < static_cast<int>(scene().elements.size()); ++e) bodies.push_element(e, push_on);
+  push_applied(bodies, placed, r);
   for (int j = 0; j < static_cast<int>(scene().joints.size()); ++j) add_joint(j, bodies, placed, z, r);
   for (int h = 0; h < static_cast<int>(acting_.size()); ++h) add_stop(h, bodies, placed, z, r);
 }
