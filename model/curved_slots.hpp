@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -22,13 +24,26 @@ inline bool is_rider(const Scene& scene, int body) {
   });
 }
 
-/// The massless body that turns with the line of centres of a stop's circle: of a wheel that rolls on a circle, and of
-/// a circular slot with ends, whose pin it guides; with the contact, of a profile that rolls on a circle; with its
-/// strand, of a chain (add_lines_of_centres()). -1 of other stops.
+/// A table of couplings that have, or may have, a massless body that turns with a line of centres.
+struct LineOfCentres {
+  std::string_view table;
+  std::string_view pinned_at;  ///< its key for the point at which the line begins, to which that body is pinned
+};
+/// All of them, in the order of coupling_kinds(): chains, whose body turns with the strand; circular slots with ends,
+/// whose pin it guides; wheels on a circle; profiles that roll on one, whose contact it turns with.
+inline constexpr std::array<LineOfCentres, 4> lines_of_centres{{{"chain", "a"},
+                                                                {"circular_slot", "center"},
+                                                                {"rolling_on_circle", "center"},
+                                                                {"rolling_profile_on_circle", "center"}}};
+
+/// That body of the first stop of such a coupling (add_lines_of_centres()), in whose frame it, or the first term of its
+/// sum, is a component; -1 of other stops.
 inline int line_of_centres(const Stop& stop) {
-  if (stop.table == "rolling_profile_on_circle" || stop.table == "chain") return stop.on.terms[0].measure.a.body;
-  const bool is_slot = stop.table == "circular_slot" && stop.on.kind == Measure::Kind::component;
-  return is_slot || stop.table == "rolling_on_circle" ? stop.on.a.body : -1;
+  const bool is_one = std::any_of(lines_of_centres.begin(), lines_of_centres.end(),
+                                  [&](const LineOfCentres& one) { return one.table == stop.table; });
+  if (!is_one) return -1;
+  const Measure& along = stop.on.kind == Measure::Kind::sum ? stop.on.terms.front().measure : stop.on;
+  return along.kind == Measure::Kind::component ? along.a.body : -1;
 }
 
 /// Whether a body is such a line.

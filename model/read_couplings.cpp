@@ -14,6 +14,7 @@
 
 #include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
+#include "model/curved_slots.hpp"
 #include "model/measures/rope.hpp"
 #include "model/mechanism.hpp"
 #include "model/meshing.hpp"
@@ -548,10 +549,8 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
 /// A circular slot that has ends.
 bool has_ends(const TomlTable& table) { return table.has("from") || table.has("to"); }
 
-/// Couplings with a rider, and those that may have a line of centres or a strand, in the order in which they are read.
+/// Couplings with a rider, in the order in which they are read.
 constexpr std::array<std::string_view, 3> curves{"curved_slot", "rolling_profile", "rolling_profile_on_circle"};
-constexpr std::array<std::string_view, 4> circles{"chain", "circular_slot", "rolling_on_circle",
-                                                  "rolling_profile_on_circle"};
 
 /// What is behind the name of a coupling in those of its rows.
 std::string name_of_row(const std::string& name, const Stop& row) {
@@ -698,7 +697,7 @@ std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scen
 std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& names, const std::vector<int>& riders,
                                       Scene& scene) {
   std::vector<int> lines;
-  for (const std::string_view kind : circles) {
+  for (const auto& [kind, pinned_at] : lines_of_centres) {
     const std::vector<TomlTable> tables = root.tables(kind);
     NameLines taken;
     for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
@@ -718,7 +717,7 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
     for (std::size_t i = 0; i < tables.size(); ++i) {
       lines.push_back(-1);
       if (kind == "circular_slot" && !has_ends(tables[i])) continue;
-      const PointRef center = names.point(tables[i].text(kind == "chain" ? "a" : "center"));
+      const PointRef center = names.point(tables[i].text(pinned_at));
       lines.back() = scene.add_body(own[i]);
       scene.bodies.back().line = tables[i].place().line;
       const PointRef origin = scene.add_point(lines.back(), "O", {});
@@ -741,8 +740,9 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
     const std::vector<TomlTable> tables = root.tables(kind.table);
     // Forces of stops, couplings and joints are told by their names.
     NameLines taken;
-    const bool is_track = std::count(curves.begin(), curves.end(), kind.table) > 0,
-               is_circle = std::count(circles.begin(), circles.end(), kind.table) > 0;
+    const bool is_track = std::count(curves.begin(), curves.end(), kind.table) > 0;
+    const bool is_circle = std::any_of(lines_of_centres.begin(), lines_of_centres.end(),
+                                       [&](const LineOfCentres& one) { return one.table == kind.table; });
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
       // A track has the name of its own travel.
       const bool is_own = is_track && std::count(riders.begin(), riders.end(), static_cast<int>(j)) > 0;
