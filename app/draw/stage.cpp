@@ -62,25 +62,10 @@ Box extent_of(const Scene& scene, const Readings& readings) {
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     include_rope(stop.on);
-    if (stop.table == "curved_slot") {
-      for (const Vec2& point : points_of_track(scene, readings, s)) box.include(point);
-    } else if (stop.table == "circular_slot") {
-      box.include(world(scene, readings, stop.on.a), stop.max);
-    } else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle") {
-      for (const Vec2& point : points_of_profile(scene, readings, s)) box.include(point);
-      if (stop.table == "rolling_profile_on_circle")
-        box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
-    } else if (stop.table == "chain") {
-      const std::vector<Measure::Term>& terms = stop.on.terms;
-      box.include(world(scene, readings, terms[0].measure.a), std::abs(terms[1].factor));
-      box.include(world(scene, readings, terms[0].measure.b), std::abs(terms[2].factor));
+    if (has_track(stop)) {
+      include_track(scene, readings, s, box);
     } else if (stop.table == "cam") {
       for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
-    } else if (stop.table == "rolling") {
-      box.include(world(scene, readings, stop.on.b), stop.max);
-    } else if (stop.table == "rolling_on_circle") {
-      box.include(world(scene, readings, stop.on.a), circle_of(scene.stops, s));
-      box.include(world(scene, readings, stop.on.b), wheel_of(scene.stops, s));
     }
   }
   return box;

@@ -185,18 +185,12 @@ void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
 /// lift of every angle, turned back by as much as the cam has to turn to that angle. Empty where the scene does not say
 /// where they are (model/cam_geometry.hpp).
 std::vector<Vec2> pitch_curve(const Scene& scene, const Readings& readings, const Stop& stop);
-/// Points along the track of a curved slot, m: `first` of its rows in the scene's stops. Open tracks between their
-/// ends.
-std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first);
-/// Points along the curve of a profile that rolls, m: `first` of its rows in the scene's stops.
-std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first);
-/// Radii of the circle and of the wheel of rolling on a circle, m: `first` of its rows in the scene's stops.
-double circle_of(const std::vector<Stop>& stops, std::size_t first);
-double wheel_of(const std::vector<Stop>& stops, std::size_t first);
-/// Curved slots as bands, wheels and profiles that roll with their line or circle. Whether a stop is a row of one of
-/// these.
+/// Curved slots as bands, wheels and profiles that roll with their line or circle, chains with their sprockets. Whether
+/// a stop is a row of one of these.
 void draw_tracks(Stage& stage);
 bool has_track(const Stop& stop);
+/// Makes the box hold what is drawn of one in this position, whose first row is at this place in the scene's stops.
+void include_track(const Scene& scene, const Readings& readings, std::size_t first, Box& box);
 void draw_loads(Stage& stage);
 
 }  // namespace poise::app

@@ -13,6 +13,47 @@
 namespace poise::app {
 namespace {
 
+/// Points along the track of a curved slot, m, of an open one between its ends. Behind the row of its ends are those of
+/// the coordinates of its track.
+std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first) {
+  const Stop& ends = scene.stops[first];
+  const Measure::Term& x = scene.stops[first + 1].on.terms[1];
+  const Measure::Term& y = scene.stops[first + 2].on.terms[1];
+  const double from = x.profile->periodic() ? 0.0 : ends.min;
+  const double to = x.profile->periodic() ? x.span : ends.max;
+  const Measure& component = scene.stops[first + 1].on.terms[0].measure;
+  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(component.a.body)];
+  constexpr int steps = 160;
+  std::vector<Vec2> out;
+  for (int k = 0; k <= steps; ++k) {
+    const double u = (from + (to - from) * k / steps) / x.span;
+    const Vec2 on_track{-x.factor * x.profile->at(u).value, -y.factor * y.profile->at(u).value};
+    out.push_back(pose.world(scene.local(component.a) + on_track));
+  }
+  return out;
+}
+
+/// Points along the curve of a profile that rolls, m.
+std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first) {
+  const PointRef origin = scene.stops[first].on.terms[0].measure.b;
+  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
+  const auto [from, to] = range_of_profile(scene, first);
+  constexpr int steps = 160;
+  std::vector<Vec2> out;
+  for (int k = 0; k <= steps; ++k) {
+    out.push_back(
+        pose.world(scene.local(origin) + point_of_profile(&scene.stops[first], from + (to - from) * k / steps)));
+  }
+  return out;
+}
+
+/// Radii of the wheel and of the circle of rolling on a circle, m.
+double wheel_of(const std::vector<Stop>& stops, std::size_t first) { return stops[first + 1].on.terms[1].factor; }
+
+double circle_of(const std::vector<Stop>& stops, std::size_t first) {
+  return stops[first].max - stops[first].sense * wheel_of(stops, first);
+}
+
 /// A band of the width of a pin between two edges.
 void draw_band(Stage& stage, const std::vector<Vec2>& line, bool is_closed) {
   const double width = stage.detail == Detail::sketch ? 3.0 : 1.5 * stage.bar_width + 3.0;
@@ -161,44 +202,6 @@ void draw_profile(Stage& stage, std::size_t first) {
 
 }  // namespace
 
-// Behind the row of its ends are those of the coordinates of its track.
-std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, std::size_t first) {
-  const Stop& ends = scene.stops[first];
-  const Measure::Term& x = scene.stops[first + 1].on.terms[1];
-  const Measure::Term& y = scene.stops[first + 2].on.terms[1];
-  const double from = x.profile->periodic() ? 0.0 : ends.min;
-  const double to = x.profile->periodic() ? x.span : ends.max;
-  const Measure& component = scene.stops[first + 1].on.terms[0].measure;
-  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(component.a.body)];
-  constexpr int steps = 160;
-  std::vector<Vec2> out;
-  for (int k = 0; k <= steps; ++k) {
-    const double u = (from + (to - from) * k / steps) / x.span;
-    const Vec2 on_track{-x.factor * x.profile->at(u).value, -y.factor * y.profile->at(u).value};
-    out.push_back(pose.world(scene.local(component.a) + on_track));
-  }
-  return out;
-}
-
-std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first) {
-  const PointRef origin = scene.stops[first].on.terms[0].measure.b;
-  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
-  const auto [from, to] = range_of_profile(scene, first);
-  constexpr int steps = 160;
-  std::vector<Vec2> out;
-  for (int k = 0; k <= steps; ++k) {
-    out.push_back(
-        pose.world(scene.local(origin) + point_of_profile(&scene.stops[first], from + (to - from) * k / steps)));
-  }
-  return out;
-}
-
-double circle_of(const std::vector<Stop>& stops, std::size_t first) {
-  return stops[first].max - stops[first].sense * wheel_of(stops, first);
-}
-
-double wheel_of(const std::vector<Stop>& stops, std::size_t first) { return stops[first + 1].on.terms[1].factor; }
-
 void draw_tracks(Stage& stage) {
   stage.canvas.open("tracks");
   for (std::size_t s = 0; s < stage.scene.stops.size(); ++s) {
@@ -222,6 +225,28 @@ void draw_tracks(Stage& stage) {
                                                          : Sign::track);
   }
   stage.canvas.close();
+}
+
+void include_track(const Scene& scene, const Readings& readings, std::size_t first, Box& box) {
+  const Stop& stop = scene.stops[first];
+  if (stop.table == "curved_slot") {
+    for (const Vec2& point : points_of_track(scene, readings, first)) box.include(point);
+  } else if (stop.table == "circular_slot") {
+    box.include(world(scene, readings, stop.on.a), stop.max);
+  } else if (stop.table == "rolling") {
+    box.include(world(scene, readings, stop.on.b), stop.max);
+  } else if (stop.table == "rolling_on_circle") {
+    box.include(world(scene, readings, stop.on.a), circle_of(scene.stops, first));
+    box.include(world(scene, readings, stop.on.b), wheel_of(scene.stops, first));
+  } else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle") {
+    for (const Vec2& point : points_of_profile(scene, readings, first)) box.include(point);
+    if (stop.table == "rolling_profile_on_circle")
+      box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
+  } else if (stop.table == "chain") {
+    const std::vector<Measure::Term>& terms = stop.on.terms;
+    box.include(world(scene, readings, terms[0].measure.a), std::abs(terms[1].factor));
+    box.include(world(scene, readings, terms[0].measure.b), std::abs(terms[2].factor));
+  }
 }
 
 bool has_track(const Stop& stop) {
