@@ -112,7 +112,7 @@ void Inertia<T>::mass_matrix(const Planar<T>* pose, T* m) const {
     const auto left = first(pose, t);
     for (int u = 0; u < n_; ++u) {
       const Planar<T>& w = w_[t * n_ + u];
-      if (w.x == 0 && w.y == 0) continue;
+      if (all(w.x == 0 && w.y == 0)) continue;
       for (const Partial& a : left) {
         if (a.coordinate < 0) continue;
         for (const Partial& b : first(pose, u)) {

@@ -29,7 +29,12 @@ Planar<T> with_components(const Vec2& vector, const NumberList::Components& at, 
 /// a / |a|, or zero of a zero vector.
 template <class T>
 Planar<T> unit_or_zero(const Planar<T>& a) {
-  return is_zero(a.x) && is_zero(a.y) ? Planar<T>{T(0), T(0)} : T(T(1) / norm(a)) * a;
+  return choose(
+      is_zero(a.x) && is_zero(a.y),
+      [] {
+        return Planar<T>{T(0), T(0)};
+      },
+      [&] { return T(T(1) / norm(a)) * a; });
 }
 
 /// The numbers of a scene in the scalar T: what bodies, joints, loads, elements and stops are, read from an array p
@@ -117,7 +122,7 @@ class Numbers {
 
   // The direction of a vector of the scene, which is known in double, to the digits of T.
   static Planar<T> constant(const Vec2& direction_in_double, const Vec2& vector) {
-    if constexpr (std::is_same_v<PlainOf<T>, double>) {
+    if constexpr (std::is_same_v<LaneOf<PlainOf<T>>, double>) {
       return planar_cast<T>(direction_in_double);
     } else {
       return vector == Vec2{} ? Planar<T>{T(0), T(0)} : planar_cast<T>(direction<PlainOf<T>>(vector));

@@ -3,6 +3,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "model/select.hpp"
+
 namespace poise {
 
 /// A scalar that carries derivatives: its value a and their vector v (ceres::Jet).
@@ -49,13 +51,15 @@ double plain_value(const T& x) {
   return static_cast<double>(without_derivatives(x));
 }
 
-/// Whether the value is zero, whatever it depends on; of a set of numbers whether it is the number zero.
+/// Whether the value is zero, whatever it depends on; of a set of numbers whether it is the number zero, and of a
+/// scalar in lanes in which of them.
 template <class T>
-bool is_zero(const T& x) {
+auto is_zero(const T& x) {
   return without_derivatives(x) == PlainOf<T>(0);
 }
 
-/// Whether a scalar is this number and depends on no variable; of a set of numbers whether it is that number alone.
+/// Whether a scalar is this number and depends on no variable; of a set of numbers whether it is that number alone, and
+/// of a scalar in lanes whether all of them are.
 template <class T>
 bool is_just(const T& x, double number) {
   if constexpr (HasDerivatives<T>) {
@@ -66,7 +70,7 @@ bool is_just(const T& x, double number) {
   } else if constexpr (HasOtherDerivatives<T>) {
     return OtherDerivatives<T>::is_constant(x) && without_derivatives(x) == number;
   } else {
-    return x == T(number);
+    return all(x == T(number));
   }
 }
 

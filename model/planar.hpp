@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "model/select.hpp"
+
 namespace poise {
 
 /// pi in the scalar T, to its own precision; scalars that enclose sets of numbers specialise it.
@@ -52,6 +54,12 @@ Planar<T> planar_cast(const Planar<S>& a) {
   return {static_cast<T>(a.x), static_cast<T>(a.y)};
 }
 
+/// Of scalars in lanes.
+template <class T, int N>
+Planar<T> select(const Mask<N>& condition, const Planar<T>& a, const Planar<T>& b) {
+  return {select(condition, a.x, b.x), select(condition, a.y, b.y)};
+}
+
 /// i a: the vector rotated by a quarter turn counter-clockwise.
 template <class T>
 Planar<T> quarter_turn(const Planar<T>& a) {
@@ -96,7 +104,8 @@ template <class T>
 T full_angle_of(const Planar<T>& a) {
   using std::atan2;
   const T angle = atan2(a.y, a.x);
-  return angle < T(0) ? T(angle + T(2) * pi_of<T>()) : angle;
+  return choose(
+      angle < T(0), [&] { return T(angle + T(2) * pi_of<T>()); }, [&] { return angle; });
 }
 
 using Vec2 = Planar<double>;

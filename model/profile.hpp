@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/planar.hpp"
+#include "model/select.hpp"
 #include "model/set_valued.hpp"
 #include "model/spline.hpp"
 
@@ -68,8 +69,9 @@ class ProfileIn {
   static ProfileIn spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,
                           bool has_curved_ends = false);
 
-  /// Whether a piece of a curve turns by less than a right angle from its middle to |t| = most_t, and has, with
-  /// |r'|^2 = sum_j q_j t^j,  sum_j>0 |q_j| (4 most_t)^j < q_0,  so that the series of its arc length converges.
+  /// Whether a piece of a curve, in all lanes of C, turns by less than a right angle from its middle to |t| = most_t,
+  /// and has, with |r'|^2 = sum_j q_j t^j,  sum_j>0 |q_j| (4 most_t)^j < q_0,  so that the series of its arc length
+  /// converges.
   static bool is_short(const Piece& piece);
   static constexpr double most_t = 0.5625;
 
@@ -88,6 +90,8 @@ class ProfileIn {
   ProfileValue<S> along_end(bool last, const S& u) const;
   template <class S>
   ProfileValue<S> in_turns(const S& u) const;
+  template <class S>
+  static auto turns_before(const S& u);
   template <class S>
   static std::array<Planar<S>, 4> curve(const Piece& piece, const S& t);
   template <class S>
@@ -131,7 +135,7 @@ bool ProfileIn<C>::is_short(const Piece& piece) {
     sum = sum + abs(q) * power;
   }
   const C turned_back = C(most_t) * abs(dot(a, b)) + C(most_t * most_t) * abs(dot(a, d));
-  return sum < margin * q_0 && turned_back < margin * q_0;
+  return all(sum < margin * q_0 && turned_back < margin * q_0);
 }
 
 // r and its three derivatives.
@@ -291,13 +295,25 @@ ProfileValue<S> ProfileIn<C>::at(const S& u) const {
   });
 }
 
+// How many whole turns u is beyond, a double, or in lanes one for each.
+template <class C>
+template <class S>
+auto ProfileIn<C>::turns_before(const S& u) {
+  if constexpr (has_lanes<S>) {
+    return S::of_each([&](int lane) { return turns_before(u[lane]); });
+  } else {
+    constexpr double most_turns = 1e6;
+    double turns = 0.0;
+    while (turns < most_turns && u >= S(turns + 1)) ++turns;
+    while (turns > -most_turns && u < S(turns)) --turns;
+    return turns;
+  }
+}
+
 template <class C>
 template <class S>
 ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
-  constexpr double most_turns = 1e6;
-  double turns = 0.0;
-  while (turns < most_turns && u >= S(turns + 1)) ++turns;
-  while (turns > -most_turns && u < S(turns)) --turns;
+  const auto turns = turns_before(u);
   const S in_turn = u - S(turns);
   const auto inside = std::span(borders_).subspan(1, pieces_.size() - 1);
   const auto in_one_turn = [&](const S& v) {
@@ -305,7 +321,7 @@ ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
   };
   if constexpr (!may_enclose_set<S>) {
     ProfileValue<S> out = in_one_turn(in_turn);
-    if (rise_ != 0.0) out.value += S(rise_) * S(turns);
+    if (any(rise_ != C(0))) out.value += S(rise_) * S(turns);
     return out;
   } else {
     // A set around a multiple of the period reaches into the turn before or after; a wider one may be anywhere, by as
@@ -313,7 +329,7 @@ ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
     const S period = hull(S(0), S(1));
     if (!(in_turn >= S(-1) && in_turn <= S(2))) {
       ProfileValue<S> anywhere = in_one_turn(period);
-      if (rise_ != 0.0) anywhere.value += S(rise_) * (u - period);
+      if (any(rise_ != C(0))) anywhere.value += S(rise_) * (u - period);
       return anywhere;
     }
     ProfileValue<S> out;
@@ -322,7 +338,7 @@ ProfileValue<S> ProfileIn<C>::in_turns(const S& u) const {
       const S shifted = in_turn - S(shift);
       if (shifted < S(0) || shifted > S(1)) continue;
       ProfileValue<S> part = in_one_turn(within(shifted, 0.0, 1.0));
-      if (rise_ != 0.0) part.value += S(rise_) * S(turns + shift);
+      if (any(rise_ != C(0))) part.value += S(rise_) * S(turns + shift);
       out = is_first ? part : hull(out, part);
       is_first = false;
     }

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "model/select.hpp"
+
 namespace poise {
 
 /// For scalars that enclose sets of numbers, some of which may lie on each side of a limit; others know their side.
@@ -38,28 +40,32 @@ inline constexpr bool may_enclose_set = !std::numeric_limits<S>::is_specialized;
 
 /// f(a) of a continuous function that is given by pieces, of which piece k reaches from borders[k - 1] to borders[k]
 /// and the first and the last without end: piece(k, a). Borders ascend. Of a set, a set that contains f of all its
-/// numbers.
+/// numbers; of a scalar in lanes each lane in its piece.
 template <class S, class Borders, class Piece>
 auto by_pieces(const S& a, const Borders& borders, Piece piece) {
-  std::size_t first = 0;
-  for (std::size_t count = borders.size(); count > 0;) {  // borders below a
-    const std::size_t half = count / 2;
-    const bool is_below = a > S(borders[first + half]);
-    first = is_below ? first + half + 1 : first;
-    count = is_below ? count - half - 1 : half;
-  }
+  const auto borders_below = [&](const auto& of) {
+    std::size_t first = 0;
+    for (std::size_t count = borders.size(); count > 0;) {
+      const std::size_t half = count / 2;
+      const bool is_below = of(a) > of(S(borders[first + half]));
+      first = is_below ? first + half + 1 : first;
+      count = is_below ? count - half - 1 : half;
+    }
+    return first;
+  };
   if constexpr (may_enclose_set<S>) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const auto part = [&](std::size_t k) {
       return within(a, k == 0 ? -infinity : borders[k - 1], k == borders.size() ? infinity : borders[k]);
     };
+    const std::size_t first = borders_below([](const S& x) -> const S& { return x; });
     auto out = piece(first, part(first));
     for (std::size_t k = first; k < borders.size() && !(a < S(borders[k])); ++k) {
       out = hull(out, piece(k + 1, part(k + 1)));
     }
     return out;
   } else {
-    return piece(first, a);
+    return in_piece<S>(borders_below, [&](std::size_t k) { return piece(k, a); });
   }
 }
 

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/select.hpp"
+
 namespace poise {
 
 /// P(u) with its first three derivatives.
@@ -14,6 +16,13 @@ template <class S>
 struct ProfileValue {
   S value{}, first{}, second{}, third{};
 };
+
+/// Of scalars in lanes.
+template <int N, class S>
+ProfileValue<S> select(const Mask<N>& condition, const ProfileValue<S>& a, const ProfileValue<S>& b) {
+  return {select(condition, a.value, b.value), select(condition, a.first, b.first),
+          select(condition, a.second, b.second), select(condition, a.third, b.third)};
+}
 
 /// The cubic spline with continuous second derivatives through the points (u_k, P_k), u ascending: periodic, with the
 /// last point one period after the first and P equal there, or natural, without curvature at its ends, or with ends as
@@ -42,17 +51,26 @@ class Spline {
   const std::vector<std::array<T, 4>>& coefficients() const { return c_; }
 
   ProfileValue<T> at(const T& u) const {
-    if (!periodic_ && u < u_.front()) return along_end(0, T(0), T(u - u_.front()));
-    if (!periodic_ && u > u_.back()) return along_end(c_.size() - 1, T(1), T(u - u_.back()));
     T in_turn = u;
     if (periodic_) {
       using std::floor;
       const T period = u_.back() - u_.front();
       in_turn = u - period * T(floor(T((u - u_.front()) / period)));
     }
-    const auto next = std::upper_bound(u_.begin() + 1, u_.end() - 1, in_turn);
-    const auto k = static_cast<std::size_t>(next - u_.begin()) - 1;
-    return on(k, T((in_turn - u_[k]) / (u_[k + 1] - u_[k])));
+    // Of those between the points; before and behind them others.
+    const std::size_t before = c_.size(), behind = before + 1;
+    const auto piece_of = [&](const auto& of) -> std::size_t {
+      if (!periodic_ && of(u) < of(u_.front())) return before;
+      if (!periodic_ && of(u) > of(u_.back())) return behind;
+      const auto next = std::upper_bound(u_.begin() + 1, u_.end() - 1, in_turn,
+                                         [&](const T& value, const T& point) { return of(value) < of(point); });
+      return static_cast<std::size_t>(next - u_.begin()) - 1;
+    };
+    return in_piece<T>(piece_of, [&](std::size_t k) {
+      if (k == before) return along_end(0, T(0), T(u - u_.front()));
+      if (k == behind) return along_end(c_.size() - 1, T(1), T(u - u_.back()));
+      return on(k, T((in_turn - u_[k]) / (u_[k + 1] - u_[k])));
+    });
   }
 
  private:

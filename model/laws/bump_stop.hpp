@@ -30,8 +30,10 @@ struct BumpStopOf {
   }
 
   template <class S>
-  bool slack(const S& g) const {
-    return (acts == Acts::tension && g <= S(free_length)) || (acts == Acts::compression && g >= S(free_length));
+  auto slack(const S& g) const {
+    using Condition = decltype(g <= S(free_length));
+    if (acts == Acts::both) return Condition(false);
+    return acts == Acts::tension ? g <= S(free_length) : g >= S(free_length);
   }
 
   template <class S>
@@ -85,15 +87,16 @@ struct BumpStopOf {
   static S power(const S& y, const S& a) {
     using std::exp;
     using std::log;
-    if (y == S(0)) return S(0);
-    return exp(a * log(y));
+    return choose(
+        y == S(0), [] { return S(0); }, [&] { return S(exp(a * log(y))); });
   }
 
   // log y where it is multiplied by a power of y, whose product is zero for y = 0.
   template <class S>
   static S log_of(const S& y) {
     using std::log;
-    return y == S(0) ? S(0) : S(log(y));
+    return choose(
+        y == S(0), [] { return S(0); }, [&] { return S(log(y)); });
   }
 };
 

@@ -23,26 +23,32 @@ struct DryFrictionOf {
     return {p[0], p[1]};
   }
 
-  bool sticks() const { return width == N(0); }
+  bool sticks() const { return all(width == N(0)); }
 
   template <class S>
   LawForce<S> resisting(const S&, const S& rate) const {
     using std::cosh;
     using std::tanh;
     if (is_just(force, 0.0)) return {};
-    if (sticks()) return {S(force) * sign(rate), S(0), S(0)};
-    const S x = rate / S(width);
-    // 1 / cosh^2 and not 1 - tanh^2, which is rounding at high rates.
-    const S root = S(1) / cosh(x);
-    return {S(force) * tanh(x), S(0), S(force) * root * root / S(width)};
+    return choose(
+        width == N(0),
+        [&] {
+          return LawForce<S>{S(force) * sign(rate), S(0), S(0)};
+        },
+        [&] {
+          const S x = rate / S(width);
+          // 1 / cosh^2 and not 1 - tanh^2, which is rounding at high rates.
+          const S root = S(1) / cosh(x);
+          return LawForce<S>{S(force) * tanh(x), S(0), S(force) * root * root / S(width)};
+        });
   }
 
   template <class S>
   S force_by(int number, const S& g, const S& rate) const {
     using std::tanh;
-    if (sticks()) return number == 0 ? sign(rate) : S(0);
-    if (number == 0) return tanh(rate / S(width));
-    return -resisting(g, rate).by_rate * rate / S(width);
+    return choose(
+        width == N(0), [&] { return number == 0 ? sign(rate) : S(0); },
+        [&] { return S(number == 0 ? S(tanh(rate / S(width))) : S(-resisting(g, rate).by_rate * rate / S(width))); });
   }
 
   std::string_view idle() const { return {}; }
@@ -57,7 +63,7 @@ struct DryFrictionOf {
  private:
   template <class S>
   static S sign(const S& rate) {
-    return rate > S(0) ? S(1) : rate < S(0) ? S(-1) : S(0);
+    return select(rate > S(0), S(1), select(rate < S(0), S(-1), S(0)));
   }
 };
 

@@ -112,7 +112,11 @@ class CurveThrough {
     return (before + S(2) * after) / (S(3) * (before + after));
   }
 
-  /// Or one of them is zero.
+  template <class S>
+  static auto agree_in_sign(const S& a, const S& b) {
+    return (a > S(0) && b > S(0)) || (a < S(0) && b < S(0));
+  }
+  /// Or one of them is zero. In sets of numbers neither of both may be certain.
   template <class S>
   static bool differ_in_sign(const S& a, const S& b) {
     return (a <= S(0) && b >= S(0)) || (a >= S(0) && b <= S(0));
@@ -122,15 +126,16 @@ class CurveThrough {
   S slope_inside(std::size_t point) const {
     const S before = secant<S>(point), after = secant<S>(point + 1);
     const S a = share<S>(point);
-    if ((before > S(0) && after > S(0)) || (before < S(0) && after < S(0))) {
-      return S(1) / (a / before + (S(1) - a) / after);
-    }
+    const auto agree = agree_in_sign(before, after);
     if constexpr (may_enclose_set<S>) {
-      // The mean lies between zero and either of these, and so the narrower one.
-      const S by_before = before / a, by_after = after / (S(1) - a);
-      if (!differ_in_sign(before, after)) return hull(S(0), abs(by_before) < abs(by_after) ? by_before : by_after);
+      if (!agree && !differ_in_sign(before, after)) {
+        // The mean lies between zero and either of these, and so the narrower one.
+        const S by_before = before / a, by_after = after / (S(1) - a);
+        return hull(S(0), abs(by_before) < abs(by_after) ? by_before : by_after);
+      }
     }
-    return S(0);
+    return choose(
+        agree, [&] { return S(S(1) / (a / before + (S(1) - a) / after)); }, [] { return S(0); });
   }
 
  private:
@@ -248,16 +253,19 @@ class ForceCurve {
   S slope_inside_by(std::size_t point, const S& change_before, const S& change_after) const {
     const S before = secant<S>(point), after = secant<S>(point + 1);
     const S a = through().share<S>(point);
-    if ((before > S(0) && after > S(0)) || (before < S(0) && after < S(0))) {
-      const S to_before = S(1) / (a + (S(1) - a) * before / after);  // slope / before
-      const S to_after = S(1) / (a * after / before + (S(1) - a));
-      return a * to_before * to_before * change_before + (S(1) - a) * to_after * to_after * change_after;
-    }
+    const auto agree = CurveThrough<double>::agree_in_sign(before, after);
     if constexpr (may_enclose_set<S>) {
-      if (!CurveThrough<double>::differ_in_sign(before, after))
+      if (!agree && !CurveThrough<double>::differ_in_sign(before, after))
         return hull(S(0), S(change_before / a)) + hull(S(0), S(change_after / (S(1) - a)));
     }
-    return S(0);
+    return choose(
+        agree,
+        [&] {
+          const S to_before = S(1) / (a + (S(1) - a) * before / after);  // slope / before
+          const S to_after = S(1) / (a * after / before + (S(1) - a));
+          return S(a * to_before * to_before * change_before + (S(1) - a) * to_after * to_after * change_after);
+        },
+        [] { return S(0); });
   }
 
   /// Of piece k, its derivative by the force at one point.

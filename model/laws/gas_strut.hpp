@@ -131,8 +131,9 @@ struct GasStrutOf {
 
     static S log_of_one_plus(const S& x) {
       using std::log;
-      if constexpr (std::is_same_v<S, double>) {
-        return std::log1p(x);
+      using std::log1p;
+      if constexpr (std::is_same_v<LaneOf<S>, double>) {
+        return log1p(x);
       } else {
         return log(S(1) + x);
       }
@@ -141,8 +142,9 @@ struct GasStrutOf {
     // exp(x) - 1.
     static S grown(const S& x) {
       using std::exp;
-      if constexpr (std::is_same_v<S, double>) {
-        return std::expm1(x);
+      using std::expm1;
+      if constexpr (std::is_same_v<LaneOf<S>, double>) {
+        return expm1(x);
       } else {
         return exp(x) - S(1);
       }
@@ -151,7 +153,11 @@ struct GasStrutOf {
     // (exp(c) - 1) / c.
     static S mean_exp(const S& c) {
       using std::exp;
-      if (c > S(1) || c < S(-1)) return (exp(c) - S(1)) / c;
+      return choose(
+          c > S(1) || c < S(-1), [&] { return S((exp(c) - S(1)) / c); }, [&] { return mean_exp_near_zero(c); });
+    }
+    static S mean_exp_near_zero(const S& c) {
+      using std::exp;
       if constexpr (may_enclose_set<S>) {
         return hull(S(1), exp(c));
       } else {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "model/select.hpp"
 #include "model/set_valued.hpp"
 
 namespace poise {
@@ -21,6 +22,13 @@ struct LawForce {
 template <class S>
 LawForce<S> hull(const LawForce<S>& a, const LawForce<S>& b) {
   return {hull(a.value, b.value), hull(a.by_measure, b.by_measure), hull(a.by_rate, b.by_rate)};
+}
+
+/// Of scalars in lanes.
+template <int N, class S>
+LawForce<S> select(const Mask<N>& condition, const LawForce<S>& a, const LawForce<S>& b) {
+  return {select(condition, a.value, b.value), select(condition, a.by_measure, b.by_measure),
+          select(condition, a.by_rate, b.by_rate)};
 }
 
 /// A table of a scene file, [[key]], that declares a law, whether it is for angles only, and the key, on an angle
@@ -60,7 +68,7 @@ struct LawChoice {
 //   tables              the tables of a scene file that declare it
 //   choices             (if any) see LawChoice
 //   idle()              why it never acts, empty if it does
-//   slack(g)            (if it acts on one side only) whether it has no force at g
+//   slack(g)            (if it acts on one side only) whether, or in which lanes, it has no force at g
 //   rescale(m, e)       (if numbers alone do not make it) its measures times m, its forces times e: powers of two
 // All functions are templates on the scalar S of the measure, and a law SpringOf<N> on the scalar N of its numbers:
 // that of a scene is Spring = SpringOf<double>, which alone has those from `numbers` on. A double converts to N, an N

@@ -26,34 +26,32 @@ struct LinearSpringOf {
   }
 
   template <class S>
-  bool slack(const S& g) const {
-    return (acts == Acts::tension && g <= S(free_length)) || (acts == Acts::compression && g >= S(free_length));
+  auto slack(const S& g) const {
+    using Condition = decltype(g <= S(free_length));
+    if (acts == Acts::both) return Condition(false);
+    return acts == Acts::tension ? g <= S(free_length) : g >= S(free_length);
   }
 
   template <class S>
   S energy(const S& g) const {
-    if (slack(g)) return S(0);
-    const S stretch = g - S(free_length);
-    return S(stiffness) * stretch * stretch / S(2);
+    return choose(
+        slack(g), [] { return S(0); },
+        [&] {
+          const S stretch = g - S(free_length);
+          return S(S(stiffness) * stretch * stretch / S(2));
+        });
   }
 
   template <class S>
   LawForce<S> at_rest(const S& g) const {
-    if (slack(g)) return {};
-    const S stretch = g - S(free_length);
-    if (acts == Acts::tension && !(g > S(free_length))) {
-      return {S(stiffness) * not_below_zero(stretch), S(stiffness) * with_zero(S(1)), S(0)};
-    }
-    if (acts == Acts::compression && !(g < S(free_length))) {
-      return {-(S(stiffness) * not_below_zero(S(-stretch))), S(stiffness) * with_zero(S(1)), S(0)};
-    }
-    return {S(stiffness) * stretch, S(stiffness), S(0)};
+    return choose(
+        slack(g), [] { return LawForce<S>{}; }, [&] { return not_slack(g); });
   }
 
   template <class S>
   S force_by(int number, const S& g, const S&) const {
-    if (slack(g)) return S(0);
-    return number == 0 ? S(g - S(free_length)) : S(-S(stiffness));
+    return choose(
+        slack(g), [] { return S(0); }, [&] { return number == 0 ? S(g - S(free_length)) : S(-S(stiffness)); });
   }
 
   /// Size of the force for a change `change` of g: sets the scale of a scene without loads.
@@ -64,6 +62,22 @@ struct LinearSpringOf {
   static constexpr std::array tables{LawTable{"spring"}, LawTable{"torsion_spring", true}};
   static const std::array<Number, 2> numbers;
   static const std::array<LawChoice, 1> choices;
+
+ private:
+  // at_rest() where it acts, or in sets of measures may act.
+  template <class S>
+  LawForce<S> not_slack(const S& g) const {
+    const S stretch = g - S(free_length);
+    if constexpr (may_enclose_set<S>) {
+      if (acts == Acts::tension && !(g > S(free_length))) {
+        return {S(stiffness) * not_below_zero(stretch), S(stiffness) * with_zero(S(1)), S(0)};
+      }
+      if (acts == Acts::compression && !(g < S(free_length))) {
+        return {-(S(stiffness) * not_below_zero(S(-stretch))), S(stiffness) * with_zero(S(1)), S(0)};
+      }
+    }
+    return {S(stiffness) * stretch, S(stiffness), S(0)};
+  }
 };
 
 using LinearSpring = LinearSpringOf<double>;

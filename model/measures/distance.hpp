@@ -31,9 +31,10 @@ class DistanceMeasure {
   void gradient(const Configuration<T>& at, Use use) const {
     const Planar<T> d = d_.at(at.pose);
     const T r = length_of(d);
-    if (r == 0) return;
+    const auto is_point = r == 0;
+    if (all(is_point)) return;
     d_.derivative(at.phasors, at.pose, at.scratch);
-    for (int i = 0; i < d_.size(); ++i) use(i, T(dot(d, at.scratch[i]) / r));
+    for (int i = 0; i < d_.size(); ++i) use(i, zero_where(is_point, T(dot(d, at.scratch[i]) / r)));
   }
 
   // With B_i = d.d_i and A_ij = d_i.d_j + d.d_ij:  force D2r + slope Dr Dr^T = w A + u B B^T.
@@ -41,8 +42,11 @@ class DistanceMeasure {
   void curvature(const Configuration<T>& at, const T& force, const T& slope, Add add) const {
     const Planar<T> d = d_.at(at.pose);
     const T r = length_of(d);
-    const T w = r == 0 ? slope : T(force / r);
-    const T u = r == 0 ? T(0) : T((slope - w) / (r * r));
+    const auto is_point = r == 0;
+    const T w = choose(
+        is_point, [&] { return slope; }, [&] { return T(force / r); });
+    const T u = choose(
+        is_point, [] { return T(0); }, [&] { return T((slope - w) / (r * r)); });
     d_.derivative(at.phasors, at.pose, at.scratch);
     for (int i = 0; i < d_.size(); ++i) {
       const T b_i = u * dot(d, at.scratch[i]);
@@ -57,15 +61,17 @@ class DistanceMeasure {
   T second(const Configuration<T>& at, const T* u, const T* v) const {
     const Planar<T> d = d_.at(at.pose);
     const T r = length_of(d);
-    if (r == 0) return T(0);
+    const auto is_point = r == 0;
+    if (all(is_point)) return T(0);
     d_.derivative(at.phasors, at.pose, at.scratch);
-    return second(at, d, r, d_.along(at.scratch, u), d_.along(at.scratch, v), u, v);
+    return zero_where(is_point, second(at, d, r, d_.along(at.scratch, u), d_.along(at.scratch, v), u, v));
   }
 
   T third(const Configuration<T>& at, const T* u, const T* v, const T* w) const {
     const Planar<T> d = d_.at(at.pose);
     const T r = length_of(d);
-    if (r == 0) return T(0);
+    const auto is_point = r == 0;
+    if (all(is_point)) return T(0);
     d_.derivative(at.phasors, at.pose, at.scratch);
     const Planar<T> d_u = d_.along(at.scratch, u);
     const Planar<T> d_v = d_.along(at.scratch, v);
@@ -75,22 +81,23 @@ class DistanceMeasure {
                   dot(d, d_.along(at.phasors, at.pose, u, v, w)) - second(at, d, r, d_u, d_v, u, v) * dot(d, d_w) / r -
                   second(at, d, r, d_u, d_w, u, w) * dot(d, d_v) / r -
                   second(at, d, r, d_v, d_w, v, w) * dot(d, d_u) / r;
-    return sum / r;
+    return zero_where(is_point, T(sum / r));
   }
 
   template <class Use>
   void bend(const Configuration<T>& at, const T* u, Use use) const {
     const Planar<T> d = d_.at(at.pose);
     const T r = length_of(d);
-    if (r == 0) return;
+    const auto is_point = r == 0;
+    if (all(is_point)) return;
     d_.derivative(at.phasors, at.pose, at.scratch);
     const Planar<T> d_u = d_.along(at.scratch, u);
     const T by_length = dot(d, d_u) / (r * r * r);
     for (int i = 0; i < d_.size(); ++i) {
-      use(i, T(dot(d_u, at.scratch[i]) / r - by_length * dot(d, at.scratch[i])));
+      use(i, zero_where(is_point, T(dot(d_u, at.scratch[i]) / r - by_length * dot(d, at.scratch[i]))));
     }
     d_.bend(
-        at.phasors, at.pose, u, [&](const Planar<T>& v) { return T(dot(d, v) / r); }, use);
+        at.phasors, at.pose, u, [&](const Planar<T>& v) { return zero_where(is_point, T(dot(d, v) / r)); }, use);
   }
 
  private:

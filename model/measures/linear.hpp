@@ -36,7 +36,7 @@ class LinearMeasure {
     while (at < support_.size() && support_[at] < coordinate) ++at;
     if (at < support_.size() && support_[at] == coordinate) {
       factor_[at] += factor;
-      if (factor_[at] != 0) return;
+      if (any(factor_[at] != 0)) return;
       support_.erase(support_.begin() + static_cast<std::ptrdiff_t>(at));
       factor_.erase(factor_.begin() + static_cast<std::ptrdiff_t>(at));
       return;

@@ -18,7 +18,8 @@ struct RopeSpan {
   RopeSpan(const Planar<T>& d, const T& offset) {
     using std::sqrt;
     const T square = dot(d, d);
-    length = offset == T(0) ? length_of(d) : sqrt(T(square - offset * offset));
+    length = choose(
+        offset == T(0), [&] { return length_of(d); }, [&] { return T(sqrt(T(square - offset * offset))); });
     along = T(1) / square * (d * Planar<T>{length, -offset});
   }
 
@@ -82,7 +83,7 @@ class RopeMeasure {
       const RopeSpan<T> span = span_of(parts_[k], at);
       sum += span.length;
       const Contact& contact = contacts_[k];
-      if (k > 0 && !(contact.radius == 0)) sum += contact.radius * rope_wrap(before, span.along, contact.turn);
+      if (k > 0 && !all(contact.radius == 0)) sum += contact.radius * rope_wrap(before, span.along, contact.turn);
       before = span.along;
     }
     return sum;
@@ -104,7 +105,8 @@ class RopeMeasure {
     }
     for (const Part& part : parts_) {
       const RopeSpan<T> span = span_of(part, at);
-      if (span.length == 0) continue;
+      const auto is_point = span.length == 0;
+      if (all(is_point)) continue;
       const auto put = [&](int i, int j, const T& value) {
         add(std::max(part.slots[i], part.slots[j]), std::min(part.slots[i], part.slots[j]), value);
       };
@@ -112,10 +114,10 @@ class RopeMeasure {
       part.d.derivative(at.phasors, at.pose, at.scratch);
       for (int i = 0; i < part.d.size(); ++i) {
         const T across = force * dot(n, at.scratch[i]) / span.length;
-        for (int j = 0; j <= i; ++j) put(i, j, T(across * dot(n, at.scratch[j])));
+        for (int j = 0; j <= i; ++j) put(i, j, zero_where(is_point, T(across * dot(n, at.scratch[j]))));
       }
       part.d.second_derivative(at.phasors, at.pose, [&](int i, int j, const Planar<T>& d_ij) {
-        put(i, j, T(force * dot(span.along, d_ij)));
+        put(i, j, zero_where(is_point, T(force * dot(span.along, d_ij))));
       });
     }
   }
@@ -124,11 +126,13 @@ class RopeMeasure {
     T sum(0);
     for (const Part& part : parts_) {
       const RopeSpan<T> span = span_of(part, at);
-      if (span.length == 0) continue;
+      const auto is_point = span.length == 0;
+      if (all(is_point)) continue;
       const Planar<T> n = quarter_turn(span.along);
       part.d.derivative(at.phasors, at.pose, at.scratch);
-      sum += dot(n, part.d.along(at.scratch, u)) * dot(n, part.d.along(at.scratch, v)) / span.length +
-             dot(span.along, part.d.along(at.phasors, at.pose, u, v));
+      sum += zero_where(is_point,
+                        T(dot(n, part.d.along(at.scratch, u)) * dot(n, part.d.along(at.scratch, v)) / span.length +
+                          dot(span.along, part.d.along(at.phasors, at.pose, u, v))));
     }
     return sum;
   }
@@ -137,7 +141,8 @@ class RopeMeasure {
     T sum(0);
     for (const Part& part : parts_) {
       const RopeSpan<T> span = span_of(part, at);
-      if (span.length == 0) continue;
+      const auto is_point = span.length == 0;
+      if (all(is_point)) continue;
       const T& l = span.length;
       const Planar<T>& t = span.along;
       const Planar<T> n = quarter_turn(t);
@@ -147,11 +152,12 @@ class RopeMeasure {
       const Planar<T> d_w = part.d.along(at.scratch, w);
       const auto two = [&](const T* a, const T* b) { return dot(n, part.d.along(at.phasors, at.pose, a, b)); };
       const T n_u = dot(n, d_u), n_v = dot(n, d_v), n_w = dot(n, d_w);
-      sum += (two(u, v) * n_w + two(u, w) * n_v + two(v, w) * n_u) / l +
-             dot(t, part.d.along(at.phasors, at.pose, u, v, w)) -
-             (dot(t, d_u) * n_v * n_w + n_u * dot(t, d_v) * n_w + n_u * n_v * dot(t, d_w) +
-              part.offset * n_u * n_v * n_w / l) /
-                 (l * l);
+      const T by_part = (two(u, v) * n_w + two(u, w) * n_v + two(v, w) * n_u) / l +
+                        dot(t, part.d.along(at.phasors, at.pose, u, v, w)) -
+                        (dot(t, d_u) * n_v * n_w + n_u * dot(t, d_v) * n_w + n_u * n_v * dot(t, d_w) +
+                         part.offset * n_u * n_v * n_w / l) /
+                            (l * l);
+      sum += zero_where(is_point, by_part);
     }
     return sum;
   }
@@ -160,13 +166,16 @@ class RopeMeasure {
   void bend(const Configuration<T>& at, const T* u, Use use) const {
     for (const Part& part : parts_) {
       const RopeSpan<T> span = span_of(part, at);
-      if (span.length == 0) continue;
+      const auto is_point = span.length == 0;
+      if (all(is_point)) continue;
       const Planar<T> n = quarter_turn(span.along);
       part.d.derivative(at.phasors, at.pose, at.scratch);
       const T across = dot(n, part.d.along(at.scratch, u)) / span.length;
-      for (int i = 0; i < part.d.size(); ++i) use(part.slots[i], T(across * dot(n, at.scratch[i])));
+      for (int i = 0; i < part.d.size(); ++i) {
+        use(part.slots[i], zero_where(is_point, T(across * dot(n, at.scratch[i]))));
+      }
       part.d.bend(
-          at.phasors, at.pose, u, [&](const Planar<T>& v) { return dot(span.along, v); },
+          at.phasors, at.pose, u, [&](const Planar<T>& v) { return zero_where(is_point, dot(span.along, v)); },
           [&](int i, const T& value) { use(part.slots[i], value); });
     }
   }
@@ -186,9 +195,12 @@ class RopeMeasure {
     std::fill(total, total + support_.size(), Planar<T>{});
     for (const Part& part : parts_) {
       const RopeSpan<T> span = span_of(part, at);
-      if (span.length == 0) continue;
+      const auto is_point = span.length == 0;
+      if (all(is_point)) continue;
       part.d.derivative(at.phasors, at.pose, at.scratch);
-      for (int i = 0; i < part.d.size(); ++i) total[part.slots[i]].x += dot(span.along, at.scratch[i]);
+      for (int i = 0; i < part.d.size(); ++i) {
+        total[part.slots[i]].x += zero_where(is_point, dot(span.along, at.scratch[i]));
+      }
     }
     return total;
   }

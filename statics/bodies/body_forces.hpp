@@ -14,6 +14,7 @@
 #include "model/length_of.hpp"
 #include "model/plain_value.hpp"
 #include "model/scene_numbers.hpp"
+#include "model/select.hpp"
 #include "statics/bodies/body_measures.hpp"
 
 namespace poise {
@@ -31,10 +32,20 @@ Planar<T> in_any_direction() {
   return {};
 }
 
-/// Whether a force and a moment are zero, and stay so.
+/// Whether a force and a moment are zero, and stay so; of scalars in lanes, in all of these.
 template <class T>
 bool is_nothing(const Planar<T>& force, const T& moment) {
   return is_just(force.x, 0.0) && is_just(force.y, 0.0) && is_just(moment, 0.0);
+}
+
+/// `some` where a force or a moment is something, `none` in lanes in which both are zero.
+template <class T>
+T where_something(const Planar<T>& force, const T& moment, const T& some, const T& none) {
+  if constexpr (has_lanes<T>) {
+    return select(force.x == T(0) && force.y == T(0) && moment == T(0), none, some);
+  } else {
+    return some;
+  }
 }
 
 }  // namespace body_forces
@@ -205,7 +216,9 @@ void BodyForces<Pose, NumbersOfScene>::for_each_effort(const Measure& measure, c
       const Planar<T> a = world(measure.a);
       const Planar<T> b = world(measure.b);
       const T r = body_forces::length_of(b - a);
-      const Planar<T> along = r > T(0) ? (effort / r) * (b - a) : effort * body_forces::in_any_direction<T>();
+      const Planar<T> along = choose(
+          r > T(0), [&]() -> Planar<T> { return T(effort / r) * (b - a); },
+          [&]() -> Planar<T> { return effort * body_forces::in_any_direction<T>(); });
       visit(Effort{measure.a.body, measure.b.body, a, b, along, T(0)});
       return;
     }
@@ -293,7 +306,7 @@ auto BodyForces<Pose, NumbersOfScene>::push_element(int element, Push push) cons
   if (is_just(force, 0.0)) return out;
   for_each_effort(of.on, T(1), [&](const UnitEffortOf<T>& unit) {
     if (body_forces::is_nothing(unit.force, unit.moment)) return;
-    out = force;
+    out = body_forces::where_something(unit.force, unit.moment, force, out);
     act({unit.body_a, unit.body_b, unit.a, unit.b, force * unit.force, T(force * unit.moment)});
   });
   return out;
@@ -308,7 +321,11 @@ auto BodyForces<Pose, NumbersOfScene>::joint_effort(int joint, const T* z) const
     out.a = world(of.a);
     const Planar<T> along = b - out.a;
     const T r = norm(along);
-    out.force = r > T(0) ? *z / r * along : Planar<T>{*z, T(0)};
+    out.force = choose(
+        r > T(0), [&]() -> Planar<T> { return T(*z / r) * along; },
+        [&] {
+          return Planar<T>{*z, T(0)};
+        });
     ++z;
   } else if (of.has_travel()) {
     out.force = *z++ * quarter_turn(axis(joint));

@@ -200,7 +200,7 @@ class FreeBodyEquations {
 
   // The unknown effort on a measure, positive if it tends to increase it. The terms of a sum act together, each with
   // its factor; that of the item is the first, of a rope the last of its parts. Distances of zero have no direction in
-  // which anything could act; if there is nothing else, there is no unknown.
+  // which anything could act; if there is nothing else, there is no unknown, and in some lanes of several a zero one.
   void add_measure(const Measure& measure, int stop = -1) {
     Item& item = items_.back();
     item.axial = !measure.is_angle();
@@ -233,7 +233,7 @@ class FreeBodyEquations {
       if (body == 0) continue;
       const int row = 3 * (body - 1);
       const auto entry = [&](int at, const T& value) {
-        if (value != T(0)) visit(at, opposite ? T(-value) : value);
+        if (any(value != T(0))) visit(at, opposite ? T(-value) : value);
       };
       entry(row, k.force.x);
       entry(row + 1, k.force.y);
