@@ -41,7 +41,8 @@ struct ForceNumber {
   int time_number = -1;  ///< load: if >= 0 index into the numbers of its function of time, in place of the load's own
 };
 
-/// A scene compiled to a short sum of phasors, to be evaluated in the scalar T.
+/// A scene compiled to a short sum of phasors, to be evaluated in the scalar T; in lanes (model/pack.hpp) of several
+/// variants of the scene at once.
 ///
 /// Coordinates q (see Coordinate): n = coordinates(), angles first. Every point of every body is a sum
 /// p(q) = c0 + sum_t c_t phi_t  of their phasors (see Phasors), and so

@@ -42,7 +42,8 @@ Planar<T> unit_or_zero(const Planar<T>& a) {
 /// or intervals it holds for all scenes whose numbers are in these. SceneNumbers has the same functions.
 ///
 /// Of sets of numbers a curve through points is known only where p has those of the scene; elsewhere its values are not
-/// finite. Refers to the list and to p.
+/// finite. In lanes (Pack) a curve that rolls is cut into the same parts for all, and unknown in all where it has a
+/// cusp in one. Refers to the list and to p.
 template <class T>
 class Numbers {
  public:

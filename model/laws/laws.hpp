@@ -16,6 +16,7 @@
 #include "model/laws/linear_spring.hpp"
 #include "model/laws/preloaded_spring.hpp"
 #include "model/plain_value.hpp"
+#include "model/select.hpp"
 
 namespace poise {
 
@@ -25,9 +26,10 @@ using LawOf = std::variant<LinearSpringOf<N>, CubicSpringOf<N>, ConstantForceOf<
                            PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>>;
 using Law = LawOf<double>;
 
-/// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too.
+/// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too, and lanes have their
+/// own.
 template <class T>
-using NumberOfLaw = std::conditional_t<has_derivatives<T>, T, double>;
+using NumberOfLaw = std::conditional_t<has_derivatives<T> || has_lanes<T>, T, double>;
 template <class T>
 using LawIn = LawOf<NumberOfLaw<T>>;
 
@@ -180,7 +182,7 @@ LawForce<S> force_of_motion(const LawIn<S>& law, const S& g, const S& w) {
 /// The law with its numbers in the scalar of laws on measures in T, as they are.
 template <class T>
 LawIn<T> law_in(const Law& law) {
-  if constexpr (has_derivatives<T>) {
+  if constexpr (has_derivatives<T> || has_lanes<T>) {
     return std::visit(
         [](const auto& l) -> LawIn<T> {
           std::vector<T> numbers;

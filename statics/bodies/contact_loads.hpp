@@ -25,7 +25,7 @@ struct CamPush {
 
 /// Of the cam that is a stop of this index, in a pose in which the roller is on the pitch curve. Nothing where that
 /// curve has no direction at the roller, or where the roller moves along it, so that no finite force drives it; in
-/// balls these are balls without end.
+/// balls these are balls without end, in lanes numbers that are not finite.
 template <class Pose, class NumbersOfScene, class T = ScalarOf<Pose>>
 std::optional<CamPush<T>> cam_push(const BodyForces<Pose, NumbersOfScene>& bodies, int stop, const CamGeometry& cam) {
   const Measure& on = bodies.scene().stops[static_cast<std::size_t>(stop)].on;
