@@ -117,7 +117,8 @@ void CurvePoints::set_functions(Point& p) {
   p.value[0] = -dot(p.t, p.at.gradient);
   p.slope[0] = -bend;
   scale_ = std::max({scale_, largest(p.at.gradient), largest(y_)});
-  p.noise = 4 * unit_roundoff * (scale_ + stiffest * std::max(1.0, largest(p.at.x)));
+  // The problem is scaled, so that forces that cancel each other in the gradient are of the size 1.
+  p.noise = 4 * unit_roundoff * (1.0 + scale_ + stiffest * std::max(1.0, largest(p.at.x)));
   set_distances(p);
   set_switches(p);
 }

@@ -425,7 +425,8 @@ SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
 
 std::vector<std::string> quantity_names(const Scene& scene) {
   std::vector<std::string> out;
-  for (const SoughtQuantity& one : Catalogue(scene).all()) out.push_back(one.name);
+  const Catalogue catalogue(scene);
+  for (const SoughtQuantity& one : catalogue.all()) out.push_back(one.name);
   return out;
 }
 

@@ -500,6 +500,48 @@ struct RandomLamp {
   }
 };
 
+// Weight and spring cancel in the one coordinate that both turn, and leave no force there whose size tells what is
+// rounding.
+TEST(NeutralMotions, ALampWhoseForcesCancelInOneCoordinateStaysWhereItIs) {
+  const StaticModel model(parse_scene(R"(gravity = [0, -9.81]
+[ground]
+points = { E = [0, 0], R = [0.03, 0.08], A = [0, 0.1], B = [0, 0.2], C = [0, 0.5] }
+[body.arm0]
+points = { O = [0, 0], E = [153e-3, 0], D = [0.5, 0] }
+mass = 3052e-3
+center = [102e-3, 0]
+[body.stay0]
+points = { O = [0, 0], R = [153e-3, 0] }
+[body.link0]
+points = { E = [0, 0], R = [0.03, 0.08], A = [0, 0.1], B = [0, 0.2], C = [0, 0.5] }
+[[pin]]
+points = ["ground.E", "arm0.O"]
+[[pin]]
+points = ["ground.R", "stay0.O"]
+[[pin]]
+points = ["arm0.E", "link0.E"]
+[[pin]]
+points = ["stay0.R", "link0.R"]
+[[spring]]
+name = "s0"
+points = ["ground.C", "arm0.D"]
+stiffness = 17.64893556
+free_length = 0
+[[force]]
+name = "payload"
+at = "link0.E"
+vector = [0, -8.87805]
+[start]
+arm0 = 0.100768
+stay0 = 0.100768
+)",
+                                      "lamp.toml"));
+  const std::vector<double> start = assemble(model);
+  const Equilibrium rests = solve(model, SolveOptions{});
+  EXPECT_EQ(rests.certificate.outcome, Outcome::neutral) << rests.why;
+  for (std::size_t i = 0; i < start.size(); ++i) EXPECT_NEAR(rests.x[i], start[i], 1e-12);
+}
+
 TEST(NeutralMotions, RandomLampsAreBalancedWhereTheirDecimalsCancelAndNowhereElse) {
   for (int k = 0; k < test::cases(60, 2000); ++k) {
     SCOPED_TRACE(k);
