@@ -1,6 +1,7 @@
 #include "statics/quantities/quantity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -190,6 +191,21 @@ class Catalogue {
 
 constexpr std::string_view separators = " +-*/()";
 
+/// What a name begins with, and what follows.
+struct Family {
+  std::string_view prefix, item;
+};
+constexpr std::array<Family, 10> families{{{"angle.", "body"},
+                                           {"travel.", "slide or pin in a slot"},
+                                           {"x.", "point, BODY.POINT,"},
+                                           {"y.", "point, BODY.POINT,"},
+                                           {"length.", "force element"},
+                                           {"force.", "force element"},
+                                           {"reaction.", "joint"},
+                                           {"stop.", "stop"},
+                                           {"fold.load.", "load"},
+                                           {"load_at_fold.", "load"}}};
+
 /// Reads a quantity, or an expression of several, from a text. A name may have spaces, hyphens and points in it, so
 /// that the longest name of the scene is taken; where none is, the longest word is what the error is about.
 class Reader {
@@ -316,6 +332,14 @@ class Reader {
     // The whole rest may be a name with spaces that is misspelt.
     const std::string whole(rest_);
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
+    for (const auto& [prefix, item] : families) {
+      if (!whole.starts_with(prefix)) continue;
+      std::vector<std::string> known;
+      for (const std::string& one : catalogue_.known()) {
+        if (one.starts_with(prefix)) known.push_back(one.substr(prefix.size()));
+      }
+      fail(fmt::format("expected the name of a {}{}", item, did_you_mean_or_list(whole.substr(prefix.size()), known)));
+    }
     throw InputError(
         fmt::format("{}: expected the name of a quantity{}; or angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
                     "length.ELEMENT, force.ELEMENT, reaction.JOINT, stop.NAME, push.BODY.POINT.x, energy, "

@@ -26,7 +26,14 @@ using nlohmann::json;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-PathView with_guide(const VariedScene& varied) { return {.measures = {find_quantity(varied.scene(), "guide")}}; }
+// Under the name that is asked for, as by --measure.
+SoughtQuantity quantity_called(const Scene& scene, const std::string& name) {
+  SoughtQuantity out = find_quantity(scene, name);
+  out.name = name;
+  return out;
+}
+
+PathView with_guide(const VariedScene& varied) { return {.measures = {quantity_called(varied.scene(), "guide")}}; }
 
 std::string text_of(const VariedScene& varied, const Path& path, const PathView& view) {
   return plain_text(path_result(varied, path, view, {}), {}, Verbosity::normal);
@@ -192,7 +199,7 @@ TEST(PathReport, HasOneLineInCsvForEachPoint) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
   PathView view = with_guide(varied);
-  view.measures.push_back(find_quantity(varied.scene(), "apex.C.y"));
+  view.measures.push_back(quantity_called(varied.scene(), "apex.C.y"));
   const Result result = path_result(varied, path, view, {});
   ASSERT_NE(result.csv(), nullptr);
   const std::string lines = csv_text(*result.csv());
@@ -237,7 +244,7 @@ TEST(PathPicture, MarksWhatIsInTheTableAndDrawsTheMechanismThere) {
 TEST(PathChart, PutsTheLoadUpwardsAndBreaksTheLineAtFolds) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
-  const std::vector<SoughtQuantity> measures = {find_quantity(varied.scene(), "guide")};
+  const std::vector<SoughtQuantity> measures = {quantity_called(varied.scene(), "guide")};
   const std::vector<PathMark> marks = path_marks(varied, path);
   ASSERT_EQ(marks.size(), 5u) << "start, fold with snap, landing, fold, end";
   const std::vector<Panel> panels = path_panels(varied, path, measures, marks, "");
