@@ -8,17 +8,33 @@
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 
-// Statics: equilibria, their stability and forces, and how they change with a number of the scene
+// Statics: equilibria, their stability and forces, what friction holds, and how they change with numbers of the scene
 #include "statics/all_equilibria/all_equilibria.hpp"
+#include "statics/equilibrium/link_loads.hpp"
 #include "statics/equilibrium/named_equilibrium.hpp"
+#include "statics/equilibrium/settle.hpp"
+#include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
+#include "statics/paths/fold_curve.hpp"
 #include "statics/paths/path_measures.hpp"
+#include "statics/proof/certificate.hpp"
+#include "statics/proof/enclosed_values.hpp"
+#include "statics/quantities/quantities_at.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
+#include "statics/sensitivity/tolerance.hpp"
+#include "statics/tracking/tracked_equilibrium.hpp"
 
 // Motion: kinematics, inverse dynamics, free motion, small oscillations, synthesis
 #include "motion/design.hpp"
+#include "motion/dynamic_stability.hpp"
+#include "motion/force_courses.hpp"
+#include "motion/forces_along.hpp"
+#include "motion/given_motion.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "motion/kinematics.hpp"
+#include "motion/loads_in_motion.hpp"
 #include "motion/modes.hpp"
+#include "motion/release.hpp"
 #include "motion/simulate.hpp"
 
 // Identification: parameters from measured or simulated motion, how well they are known, models compared, runs planned
@@ -32,4 +48,5 @@
 #include "identification/assessment/profile.hpp"
 #include "identification/assessment/validation.hpp"
 #include "identification/experiment/experiment.hpp"
+#include "identification/experiment/experiment_text.hpp"
 #include "identification/fit/fit.hpp"
