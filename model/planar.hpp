@@ -103,7 +103,7 @@ Planar<T> unit(const T& angle) {
 template <class T>
 T full_angle_of(const Planar<T>& a) {
   using std::atan2;
-  const T angle = atan2(a.y, a.x);
+  T angle = atan2(a.y, a.x);
   return choose(
       angle < T(0), [&] { return T(angle + T(2) * pi_of<T>()); }, [&] { return angle; });
 }

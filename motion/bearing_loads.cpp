@@ -117,10 +117,10 @@ template class BearingLoads<Real50>;
 
 // Variations need no changes of changes.
 using OfNumber = ceres::Jet<double, 1>;
-using OfVariation = BearingLoads<OfNumber, Numbers<OfNumber>>;
-template OfVariation::BearingLoads(const Numbers<OfNumber>&, const Mechanism<OfNumber>&, const std::vector<int>&);
-template void OfVariation::place(const OfNumber*, const Planar<OfNumber>*);
-template bool OfVariation::add(const Contact&, const OfNumber&, const OfNumber&, const Planar<OfNumber>*,
-                               OfNumber*) const;
+template BearingLoads<OfNumber, Numbers<OfNumber>>::BearingLoads(const Numbers<OfNumber>&, const Mechanism<OfNumber>&,
+                                                                 const std::vector<int>&);
+template void BearingLoads<OfNumber, Numbers<OfNumber>>::place(const OfNumber*, const Planar<OfNumber>*);
+template bool BearingLoads<OfNumber, Numbers<OfNumber>>::add(const Contact&, const OfNumber&, const OfNumber&,
+                                                             const Planar<OfNumber>*, OfNumber*) const;
 
 }  // namespace poise

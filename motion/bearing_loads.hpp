@@ -15,7 +15,7 @@ namespace poise {
 /// the same work in every motion that joints allow, only the forces in joints differ.
 ///
 /// Coordinates as those of ReducedMotion: generalized forces g are negative, n values. Compiled for double, long double
-/// and Real50, and but for add_change() for the numbers of a Variation.
+/// and Real50, and but for add_change() for the numbers of a VariedModel.
 template <class T, class NumbersOfScene = SceneNumbers<T>>
 class BearingLoads {
  public:

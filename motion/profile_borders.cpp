@@ -53,11 +53,11 @@ ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Varia
   if (arguments_.empty()) return;
   variations_ = variations;
   for (const Variation& variation : variations) {
-    const std::vector<BorderedTerm> terms = bordered_terms(variation.scene());
+    const std::vector<BorderedTerm> terms = bordered_terms(variation.compiled().scene());
     for (std::size_t i = 0; i < terms.size(); ++i) {
       const auto& [sum, term, stop] = terms[i];
-      arguments_[i].varied.push_back(
-          {variation.measure(sum.terms[term].measure), variation.numbers().term(sum, term, stop).profile()});
+      arguments_[i].varied.push_back({variation.compiled().measure(sum.terms[term].measure),
+                                      variation.compiled().numbers().term(sum, term, stop).profile()});
     }
   }
 }
@@ -117,9 +117,9 @@ double ProfileBorders::nudge(const ReducedMotion<double>& motion) {
 
 double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& motion, const Argument& argument,
                                                std::size_t variation, double u) const {
-  using Dual = Variation::Dual;
+  using Dual = VariedModel::Dual;
   const Place<Dual>& place = argument.varied[variation];
-  const double argument_by = variations_[variation].derivative(
+  const double argument_by = variations_[variation].compiled().derivative(
       place.on, motion.q(), [&](const Configuration<Dual>& there) { return place.value(there); });
   // Of other profiles the borders are no numbers, or nothing jumps there that acts on motion: a spline is smooth
   // enough.

@@ -7,6 +7,7 @@
 #include "model/profile.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion.hpp"
+#include "motion/varied_model.hpp"
 
 namespace poise {
 
@@ -41,7 +42,7 @@ class ProfileBorders {
   };
   struct Argument {
     Place<double> at;
-    std::vector<Place<Variation::Dual>> varied;  // by variation
+    std::vector<Place<VariedModel::Dual>> varied;  // by variation
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
   };

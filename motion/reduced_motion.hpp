@@ -15,7 +15,6 @@
 #include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
 #include "motion/variation.hpp"
-#include "motion/variation_terms.hpp"
 
 namespace poise {
 
@@ -62,6 +61,8 @@ struct Influence {
   /// Coordinates depend on it where z and w are given.
   bool moves() const { return drive >= 0 || variation >= 0; }
 };
+
+struct MotionVariations;
 
 /// The equations of motion of a mechanism in its independent coordinates z, f = freedoms() of the n coordinates q.
 ///
@@ -343,7 +344,7 @@ class ReducedMotion {
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
   void state_for_variations();
-  void add_direct(VariationTerms& terms);
+  void add_direct(std::size_t variation);
   void add_drive_number(int drive, int number, const T& by);
   void add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const;
   Configuration<T> here() const { return {mechanism_.phasors(), pose_.data(), drive_scratch_.data()}; }
@@ -404,8 +405,7 @@ class ReducedMotion {
   bool gripping_ = false;  // some bound grows with a force
   bool open_ = false, open_known_ = false;
 
-  std::vector<VariationTerms> variations_;
-  VariedState varied_;
+  std::shared_ptr<MotionVariations> variations_;  // none where there are no variations
   Direct direct_;
   std::vector<T> q_p_, v_p_, a_p_;
 };

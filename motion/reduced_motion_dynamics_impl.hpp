@@ -7,6 +7,7 @@
 
 #include "motion/reduced_motion.hpp"
 #include "motion/reduced_motion_friction_impl.hpp"
+#include "motion/variation_terms.hpp"
 
 namespace poise {
 
@@ -224,7 +225,7 @@ void ReducedMotion<T>::linearize_pose(const T* dq, const Direct* direct, T* dv, 
 template <class T>
 void ReducedMotion<T>::linearize() {
   find_multipliers();
-  if (!variations_.empty()) state_for_variations();
+  if (variations_) state_for_variations();
   mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
   for (int k = 0; k < freedoms(); ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
@@ -254,15 +255,17 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
 
 template <class T>
 void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) {
-  variations_.clear();
+  variations_.reset();
+  if (variations.empty()) return;
+  variations_ = std::make_shared<MotionVariations>();
   std::vector<int> joints;
   for (std::size_t i = 0; i < first_teeth_; ++i) joints.push_back(grips_[i].joint);
   std::size_t pose = 0;
   for (const Variation& variation : variations) {
-    variations_.emplace_back(variation, inputs_, held_, joints, growing(grips_));
-    pose = std::max(pose, variations_.back().pose_size());
+    variations_->terms.emplace_back(variation, inputs_, held_, joints, growing(grips_));
+    pose = std::max(pose, variations_->terms.back().pose_size());
   }
-  varied_.pose.resize(pose);
+  variations_->state.pose.resize(pose);
 }
 
 // The state of the last linearize().
@@ -278,23 +281,26 @@ void ReducedMotion<T>::state_for_variations() {
       to[i] = {Dual(static_cast<double>(from[i].x)), Dual(static_cast<double>(from[i].y))};
     }
   };
-  varied_.t = static_cast<double>(t_);
-  varied_.near = near_at(t_);
-  varied_.sliding = sliding();
-  take(varied_.q, q_);
-  take(varied_.v, v_);
-  take(varied_.a, a_);
-  take(varied_.multipliers, multipliers_);
-  take(varied_.drive_multipliers, drive_multipliers_);
-  take(varied_.contact_efforts, contact_efforts_);
-  varied_.second.resize(second_.size());
-  take_vectors(varied_.second, second_, second_.size());
-  take_vectors(varied_.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));
+  VariedState& state = variations_->state;
+  state.t = static_cast<double>(t_);
+  state.near = near_at(t_);
+  state.sliding = sliding();
+  take(state.q, q_);
+  take(state.v, v_);
+  take(state.a, a_);
+  take(state.multipliers, multipliers_);
+  take(state.drive_multipliers, drive_multipliers_);
+  take(state.contact_efforts, contact_efforts_);
+  state.second.resize(second_.size());
+  take_vectors(state.second, second_, second_.size());
+  take_vectors(state.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));
 }
 
 template <class T>
-void ReducedMotion<T>::add_direct(VariationTerms& terms) {
-  terms.add(varied_, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(), direct_.force.data());
+void ReducedMotion<T>::add_direct(std::size_t variation) {
+  VariationTerms& terms = variations_->terms[variation];
+  terms.add(variations_->state, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(),
+            direct_.force.data());
   for (std::size_t i = 0; gripping_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
@@ -337,7 +343,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
   if (influence.drive >= 0) {
     add_drive_number(influence.drive, influence.drive_number, static_cast<T>(influence.by));
   } else {
-    add_direct(variations_[static_cast<std::size_t>(influence.variation)]);
+    add_direct(static_cast<std::size_t>(influence.variation));
     for (const Influence::InTime& part : influence.in_time) {
       if (part.of == TimeFunction::Of::drive) {
         add_drive_number(part.item, part.number, static_cast<T>(part.by));

@@ -44,7 +44,7 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     contact.on = {scene, model.layout(), phasors, on};
     scratch = std::max(scratch, contact.on.scratch_size());
     for (const Variation& variation : variations) {
-      contact.varied.push_back(variation.measure(variation.scene().elements[e].on));
+      contact.varied.push_back(variation.compiled().measure(variation.compiled().scene().elements[e].on));
     }
     contacts_.push_back(std::move(contact));
   }
@@ -399,14 +399,15 @@ double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const doub
 }
 
 double StickSlip::value_by(const Contact& contact, const Reduced& motion, std::size_t variation) const {
-  const CompiledMeasure<Variation::Dual>& on = contact.varied[variation];
-  return variations_[variation].derivative(on, motion.q(), [&](const auto& here) { return on.value(here); });
+  const CompiledMeasure<VariedModel::Dual>& on = contact.varied[variation];
+  return variations_[variation].compiled().derivative(on, motion.q(), [&](const auto& here) { return on.value(here); });
 }
 
 double StickSlip::rate_by(const Contact& contact, const Reduced& motion, std::size_t variation) const {
-  const CompiledMeasure<Variation::Dual>& on = contact.varied[variation];
-  const std::vector<Variation::Dual> v(motion.v(), motion.v() + motion.coordinates());
-  return variations_[variation].derivative(on, motion.q(), [&](const auto& here) { return on.along(here, v.data()); });
+  const CompiledMeasure<VariedModel::Dual>& on = contact.varied[variation];
+  const std::vector<VariedModel::Dual> v(motion.v(), motion.v() + motion.coordinates());
+  return variations_[variation].compiled().derivative(on, motion.q(),
+                                                      [&](const auto& here) { return on.along(here, v.data()); });
 }
 
 }  // namespace poise

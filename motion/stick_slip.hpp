@@ -6,6 +6,7 @@
 
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion.hpp"
+#include "motion/varied_model.hpp"
 
 namespace poise {
 
@@ -67,9 +68,9 @@ class StickSlip {
     int element;
     double force;  // F, or its constant part
     CompiledMeasure<double> on;
-    std::vector<CompiledMeasure<Variation::Dual>> varied;  // by variation
-    double speed = 0.0;                                    // largest rate yet
-    double rate = 0.0, acceleration = 0.0;                 // at the last node
+    std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
+    double speed = 0.0;                                      // largest rate yet
+    double rate = 0.0, acceleration = 0.0;                   // at the last node
     bool idle = false;  // it slides without rate: what is held or driven holds it, too
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.

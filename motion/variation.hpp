@@ -1,75 +1,30 @@
 #pragma once
 
-// A number of a scene of which motion is differentiated.
-
-#include <cstddef>
 #include <memory>
-#include <vector>
 
-#include <ceres/jet.h>
-
-#include "model/inertia.hpp"
-#include "model/mechanism.hpp"
-#include "model/number_list.hpp"
-#include "model/numbers.hpp"
+#include "model/parameters.hpp"
 #include "motion/motion_model.hpp"
 
 namespace poise {
 
-/// All numbers of a scene as dual numbers, whose derivatives are those by one of them.
-class NumbersAlong {
- public:
-  using Dual = ceres::Jet<double, 1>;
+class VariedModel;
 
-  /// By the number of this row of parameter_table(), times `unit`. Joints' friction and all that follows from named
-  /// numbers change with it. Throws InputError where an expression that follows from it has no derivative.
-  NumbersAlong(const Scene& scene, const ParameterPlace& number, double unit);
-
-  /// The scene whose items Numbers::term() takes.
-  const Scene& scene() const { return list_.scene(); }
-  Numbers<Dual> numbers() const { return {list_, values_.data()}; }
-
- private:
-  NumberList list_;
-  std::vector<Dual> values_;
-};
-
-/// A scene compiled for motion in dual numbers, whose derivatives are those by one of its numbers: exact, at fixed
-/// coordinates, rates and accelerations.
+/// A number of a scene by which motion is differentiated, as it moves geometry, inertia and forces: the scene compiled
+/// in dual numbers along it (motion/varied_model.hpp). Copies share that.
 class Variation {
  public:
-  using Dual = NumbersAlong::Dual;
-
   /// By the number of this row of parameter_table(), per SI unit; the layout of the model must let it vary (lay_out()).
-  /// Throws InputError as NumbersAlong does.
+  /// Throws InputError where an expression that follows from it has no derivative.
   Variation(std::shared_ptr<const MotionModel> model, const ParameterPlace& number);
 
   const MotionModel& model() const { return *model_; }
   const ParameterPlace& number() const { return number_; }
-  /// In the units of the scaled scene.
-  const Scene& scene() const { return along_->scene(); }
-  Numbers<Dual> numbers() const { return along_->numbers(); }
-  const Mechanism<Dual>& mechanism() const { return *mechanism_; }
-  const Inertia<Dual>& inertia() const { return *inertia_; }
-  /// A measure of scene(); of that of a stop, of index `stop`, with the numbers of its coupling.
-  CompiledMeasure<Dual> measure(const Measure& on, int stop = -1) const;
-  /// The derivative by the number of what read(configuration) gives of such a measure, at the coordinates q of the
-  /// scaled scene.
-  template <class Read>
-  double derivative(const CompiledMeasure<Dual>& on, const double* q, Read read) const {
-    const Phasors<Dual>& phasors = mechanism_->phasors();
-    const std::vector<Dual> at(q, q + phasors.coordinates());
-    std::vector<Planar<Dual>> pose(static_cast<std::size_t>(phasors.pose_size() + on.scratch_size()));
-    phasors.place(at.data(), pose.data());
-    return read(Configuration<Dual>{phasors, pose.data(), pose.data() + phasors.pose_size()}).v[0];
-  }
+  const VariedModel& compiled() const { return *compiled_; }
 
  private:
   std::shared_ptr<const MotionModel> model_;
   ParameterPlace number_;
-  std::shared_ptr<const NumbersAlong> along_;
-  std::shared_ptr<const Mechanism<Dual>> mechanism_;
-  std::shared_ptr<const Inertia<Dual>> inertia_;
+  std::shared_ptr<const VariedModel> compiled_;
 };
 
 }  // namespace poise

@@ -12,13 +12,14 @@ namespace poise {
 VariationTerms::VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs,
                                const std::vector<int>& held, const std::vector<int>& grips,
                                const std::vector<int>& growing)
-    : variation_(variation), bearing_loads_(variation.numbers(), variation.mechanism(), growing) {
-  const Scene& scene = variation.scene();
-  const Mechanism<Dual>& m = variation.mechanism();
-  const Numbers<Dual> numbers = variation.numbers();
+    : variation_(variation), bearing_loads_(variation.compiled().numbers(), variation.compiled().mechanism(), growing) {
+  const VariedModel& compiled = variation.compiled();
+  const Scene& scene = compiled.scene();
+  const Mechanism<Dual>& m = compiled.mechanism();
+  const Numbers<Dual> numbers = compiled.numbers();
   int scratch = 0;
   const auto add_row = [&](const Measure& on, int stop, const Dual& limit) {
-    rows_.push_back({variation.measure(on, stop), limit});
+    rows_.push_back({compiled.measure(on, stop), limit});
     scratch = std::max(scratch, rows_.back().on.scratch_size());
   };
   for (const Drive& drive : scene.drives) add_row(drive.on, -1, Dual(0.0));
@@ -53,8 +54,8 @@ void VariationTerms::evaluate(VariedState& state) {
 }
 
 void VariationTerms::add_forces(VariedState& state) {
-  const Mechanism<Dual>& m = variation_.mechanism();
-  const Inertia<Dual>& inertia = variation_.inertia();
+  const Mechanism<Dual>& m = variation_.compiled().mechanism();
+  const Inertia<Dual>& inertia = variation_.compiled().inertia();
   Planar<Dual>* pose = state.pose.data();
   Dual* g = force_.data();
   m.negative_force(state.q.data(), pose, g);
@@ -70,7 +71,7 @@ void VariationTerms::add_forces(VariedState& state) {
 }
 
 void VariationTerms::add_rows(VariedState& state) {
-  const Mechanism<Dual>& m = variation_.mechanism();
+  const Mechanism<Dual>& m = variation_.compiled().mechanism();
   Planar<Dual>* pose = state.pose.data();
   const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};
   const int equalities = m.equalities();

@@ -8,12 +8,13 @@
 #include "motion/bearing_loads.hpp"
 #include "motion/motion_input.hpp"
 #include "motion/variation.hpp"
+#include "motion/varied_model.hpp"
 
 namespace poise {
 
 /// A state of a ReducedMotion, for the derivatives by numbers there.
 struct VariedState {
-  using Dual = Variation::Dual;
+  using Dual = VariedModel::Dual;
 
   double t = 0.0, near = std::numeric_limits<double>::quiet_NaN();  ///< s; `near` as of TimeFunction
   const int* sliding = nullptr;                                     ///< as of Mechanism::resist()
@@ -30,7 +31,7 @@ struct VariedState {
 /// time are left to the caller.
 class VariationTerms {
  public:
-  using Dual = Variation::Dual;
+  using Dual = VariedModel::Dual;
 
   /// Rows of drives are those of the scene, stops whose limits are equal, and the elements `held`. `grips` are joints
   /// whose friction grows with their forces, `growing` those of them where it does. All must outlive this.
@@ -75,6 +76,12 @@ class VariationTerms {
   std::size_t pose_size_ = 0;
   std::vector<Dual> gap_, rate_, acceleration_, force_, jacobian_, resistances_;
   std::vector<Planar<Dual>> work_;
+};
+
+/// Those of all variations of a ReducedMotion, with the state that they are evaluated at.
+struct MotionVariations {
+  std::vector<VariationTerms> terms;
+  VariedState state;
 };
 
 }  // namespace poise

@@ -371,7 +371,7 @@ std::shared_ptr<const MotionModel> RunModel::balance(const MotionModel& model, d
     return nullptr;
   }
   set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
-  const auto balanced = std::make_shared<const MotionModel>(scene, scales_, varying_);
+  auto balanced = std::make_shared<const MotionModel>(scene, scales_, varying_);
   if (!derivatives) return balanced;
   vary(balanced, out);
   Reduced again(balanced->scaled_scene(), balanced->mechanism(), balanced->inertia());

@@ -82,7 +82,7 @@ StartValue RunModel::equilibrium_in(const MotionModel& model, double at) const {
 /// The derivative of the angle of a body at a fixed coordinate of its frame.
 double RunModel::turn_by(const Variation& variation, int body) {
   if (body < 0) return 0.0;
-  const Mechanism<Variation::Dual>& m = variation.mechanism();
+  const Mechanism<VariedModel::Dual>& m = variation.compiled().mechanism();
   return m.phasors().turn(m.layout().links[static_cast<std::size_t>(body)].turn).v[0];
 }
 

@@ -14,8 +14,8 @@ const Measure& measure_of(const Scene& scene, const Sensor& sensor) {
   return sensor.reads_force() ? scene.elements[static_cast<std::size_t>(sensor.element)].on : sensor.on;
 }
 
-Phasors<Variation::Dual> phasors_along(const Layout& layout, const Numbers<Variation::Dual>& numbers) {
-  Phasors<Variation::Dual> out(layout, true);
+Phasors<VariedModel::Dual> phasors_along(const Layout& layout, const Numbers<VariedModel::Dual>& numbers) {
+  Phasors<VariedModel::Dual> out(layout, true);
   out.set_numbers(numbers);
   return out;
 }

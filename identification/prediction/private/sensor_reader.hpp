@@ -6,6 +6,7 @@
 #include "identification/experiment/experiment.hpp"
 #include "model/measures/measures.hpp"
 #include "motion/variation.hpp"
+#include "motion/varied_model.hpp"
 #include "statics/model/scaled_model.hpp"
 
 namespace poise {
@@ -45,7 +46,7 @@ class SensorVariation {
   double read(const double* q, const double* v);
 
  private:
-  using Dual = Variation::Dual;
+  using Dual = VariedModel::Dual;
 
   NumbersAlong along_;
   Phasors<Dual> phasors_;

@@ -1,4 +1,4 @@
-#include "motion/variation.hpp"
+#include "motion/varied_model.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
 #include "model/mechanism_impl.hpp"
+#include "motion/variation.hpp"
 
 namespace poise {
 namespace {
@@ -51,25 +52,27 @@ NumbersAlong::NumbersAlong(const Scene& scene, const ParameterPlace& number, dou
   }
 }
 
-Variation::Variation(std::shared_ptr<const MotionModel> model, const ParameterPlace& number)
-    : model_(std::move(model)), number_(number) {
-  const Scene& scaled = model_->scaled_scene();
+VariedModel::VariedModel(const MotionModel& model, const ParameterPlace& number) {
+  const Scene& scaled = model.scaled_scene();
   double unit = 1.0;
   for (const ParameterRow& row : parameter_table(scaled)) {
-    if (row.place == number && number.owner != Owner::number) unit = row.dimension.per_scale(model_->scales());
+    if (row.place == number && number.owner != Owner::number) unit = row.dimension.per_scale(model.scales());
   }
   along_ = std::make_shared<const NumbersAlong>(scaled, number, unit);
-  auto mechanism = std::make_shared<Mechanism<Dual>>(scene(), model_->layout(), Purpose::dynamics);
+  auto mechanism = std::make_shared<Mechanism<Dual>>(scene(), model.layout(), Purpose::dynamics);
   mechanism->set_numbers(numbers());
   inertia_ = std::make_shared<const Inertia<Dual>>(numbers(), *mechanism);
   mechanism_ = std::move(mechanism);
 }
 
-CompiledMeasure<Variation::Dual> Variation::measure(const Measure& on, int stop) const {
+CompiledMeasure<VariedModel::Dual> VariedModel::measure(const Measure& on, int stop) const {
   CompiledMeasure<Dual> out(scene(), mechanism_->layout(), mechanism_->phasors(), on);
   out.set_numbers(mechanism_->phasors());
   out.set_terms(numbers(), on, stop);
   return out;
 }
+
+Variation::Variation(std::shared_ptr<const MotionModel> model, const ParameterPlace& number)
+    : model_(std::move(model)), number_(number), compiled_(std::make_shared<const VariedModel>(*model_, number)) {}
 
 }  // namespace poise
