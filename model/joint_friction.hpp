@@ -32,8 +32,8 @@ template <class NumbersOfScene>
 auto grip_factor(const NumbersOfScene& numbers, int joint) {
   using std::sqrt;
   using T = typename NumbersOfScene::Scalar;
-  const T coefficient = numbers.friction(joint, 0);
-  if (numbers.scene().joints[static_cast<std::size_t>(joint)].has_travel()) return coefficient;
+  const T& coefficient = numbers.friction(joint, 0);
+  if (numbers.scene().joints[static_cast<std::size_t>(joint)].has_travel()) return T(coefficient);
   return T(numbers.friction(joint, 1) * coefficient / sqrt(T(1) + coefficient * coefficient));
 }
 
