@@ -9,13 +9,13 @@
 #include "app/result/numbers.hpp"
 #include "app/results/cams.hpp"
 #include "app/results/parts.hpp"
-#include "app/results/statics/quantities.hpp"
 #include "app/results/statics/hold.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "app/results/statics/settling.hpp"
 #include "model/curved_slots.hpp"
-#include "statics/quantities/quantities_at.hpp"
 #include "statics/proof/enclosed_reactions.hpp"
 #include "statics/proof/principal_directions.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise::app {
 namespace {
