@@ -121,7 +121,7 @@ double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& moti
   const Place<Dual>& place = argument.varied[variation];
   const double argument_by = variations_[variation].compiled().derivative(
       place.on, motion.q(), [&](const Configuration<Dual>& there) { return place.value(there); });
-  // Of other profiles the borders are no numbers, or nothing jumps there that acts on motion: a spline is smooth
+  // The borders of other profiles are no numbers, or nothing jumps there that acts on motion: a spline is smooth
   // enough.
   if (!place.of.rolling) return -argument_by;
   const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();

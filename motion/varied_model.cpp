@@ -30,7 +30,7 @@ std::vector<int> dependent_forces(const Scene& scene) {
 
 }  // namespace
 
-NumbersAlong::NumbersAlong(const Scene& scene, const ParameterPlace& number, double unit)
+NumbersAlong::NumbersAlong(const Scene& scene, const ParameterPlace& number, const Scales& scales)
     : list_(scene, dependent_forces(scene)) {
   for (const double value : list_.values()) values_.emplace_back(value);
   const int row = list_.row(number);
@@ -38,7 +38,9 @@ NumbersAlong::NumbersAlong(const Scene& scene, const ParameterPlace& number, dou
     throw InputError(scene.file + ": " + list_.rows()[static_cast<std::size_t>(row)].path.text() + ": " + why +
                      "; expected one that changes smoothly, or another unknown");
   }
-  values_[static_cast<std::size_t>(row)].v[0] = unit;
+  // Named numbers are not scaled.
+  const Dimension& dimension = list_.rows()[static_cast<std::size_t>(row)].dimension;
+  values_[static_cast<std::size_t>(row)].v[0] = number.owner == Owner::number ? 1.0 : dimension.per_scale(scales);
   for (const auto& [place, slope] : list_.followers(row, list_.values())) {
     values_[static_cast<std::size_t>(place)].v[0] += slope;
   }
@@ -52,13 +54,8 @@ NumbersAlong::NumbersAlong(const Scene& scene, const ParameterPlace& number, dou
   }
 }
 
-VariedModel::VariedModel(const MotionModel& model, const ParameterPlace& number) {
-  const Scene& scaled = model.scaled_scene();
-  double unit = 1.0;
-  for (const ParameterRow& row : parameter_table(scaled)) {
-    if (row.place == number && number.owner != Owner::number) unit = row.dimension.per_scale(model.scales());
-  }
-  along_ = std::make_shared<const NumbersAlong>(scaled, number, unit);
+VariedModel::VariedModel(const MotionModel& model, const ParameterPlace& number)
+    : along_(std::make_shared<const NumbersAlong>(model.scaled_scene(), number, model.scales())) {
   auto mechanism = std::make_shared<Mechanism<Dual>>(scene(), model.layout(), Purpose::dynamics);
   mechanism->set_numbers(numbers());
   inertia_ = std::make_shared<const Inertia<Dual>>(numbers(), *mechanism);

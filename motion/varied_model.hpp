@@ -21,9 +21,10 @@ class NumbersAlong {
  public:
   using Dual = ceres::Jet<double, 1>;
 
-  /// By the number of this row of parameter_table(), times `unit`. Joints' friction and all that follows from named
+  /// Derivatives are by the number of this row of parameter_table(), per SI unit, of a scene in these scales. Joints'
+  /// friction and all that follows from named
   /// numbers change with it. Throws InputError where an expression that follows from it has no derivative.
-  NumbersAlong(const Scene& scene, const ParameterPlace& number, double unit);
+  NumbersAlong(const Scene& scene, const ParameterPlace& number, const Scales& scales);
 
   /// The scene whose items Numbers::term() takes.
   const Scene& scene() const { return list_.scene(); }

@@ -56,7 +56,7 @@ class RunModel::Readings {
     return readers_[k]->read(q_.data(), v_.data(), by_q_.data(), by_v_.data());
   }
 
-  /// Of the quantity read last, by its time.
+  /// Gives the derivative of the quantity read last by its time.
   double rate_of_change(std::size_t k) const {
     if (still_) return 0.0;
     const std::vector<std::size_t>& at = places_[k];

@@ -23,7 +23,14 @@ using Reduced = ReducedMotion<double>;
 /// Coordinates, or their rates, that a start gives: how they change with the independent ones.
 class GivenCoordinates {
  public:
-  GivenCoordinates(const Reduced& reduced) : reduced_(reduced), rows_(0, reduced.freedoms()) {}
+  /// Begins with those of the parts of a start, or with their rates.
+  template <class Parts>
+  GivenCoordinates(const Reduced& reduced, const Parts& parts, bool rate)
+      : reduced_(reduced), rows_(0, reduced.freedoms()) {
+    for (const auto& part : parts) {
+      if (part.value.rate == rate) add(part.value.coordinate);
+    }
+  }
 
   /// False where the coordinate follows from those that are given already.
   bool add(int coordinate) {
@@ -122,10 +129,7 @@ void RunModel::add_first_readings(const MotionModel& model, const ReducedMotion<
                                   std::vector<StartPart>& start) const {
   const Record& record = *first_readings_;
   for (const bool rate : {false, true}) {
-    GivenCoordinates given(reduced);
-    for (const StartPart& part : start) {
-      if (part.value.rate == rate) given.add(part.value.coordinate);
-    }
+    GivenCoordinates given(reduced, start, rate);
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
       const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
@@ -163,10 +167,7 @@ void RunModel::complete_start(const MotionModel& model, const MotionState& state
   Reduced reduced(model.scaled_scene(), model.mechanism(), model.inertia());
   if (!place_at_start(reduced, x, x, independent_)) return;
   for (const bool rate : {false, true}) {
-    GivenCoordinates given(reduced);
-    for (const StartPart& part : parts) {
-      if (part.value.rate == rate) given.add(part.value.coordinate);
-    }
+    GivenCoordinates given(reduced, parts, rate);
     for (const int i : independent_) {
       const auto at_i = static_cast<std::size_t>(i);
       if (given.add(i)) completed_.push_back({i, rate, rate ? state.v[at_i] : state.q[at_i]});
@@ -297,7 +298,7 @@ std::vector<double> RunModel::start_from_readings(const double* unknowns, const 
     const bool places = sensor.on.kind == Measure::Kind::angle || sensor.on.kind == Measure::Kind::travel;
     if (places && !sensor.rate && !sensor.reads_force() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
   }
-  // Those whose first readings end first come first: over a long time a motion is no quadratic.
+  // Sensors whose first readings end first come first: over a long time a motion is no quadratic.
   const auto until = [&](std::size_t k) {
     const std::vector<double>& time = record.sensors[k].time;
     return time[std::min(time.size(), most) - 1];

@@ -316,7 +316,7 @@ class Reader {
     return number(*value);
   }
 
-  /// Of names that are none of the scene.
+  /// Throws InputError for a word that is no name of the scene.
   [[noreturn]] void refuse(const std::string& word) const {
     if (word.empty()) fail("expected a quantity, found nothing");
     if (const auto shared = catalogue_.shared().find(word); shared != catalogue_.shared().end()) {
@@ -347,7 +347,7 @@ class Reader {
                     text_, did_you_mean_or_list(whole, catalogue_.known())));
   }
 
-  /// Of a name whose item there is, but not this quantity of it.
+  /// Why a name is none although the scene has its item; empty where it has not.
   static std::string why_not(const Scene& scene, const std::string& name) {
     if (name == "angle." + scene.bodies.front().name) return "the ground does not turn; expected another body";
     for (const Joint& joint : scene.joints) {

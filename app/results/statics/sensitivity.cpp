@@ -24,20 +24,16 @@ struct EffectRow {
   double effect = 0.0;  // of the change by which numbers are ranked
 };
 
-bool is(const Dimension& a, const Dimension& b) {
-  return a.mass == b.mass && a.force == b.force && a.length == b.length && a.angle == b.angle && a.time == b.time;
-}
-
 /// What a number is ranked by a thousandth of: the size of the mechanism for a length, a radian for an angle, else the
 /// number itself, or, of one that is zero, the largest of its kind, or its unit where all are zero.
 double size_of(const Sensitivity& s, const QuantitySensitivity& quantity, const Sensitivities& found,
                const Units& units) {
-  if (is(s.dimension, dimension::length)) return found.size;
-  if (is(s.dimension, dimension::angle)) return 1.0;
+  if (s.dimension == dimension::length) return found.size;
+  if (s.dimension == dimension::angle) return 1.0;
   if (s.value != 0.0) return std::abs(s.value);
   double largest = 0.0;
   for (const Sensitivity& other : quantity.by) {
-    if (is(other.dimension, s.dimension)) largest = std::max(largest, std::abs(other.value));
+    if (other.dimension == s.dimension) largest = std::max(largest, std::abs(other.value));
   }
   return largest > 0.0 ? largest : s.dimension.unit(units);
 }

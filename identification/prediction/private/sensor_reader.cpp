@@ -60,7 +60,7 @@ double SensorReader::read(const double* q, const double* v, double* by_q, double
 }
 
 SensorVariation::SensorVariation(const Variation& variation, const Sensor& sensor)
-    : along_(variation.model().scene(), variation.number(), 1.0),
+    : along_(variation.model().scene(), variation.number(), Scales{}),
       phasors_(phasors_along(layout_in_si(variation.model()), along_.numbers())),
       on_(along_.scene(), layout_in_si(variation.model()), phasors_, measure_of(along_.scene(), sensor)),
       rate_(sensor.rate),
@@ -68,7 +68,7 @@ SensorVariation::SensorVariation(const Variation& variation, const Sensor& senso
       v_(q_),
       pose_(static_cast<std::size_t>(phasors_.pose_size() + on_.scratch_size())) {
   if (!sensor.reads_force()) {
-    // Of an angle or a travel the derivative is one number.
+    // The derivative of an angle or a travel is one number.
     const std::vector<double> none(on_.support().size(), 0.0);
     acts_ = !on_.is_linear() || read(none.data(), none.data()) != 0.0;
     return;
