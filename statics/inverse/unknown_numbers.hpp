@@ -27,21 +27,24 @@ class UnknownNumbers {
   /// dp / ds of each part where p is at(s): places in p, and derivatives.
   using Slopes = std::vector<std::vector<std::pair<int, double>>>;
   Slopes slopes(const std::vector<double>& p) const;
-  /// No expression follows from a sought number, so that p is linear in s.
+  /// All that follows from a sought number does so affinely, which is proved, and each number from one of them at most.
   bool is_linear() const { return is_linear_; }
   /// p at parts that are sets of numbers, which contains the numbers at all of their members. Needs is_linear().
   template <class Set>
   std::vector<Set> enclosed(const std::vector<Set>& s) const {
     std::vector<Set> p;
     for (const double value : list_->values()) p.push_back(Set(value));
-    for (const Row& row : rows_) {
-      p[static_cast<std::size_t>(row.at)] =
-          Set(row.from) + (Set(row.to) - Set(row.from)) * s[static_cast<std::size_t>(row.range)];
+    for (const std::vector<Row>* rows : {&rows_, &followers_}) {
+      for (const Row& row : *rows) {
+        p[static_cast<std::size_t>(row.at)] =
+            Set(row.from) + (Set(row.to) - Set(row.from)) * s[static_cast<std::size_t>(row.range)];
+      }
     }
     return p;
   }
 
  private:
+  void find_followers();
   struct Row {
     int at = 0, range = 0;
     double from = 0.0, to = 0.0;
@@ -51,6 +54,7 @@ class UnknownNumbers {
   Scales scales_;
   std::shared_ptr<const NumberList> list_;
   std::vector<Row> rows_;
+  std::vector<Row> followers_;  // where is_linear_
   bool is_linear_ = true;
 };
 
