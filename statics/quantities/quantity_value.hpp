@@ -309,6 +309,16 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
       return part_of(of.of[0]) * part_of(of.of[1]);
     case Kind::quotient:
       return part_of(of.of[0]) / part_of(of.of[1]);
+    case Kind::stress:
+    case Kind::frequency:
+    case Kind::damping:
+      return undefined("it is not known here");
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return undefined(of.name + " belongs to a path, not to a position");
     case Kind::load_at_fold:
       return undefined("a load at a fold belongs to a path, not to a position");
   }
@@ -323,5 +333,8 @@ struct QuantityGradient {
 };
 QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& equations,
                              const std::vector<double>& numbers, const std::vector<double>& z, int driven = -1);
+/// Its derivatives by the efforts of joints and acting stops alone.
+Eigen::VectorXd gradient_by_efforts(const SoughtQuantity& of, const NumberedEquations& equations,
+                                    const std::vector<double>& z, int driven);
 
 }  // namespace poise
