@@ -670,20 +670,32 @@ class Reader {
     }
   }
 
+  /// Whether it changes with the pose alone, and not with what holds it.
+  static bool has_rate(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::measure:
+      case Kind::energy:
+      case Kind::element_force:
+      case Kind::number:
+        return true;
+      case Kind::sum:
+      case Kind::difference:
+      case Kind::product:
+      case Kind::quotient:
+        return std::all_of(of.of.begin(), of.of.end(), has_rate);
+      default:
+        return false;
+    }
+  }
+
   SoughtQuantity ratio() {
     const auto part = [&]() -> SoughtQuantity {
       if (!take("d(")) fail("expected d(A)/d(B)");
-      skip_spaces();
-      std::size_t length = 0;
-      const SoughtQuantity* const found = catalogue_.longest(rest_, length);
-      const std::size_t end = rest_.find(')');
-      if (found == nullptr) refuse(std::string(rest_.substr(0, end)));
-      if (found->kind != Kind::measure) {
-        fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", found->name));
-      }
-      rest_.remove_prefix(length);
+      SoughtQuantity out = sum();
       if (!take(")")) fail("expected a closing parenthesis in d(A)/d(B)");
-      return *found;
+      if (has_rate(out)) return out;
+      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
+                       out.name));
     };
     SoughtQuantity a = part();
     if (!take("/")) fail("expected d(A)/d(B)");
