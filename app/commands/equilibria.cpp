@@ -27,6 +27,7 @@ struct EquilibriaRequest {
   Request common;
   std::vector<std::string> drives;
   bool assemblies = false;
+  std::vector<std::string> show;
   std::optional<double> seconds;
   int starts = AllEquilibriaOptions{}.starts;
   std::uint64_t seed = 1;
@@ -47,9 +48,16 @@ void hold_at(Scene& scene, const std::string& name, const Measure& on, const std
   scene.stops.back().min = scene.stops.back().max = read_off(model, close_loops(model)).stops.back();
 }
 
+/// A scene with drives held by its last stops, so many.
+struct HeldScene {
+  Scene scene;
+  std::size_t drives = 0;
+};
+
 /// The scene with its drives held: those of the command line, or, for assemblies, its own.
-Scene held_scene(const EquilibriaRequest& request) {
+HeldScene held_scene(const EquilibriaRequest& request) {
   Scene scene = load_scene(request.common);
+  const std::size_t stops = scene.stops.size();
   const std::vector<Drive> own = scene.drives;
   std::set<std::string> held;
   for (const std::string& text : request.drives) {
@@ -71,7 +79,23 @@ Scene held_scene(const EquilibriaRequest& request) {
   if (request.assemblies && request.drives.empty()) {
     for (const Drive& drive : own) hold_at(scene, drive.name, drive.on, drive.start);
   }
-  return request.assemblies ? positions_alone(std::move(scene)) : scene;
+  const std::size_t held_stops = scene.stops.size() - stops;
+  if (!request.assemblies) return {std::move(scene), held_stops};
+  // Outputs may be of what is left out.
+  scene.outputs.clear();
+  return {positions_alone(std::move(scene)), held_stops};
+}
+
+/// The scene by whose names quantities are asked for: what is held is a drive of it, and no stop.
+Scene named_scene(Scene scene, std::size_t held) {
+  std::vector<Drive> drives;
+  for (auto stop = scene.stops.end() - static_cast<std::ptrdiff_t>(held); stop != scene.stops.end(); ++stop) {
+    Drive& drive = drives.emplace_back();
+    drive.name = stop->name;
+    drive.on = stop->on;
+  }
+  scene.stops.resize(scene.stops.size() - held);
+  return naming_drives(std::move(scene), drives);
 }
 
 AllEquilibriaOptions read_options(const EquilibriaRequest& request) {
@@ -107,7 +131,11 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
   AllEquilibriaOptions options = read_options(request);
   Progress progress;
   progress.now("reading the scene");
-  const StaticModel model(held_scene(request));
+  HeldScene given = held_scene(request);
+  const std::size_t held = given.drives;
+  const StaticModel model(std::move(given.scene));
+  const EquilibriaView view{read_shown_in_position(request.show, named_scene(model.scene(), held)),
+                            held == 0 ? -1 : static_cast<int>(model.scene().stops.size() - held)};
   OutputFiles files(request.common);
   options.progress = [&](double decided) {
     progress.now_and_then([&] { return fmt::format("proving: {:.1f} % of the volume decided", 100.0 * decided); });
@@ -123,7 +151,7 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
         [&] { return fmt::format("refining {} of {} in 50 digits", answers.size() + 1, set.equilibria.size()); });
     answers.push_back(measure(model, equilibrium));
   }
-  Result result = equilibria_result(model, set, answers, options, request.common.settings);
+  Result result = equilibria_result(model, set, answers, options, view, request.common.settings);
   if (files.wants_svg() && set.equilibria.empty()) {
     result.warnings.push_back(doubtful("No picture is written: there is nothing to draw."));
   }
@@ -157,6 +185,7 @@ Command equilibria_command() {
                "starts alone"});
   command.add({"--starts", &request->starts, "N", "Random starts, where nothing is proved (1000)"});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
+  add_show_option(command, request->show);
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores); the result is the same");
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,

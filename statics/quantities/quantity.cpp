@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,18 +31,33 @@ SoughtQuantity measured(std::string name, const Measure& on) {
   return {.name = std::move(name), .on = on, .dimension = on.dimension()};
 }
 
+SoughtQuantity center_of(const Scene& scene, int body, int other, Part part) {
+  const auto name = [&](int i) -> const std::string& { return scene.bodies[static_cast<std::size_t>(i)].name; };
+  return {.name = fmt::format("center.{}.{}.{}", name(body), name(other), part == Part::x ? "x" : "y"),
+          .kind = Kind::center,
+          .part = part,
+          .item = body,
+          .other = other,
+          .dimension = dimension::length};
+}
+
+SoughtQuantity mode(int number, Kind kind) {
+  const bool is_frequency = kind == Kind::frequency;
+  return {.name = fmt::format("mode.{}.{}", number, is_frequency ? "frequency" : "damping"),
+          .kind = kind,
+          .item = number - 1,
+          .dimension = is_frequency ? dimension::time.power(-1) : dimension::none};
+}
+
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
   explicit Catalogue(const Scene& scene) : scene_(scene) {
-    add_measures();
-    add_forces();
-    add_pushes();
-    add_energy();
-    add_folds();
+    add_quantities();
+    add_outputs();
   }
 
-  /// In their order.
+  /// In their order, outputs last.
   const std::vector<SoughtQuantity>& all() const { return all_; }
 
   /// The quantity whose name begins the text, the longest; null without one.
@@ -53,20 +71,32 @@ class Catalogue {
     return found;
   }
 
-  std::vector<std::string> known() const {
-    std::vector<std::string> out;
-    for (const SoughtQuantity& one : all_) out.push_back(one.name);
-    for (const auto& [name, index] : by_name_) {
-      if (name != all_[index].name) out.push_back(name);
-    }
-    return out;
-  }
+  /// What quantities may be called, and their names.
+  const std::map<std::string, std::size_t>& by_name() const { return by_name_; }
 
   /// Names that two elements have.
   const std::map<std::string, std::vector<std::string>>& shared() const { return shared_; }
   const Scene& scene() const { return scene_; }
 
  private:
+  void add_outputs();
+
+  void add_quantities() {
+    add_measures();
+    add_element_forces();
+    add_drive_forces();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
+    add_stops();
+    add_shaking();
+    add_pushes();
+    add_energy();
+    add_centers();
+    add_transmissions();
+    add_stresses();
+    add_modes();
+    add_folds();
+  }
+
   void add(SoughtQuantity one, const std::vector<std::string>& also = {}) {
     const std::size_t index = all_.size();
     by_name_.emplace(one.name, index);
@@ -110,24 +140,57 @@ class Catalogue {
     return {"", whole};
   }
 
-  void add_forces() {
-    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const Element& of = scene_.elements[e];
-      if (!stores_energy(of.law)) continue;
-      const auto [name, whole] = names_of(e);
-      add({.name = "force." + (name.empty() ? whole : name),
-           .kind = Kind::element_force,
-           .item = static_cast<int>(e),
-           .dimension = of.on.effort_dimension()},
-          {"force." + whole});
+  void add_element_forces() {
+    const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
+      for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+        const Element& of = scene_.elements[e];
+        if (!stores_energy(of.law)) continue;
+        const auto [name, whole] = names_of(e);
+        add({.name = prefix + (name.empty() ? whole : name),
+             .kind = kind,
+             .item = static_cast<int>(e),
+             .dimension = dimension(of.on)},
+            {prefix + whole});
+      }
+    };
+    add_of_springs("force.", Kind::element_force, [](const Measure& on) { return on.effort_dimension(); });
+    add_of_springs("rate.", Kind::element_rate,
+                   [](const Measure& on) { return on.effort_dimension() * on.dimension().power(-1); });
+  }
+
+  // An element that has the name of a drive has it here.
+  void add_drive_forces() {
+    const bool is_one = std::all_of(scene_.drives.begin(), scene_.drives.end(),
+                                    [&](const Drive& drive) { return is_same(drive.on, scene_.drives.front().on); });
+    for (const Drive& drive : scene_.drives) {
+      const bool is_taken = by_name_.contains("force." + drive.name);
+      std::vector<std::string> also{"force.drive." + drive.name};
+      if (is_one) also.emplace_back("force.drive");
+      add({.name = (is_taken ? "force.drive." : "force.") + drive.name,
+           .kind = Kind::drive_force,
+           .on = drive.on,
+           .dimension = drive.on.effort_dimension()},
+          also);
     }
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
+  }
+
+  void add_stops() {
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       add({.name = "stop." + scene_.stops[s].name,
            .kind = Kind::stop_reaction,
            .item = static_cast<int>(s),
            .dimension = scene_.stops[s].on.effort_dimension()});
     }
+  }
+
+  void add_shaking() {
+    const auto part = [&](const char* name, Part which, const Dimension& dimension) {
+      add({.name = name, .kind = Kind::shaking, .part = which, .dimension = dimension});
+    };
+    part("shaking.x", Part::x, dimension::force);
+    part("shaking.y", Part::y, dimension::force);
+    part("shaking.size", Part::size, dimension::force);
+    part("shaking.moment", Part::moment, dimension::torque);
   }
 
   void add_reaction(int joint) {
@@ -171,6 +234,71 @@ class Catalogue {
     if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque});
   }
 
+  // Those relative to the ground; Reader reads the names of all pairs.
+  void add_centers() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      for (const Part part : {Part::x, Part::y}) add(center_of(scene_, static_cast<int>(i), 0, part));
+    }
+  }
+
+  void add_transmission(const std::string& name, PointRef from, PointRef to, int body) {
+    if (body == 0) return;
+    add({.name = "transmission." + name,
+         .kind = Kind::transmission,
+         .on = Measure::distance_between(from, to),
+         .item = body,
+         .dimension = dimension::angle});
+  }
+
+  void add_transmissions() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const int link = static_cast<int>(i);
+      std::vector<const Joint*> joints;
+      for (const Joint& joint : scene_.joints) {
+        if (joint.a.body == link || joint.b.body == link) joints.push_back(&joint);
+      }
+      if (joints.size() != 2) continue;
+      const auto point = [&](const Joint& of) { return of.keeps_length() && of.a.body == link ? of.a : of.b; };
+      for (const std::size_t near : {0U, 1U}) {
+        const Joint& at = *joints[near];
+        // The end of a bar moves with the link.
+        const int other = at.keeps_length() ? link : at.a.body == link ? at.b.body : at.a.body;
+        add_transmission(scene_.bodies[i].name + "." + at.name, point(*joints[1 - near]), point(at), other);
+      }
+    }
+    for (const Joint& bar : scene_.joints) {
+      if (!bar.keeps_length()) continue;
+      add_transmission(bar.name + "." + scene_.bodies[static_cast<std::size_t>(bar.a.body)].name, bar.b, bar.a,
+                       bar.a.body);
+      add_transmission(bar.name + "." + scene_.bodies[static_cast<std::size_t>(bar.b.body)].name, bar.a, bar.b,
+                       bar.b.body);
+    }
+  }
+
+  void add_stresses() {
+    const auto add_stress = [&](const std::string& link, int item, int other) {
+      add({.name = "stress." + link,
+           .kind = Kind::stress,
+           .item = item,
+           .other = other,
+           .dimension = dimension::force * dimension::length.power(-2)});
+    };
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      if (scene_.bodies[i].section) add_stress(scene_.bodies[i].name, static_cast<int>(i), -1);
+    }
+    for (std::size_t k = 0; k < scene_.flexible_links.size(); ++k) {
+      add_stress(scene_.flexible_links[k].name, static_cast<int>(k), 0);
+    }
+  }
+
+  // The first; Reader reads the names of all.
+  void add_modes() {
+    const auto has_inertia = [](const Body& body) { return body.mass > 0.0 || body.inertia > 0.0; };
+    if (std::none_of(scene_.bodies.begin(), scene_.bodies.end(), has_inertia)) return;
+    add(mode(1, Kind::frequency));
+    add(mode(1, Kind::damping));
+  }
+
   void add_folds() {
     for (const ParameterRow& row : parameter_table(scene_)) {
       if ((row.place.owner != Owner::force && row.place.owner != Owner::torque) || row.place.number != 0) continue;
@@ -195,16 +323,47 @@ constexpr std::string_view separators = " +-*/()";
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 10> families{{{"angle.", "body"},
+constexpr std::array<Family, 14> families{{{"angle.", "body"},
                                            {"travel.", "slide or pin in a slot"},
                                            {"x.", "point, BODY.POINT,"},
                                            {"y.", "point, BODY.POINT,"},
                                            {"length.", "force element"},
-                                           {"force.", "force element"},
+                                           {"force.", "force element or drive"},
+                                           {"rate.", "force element"},
                                            {"reaction.", "joint"},
                                            {"stop.", "stop"},
+                                           {"center.", "body and another, BODY.BODY.x,"},
+                                           {"stress.", "link with a section"},
+                                           {"transmission.", "link with two joints and one of these"},
                                            {"fold.load.", "load"},
                                            {"load_at_fold.", "load"}}};
+
+/// The tail of a message that names the three quantities nearest to a word, or to all that follows, for a name may have
+/// spaces: `; did you mean "a", "b" or "c"?`. Of those only that may be called something with this prefix.
+std::string nearest_three(const Catalogue& catalogue, std::string_view prefix, std::string_view word,
+                          std::string_view whole) {
+  constexpr std::size_t most = 3, longest_compared = 200;
+  const auto distance = [&](std::string_view name, const std::string& candidate) {
+    const bool is_long = std::max(name.size(), candidate.size()) > longest_compared;
+    return is_long ? std::numeric_limits<int>::max() : edit_distance(name, candidate);
+  };
+  std::vector<std::pair<int, std::size_t>> order;
+  for (const auto& [called, index] : catalogue.by_name()) {
+    if (called.starts_with(prefix)) {
+      order.emplace_back(std::min(distance(word, called), distance(whole, called)), index);
+    }
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> names;
+  for (const auto& [edits, index] : order) {
+    const std::string name = "\"" + catalogue.all()[index].name + "\"";
+    if (names.size() < most && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  if (names.empty()) return "; there is none here";
+  std::string text = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " or " : ", ") + names[i];
+  return "; did you mean " + text + "?";
+}
 
 /// Reads a quantity, or an expression of several, from a text. A name may have spaces, hyphens and points in it, so
 /// that the longest name of the scene is taken; where none is, the longest word is what the error is about.
@@ -216,6 +375,9 @@ class Reader {
     SoughtQuantity out = sum();
     skip_spaces();
     if (!rest_.empty()) fail(fmt::format("expected + - * / or the end, found \"{}\"", rest_));
+    if (out.is_over_path() && has_position(out)) {
+      fail("expected quantities over a path, or of a position, not both in one expression");
+    }
     return out;
   }
 
@@ -228,6 +390,19 @@ class Reader {
     if (!rest_.starts_with(sign)) return false;
     rest_.remove_prefix(sign.size());
     return true;
+  }
+
+  /// Whether some part beside those over a path belongs to a position.
+  static bool has_position(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::sum:
+      case Kind::difference:
+      case Kind::product:
+      case Kind::quotient:
+        return std::any_of(of.of.begin(), of.of.end(), has_position);
+      default:
+        return of.kind != Kind::number && !of.is_over_path();
+    }
   }
 
   SoughtQuantity sum() {
@@ -267,6 +442,7 @@ class Reader {
 
   /// The name of an operand, in parentheses where the operation binds more than it.
   static std::string in_parentheses(const SoughtQuantity& operand, Kind kind, bool is_second) {
+    if (operand.is_output) return operand.name;
     const bool is_sum = operand.kind == Kind::sum || operand.kind == Kind::difference;
     const bool is_product = operand.kind == Kind::product || operand.kind == Kind::quotient;
     const bool binds = kind == Kind::product || kind == Kind::quotient;
@@ -293,6 +469,7 @@ class Reader {
     }
     skip_spaces();
     if (rest_.starts_with("d(")) return ratio();
+    if (std::optional<SoughtQuantity> over = over_path()) return *std::move(over);
     if (const std::optional<SoughtQuantity> named = name()) return *named;
     return constant();
   }
@@ -334,17 +511,9 @@ class Reader {
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
     for (const auto& [prefix, item] : families) {
       if (!whole.starts_with(prefix)) continue;
-      std::vector<std::string> known;
-      for (const std::string& one : catalogue_.known()) {
-        if (one.starts_with(prefix)) known.push_back(one.substr(prefix.size()));
-      }
-      fail(fmt::format("expected the name of a {}{}", item, did_you_mean_or_list(whole.substr(prefix.size()), known)));
+      fail(fmt::format("expected the name of a {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
     }
-    throw InputError(
-        fmt::format("{}: expected the name of a quantity{}; or angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
-                    "length.ELEMENT, force.ELEMENT, reaction.JOINT, stop.NAME, push.BODY.POINT.x, energy, "
-                    "fold.load.LOAD, d(A)/d(B)",
-                    text_, did_you_mean_or_list(whole, catalogue_.known())));
+    fail("expected the name of a quantity" + nearest_three(catalogue_, "", word, whole));
   }
 
   /// Why a name is none although the scene has its item; empty where it has not.
@@ -365,8 +534,10 @@ class Reader {
     }
     for (const Element& element : scene.elements) {
       if (stores_energy(element.law)) continue;
-      if (name != "force." + element.name && name != "force." + element.table + "." + element.name) continue;
-      return fmt::format("a {} has no force at rest; expected a spring or constant force", element.family());
+      for (const std::string& called : {element.name, element.table + "." + element.name}) {
+        if (name != "force." + called && name != "rate." + called) continue;
+        return fmt::format("a {} has no force at rest; expected a spring or constant force", element.family());
+      }
     }
     return "";
   }
@@ -374,8 +545,9 @@ class Reader {
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
     const SoughtQuantity* const found = catalogue_.longest(rest_, length);
-    std::optional<SoughtQuantity> along = push(length);
-    if (along) return along;
+    if (std::optional<SoughtQuantity> along = push(length)) return along;
+    if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
+    if (std::optional<SoughtQuantity> of_mode = mode_of_vibration()) return of_mode;
     if (found == nullptr) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
@@ -405,20 +577,125 @@ class Reader {
     return std::nullopt;
   }
 
+  /// center.BODY.BODY.x or .y, where that is longer than the name found.
+  std::optional<SoughtQuantity> center(std::size_t found) {
+    constexpr std::string_view prefix = "center.";
+    if (!rest_.starts_with(prefix)) return std::nullopt;
+    const std::vector<Body>& bodies = catalogue_.scene().bodies;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!rest_.substr(prefix.size()).starts_with(bodies[i].name + ".")) continue;
+      const std::size_t first = prefix.size() + bodies[i].name.size() + 1;
+      for (std::size_t k = 0; k < bodies.size(); ++k) {
+        for (const Part part : {Part::x, Part::y}) {
+          const std::string second = bodies[k].name + (part == Part::x ? ".x" : ".y");
+          const std::size_t end = first + second.size();
+          if (i == k || end <= found || !rest_.substr(first).starts_with(second)) continue;
+          if (end < rest_.size() && separators.find(rest_[end]) == std::string_view::npos) continue;
+          rest_.remove_prefix(end);
+          return center_of(catalogue_.scene(), static_cast<int>(i), static_cast<int>(k), part);
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::optional<SoughtQuantity> mode_of_vibration() {
+    constexpr std::string_view prefix = "mode.";
+    if (!rest_.starts_with(prefix)) return std::nullopt;
+    const std::string_view tail = rest_.substr(prefix.size());
+    int number = 0;
+    const auto [end, error] = std::from_chars(tail.data(), tail.data() + tail.size(), number);
+    const int most = 3 * static_cast<int>(catalogue_.scene().bodies.size());
+    if (error != std::errc() || number < 1 || number > most) return std::nullopt;
+    for (const Kind kind : {Kind::frequency, Kind::damping}) {
+      SoughtQuantity one = mode(number, kind);
+      if (!rest_.starts_with(one.name)) continue;
+      rest_.remove_prefix(one.name.size());
+      return one;
+    }
+    return std::nullopt;
+  }
+
+  struct OverPath {
+    std::string_view name;
+    Kind kind;
+  };
+  static constexpr std::array<OverPath, 5> over_paths{{{"max(", Kind::maximum},
+                                                       {"min(", Kind::minimum},
+                                                       {"mean(", Kind::mean},
+                                                       {"span(", Kind::span},
+                                                       {"work(", Kind::work}}};
+
+  std::optional<SoughtQuantity> over_path() {
+    const auto* const found = std::find_if(over_paths.begin(), over_paths.end(),
+                                           [&](const OverPath& one) { return rest_.starts_with(one.name); });
+    if (found == over_paths.end()) return std::nullopt;
+    rest_.remove_prefix(found->name.size());
+    SoughtQuantity of = sum();
+    if (!take(")")) fail(fmt::format("expected a closing parenthesis after {}", found->name));
+    if (of.is_over_path())
+      fail(fmt::format("expected a quantity of a position in {}...), found {}", found->name, of.name));
+    SoughtQuantity out{
+        .name = std::string(found->name) + of.name + ")", .kind = found->kind, .dimension = of.dimension};
+    if (out.kind == Kind::work) {
+      if (forces_in(of) != 1) {
+        fail(
+            fmt::format("expected the force of a push, an element or a drive in work(...), perhaps times a number, "
+                        "found {}",
+                        of.name));
+      }
+      out.dimension = of.dimension * dimension::length;
+      // A torque times an angle, which has no unit in SI, is a torque.
+      if (of.dimension.length > 0) out.dimension = of.dimension;
+    }
+    out.of = {std::move(of)};
+    return out;
+  }
+
+  /// How many forces with a path of their own it is made of; more than any where it has other parts than these and
+  /// numbers.
+  static int forces_in(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::push:
+      case Kind::element_force:
+      case Kind::drive_force:
+        return 1;
+      case Kind::number:
+        return 0;
+      case Kind::product:
+      case Kind::quotient:
+        return forces_in(of.of[0]) + (of.kind == Kind::quotient ? 2 : 1) * forces_in(of.of[1]);
+      default:
+        return 2;
+    }
+  }
+
+  /// Whether it changes with the pose alone, and not with what holds it.
+  static bool has_rate(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::measure:
+      case Kind::energy:
+      case Kind::element_force:
+      case Kind::number:
+        return true;
+      case Kind::sum:
+      case Kind::difference:
+      case Kind::product:
+      case Kind::quotient:
+        return std::all_of(of.of.begin(), of.of.end(), has_rate);
+      default:
+        return false;
+    }
+  }
+
   SoughtQuantity ratio() {
     const auto part = [&]() -> SoughtQuantity {
       if (!take("d(")) fail("expected d(A)/d(B)");
-      skip_spaces();
-      std::size_t length = 0;
-      const SoughtQuantity* const found = catalogue_.longest(rest_, length);
-      const std::size_t end = rest_.find(')');
-      if (found == nullptr) refuse(std::string(rest_.substr(0, end)));
-      if (found->kind != Kind::measure) {
-        fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", found->name));
-      }
-      rest_.remove_prefix(length);
+      SoughtQuantity out = sum();
       if (!take(")")) fail("expected a closing parenthesis in d(A)/d(B)");
-      return *found;
+      if (has_rate(out)) return out;
+      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
+                       out.name));
     };
     SoughtQuantity a = part();
     if (!take("/")) fail("expected d(A)/d(B)");
@@ -435,6 +712,25 @@ class Reader {
   std::string_view rest_;
 };
 
+void Catalogue::add_outputs() {
+  for (const SceneOutput& output : scene_.outputs) {
+    const std::string where =
+        (output.line > 0 ? fmt::format("{}:{}", scene_.file, output.line) : scene_.file) + ": outputs." + output.name;
+    if (const auto taken = by_name_.find(output.name); taken != by_name_.end()) {
+      throw InputError(fmt::format("{}: expected a name that is not a quantity yet; \"{}\" is {}", where, output.name,
+                                   all_[taken->second].name));
+    }
+    try {
+      SoughtQuantity one = Reader(*this, output.text).read();
+      one.name = output.name;
+      one.is_output = true;
+      add(std::move(one));
+    } catch (const InputError& error) {
+      throw InputError(where + ": " + error.what());
+    }
+  }
+}
+
 }  // namespace
 
 bool SoughtQuantity::has(Kind wanted) const {
@@ -442,15 +738,58 @@ bool SoughtQuantity::has(Kind wanted) const {
          std::any_of(of.begin(), of.end(), [&](const SoughtQuantity& one) { return one.has(wanted); });
 }
 
+bool SoughtQuantity::is_over_path() const {
+  return has(Kind::maximum) || has(Kind::minimum) || has(Kind::mean) || has(Kind::span) || has(Kind::work);
+}
+
+bool is_same(const Measure& a, const Measure& b) {
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case Measure::Kind::angle:
+      return a.body_a == b.body_a && a.body_b == b.body_b;
+    case Measure::Kind::travel:
+      return a.joint == b.joint;
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return a.b == b.b;
+    case Measure::Kind::distance:
+    case Measure::Kind::component:
+      return a.a == b.a && a.b == b.b;
+    case Measure::Kind::rope:
+      return std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), b.contacts.end(),
+                        [](const RopeContact& one, const RopeContact& other) { return one.at == other.at; });
+    case Measure::Kind::sum:
+      break;
+  }
+  return std::equal(
+      a.terms.begin(), a.terms.end(), b.terms.begin(), b.terms.end(),
+      [](const Measure::Term& one, const Measure::Term& other) { return is_same(one.measure, other.measure); });
+}
+
+Scene naming_drives(Scene scene, const std::vector<Drive>& drives) {
+  std::erase_if(scene.drives, [&](const Drive& own) {
+    return std::any_of(drives.begin(), drives.end(), [&](const Drive& drive) { return drive.name == own.name; });
+  });
+  scene.drives.insert(scene.drives.begin(), drives.begin(), drives.end());
+  return scene;
+}
+
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
   const Catalogue catalogue(scene);
   return Reader(catalogue, name).read();
 }
 
+std::vector<SoughtQuantity> outputs_of(const Scene& scene) {
+  if (scene.outputs.empty()) return {};
+  const Catalogue catalogue(scene);
+  return {catalogue.all().end() - static_cast<std::ptrdiff_t>(scene.outputs.size()), catalogue.all().end()};
+}
+
+std::vector<SoughtQuantity> all_quantities(const Scene& scene) { return Catalogue(scene).all(); }
+
 std::vector<std::string> quantity_names(const Scene& scene) {
   std::vector<std::string> out;
-  const Catalogue catalogue(scene);
-  for (const SoughtQuantity& one : catalogue.all()) out.push_back(one.name);
+  for (const SoughtQuantity& one : all_quantities(scene)) out.push_back(one.name);
   return out;
 }
 

@@ -16,53 +16,96 @@ struct SoughtQuantity {
   enum class Kind {
     measure,        ///< of the pose
     element_force,  ///< T of a force element, positive where it tends to reduce its measure
+    element_rate,   ///< dT/dm of a force element by the measure m that it acts on: the stiffness that is felt
+    drive_force,    ///< with which what drives the measure `on` holds a driven position, positive where it tends to
+                    ///< increase it
     reaction,       ///< of a joint, on the body of its second point
     stop_reaction,  ///< with which a stop pushes, >= 0
+    shaking,        ///< what the mechanism exerts on the ground, its moment about the origin of the world
     energy,
+    center,        ///< x or y in the world of the instant centre of body `item` relative to body `other`
+    transmission,  ///< angle between the line `on` and the normal of the motion of body `item` at the end of that line
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
-    ratio,         ///< d(first)/d(second) of two measures along the one motion that the joints allow
+    ratio,         ///< d(first)/d(second) along the one motion that the joints allow: of measures, the energy, forces
+                   ///< of elements and expressions of these
+    stress,        ///< largest size of the stress in link `item`, which others find (RestingPlace::other)
+    frequency,     ///< of vibration mode `item`, Hz, and its damping ratio: likewise
+    damping,
     load_at_fold,  ///< value of a load at the first fold of the path on which it grows
-    number,        ///< `constant`
-    sum,           ///< of two, and so on
+    maximum,       ///< of one quantity over a branch of a path, and so on
+    minimum,
+    mean,
+    span,
+    work,    ///< of a force over the path of its point, or its measure
+    number,  ///< `constant`
+    sum,     ///< of two, and so on
     difference,
     product,
     quotient
   };
-  enum class Part { size, x, y, moment, axial };  ///< of a reaction; axial: tension of a bar
+  enum class Part { size, x, y, moment, axial };  ///< of a reaction or shaking force; axial: tension of a bar
 
   std::string name;
   Kind kind = Kind::measure;
   Part part = Part::size;
   Measure on{};
-  int item = -1;             ///< index of Scene::elements, joints or stops
+  int item = -1;             ///< index of Scene::elements, joints, stops, bodies or flexible_links; of a mode, from 0
+  int other = -1;            ///< index of Scene::bodies
   PointRef point{};          ///< where a push acts
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
   double constant = 0.0;
-  std::vector<SoughtQuantity> of{};  ///< two, of those that are made of others
+  std::vector<SoughtQuantity> of{};  ///< those that it is made of: one over a path, else two
+  bool is_output = false;            ///< the scene gives it this name: Scene::outputs
 
   /// Some part of it is of this kind.
   bool has(Kind wanted) const;
+  /// It belongs to a path, not to a position.
+  bool is_over_path() const;
 };
+
+/// Whether two measures are of the same bodies, points and joints, whatever the numbers in them.
+bool is_same(const Measure& a, const Measure& b);
+
+/// A scene by whose names quantities of positions are found that these drives hold: they are drives of it too, in place
+/// of those with their names.
+Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 
 /// The quantity so called:
 ///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
 ///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
-///   force.ELEMENT
+///   force.ELEMENT, rate.ELEMENT
+///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where all drive one
+///                         measure
 ///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
 ///   stop.NAME             with which a stop pushes
+///   shaking.x, .y, .size, .moment
 ///   push.BODY.POINT.DIRECTION   DIRECTION is x, y or an angle in degrees from x
 ///   energy
+///   center.A.B.x, .y      instant centre of body A relative to body B
+///   transmission.LINK.JOINT, transmission.BAR.BODY
+///   stress.LINK           of a link with a section
+///   mode.N.frequency, mode.N.damping
 ///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
-///   magnitude d(A)/d(B)             of two of the first two rows
+///                         magnitude
+///   NAME                  an output of the scene
+///   d(A)/d(B)             of measures (the first two rows), energy, force.ELEMENT, and expressions of these
+///   max(Q), min(Q), mean(Q), span(Q)   over a branch of a path
+///   work(Q)               of a force: integral of Q over the path of its point, or its measure
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
 /// load_at_fold.LOAD are read too: the quantity has the name above. Throws InputError with the nearest names where
-/// there is none, and where units do not fit.
+/// there is none, where units do not fit, and where an output of the scene is none.
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
 
-/// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, no ratios and no
-/// expressions.
+/// The outputs of a scene, in their order. Throws InputError with file and line where one is no quantity, has the name
+/// of another, or uses one that is not above it.
+std::vector<SoughtQuantity> outputs_of(const Scene& scene);
+
+/// The quantities of a scene that are not made of others, in the order of the rows above; of pushes those along x and
+/// y, of instant centres those relative to the ground.
+std::vector<SoughtQuantity> all_quantities(const Scene& scene);
+/// Their names.
 std::vector<std::string> quantity_names(const Scene& scene);
 
 }  // namespace poise

@@ -214,27 +214,15 @@ class AtEquilibrium {
     const QuantityGradient gradient =
         gradient_of(quantity, response_.equations(), response_.equations().numbers(), response_.z());
     out.value = gradient.value / quantity.dimension.per_scale(scales_);
+    out.why = gradient.why;
+    if (!out.why.empty()) return out;
     if (!gradient.by_unknowns.allFinite() || !gradient.by_numbers.allFinite()) {
-      out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
+      const bool is_force = quantity.has(SoughtQuantity::Kind::reaction) || quantity.has(SoughtQuantity::Kind::shaking);
+      out.why = is_force ? no_direction : "a distance of zero has no derivative";
       return out;
     }
-    if (quantity.kind == SoughtQuantity::Kind::reaction) {
-      double largest = 0.0;
-      for (std::size_t i = response_.equations().poses(); i < response_.z().size(); ++i) {
-        largest = std::max(largest, std::abs(response_.z()[i]));
-      }
-      if (quantity.part == SoughtQuantity::Part::size && gradient.value <= nothing * largest) {
-        out.why = no_direction;
-        return out;
-      }
-      const Stop* const teeth = response_.equations().idle_teeth(quantity.item, response_.z(), nothing * largest);
-      if (teeth != nullptr) {
-        out.why =
-            fmt::format("{} \"{}\" transmits no force, and its teeth push this joint the same way under either sign",
-                        teeth->family(), teeth->name);
-        return out;
-      }
-    }
+    out.why = without_derivative(quantity);
+    if (!out.why.empty()) return out;
     if (right_null_.cols() > 0) {
       const double along = (right_null_.transpose() * gradient.by_unknowns).cwiseAbs().maxCoeff();
       if (along > nothing * gradient.by_unknowns.norm()) {
@@ -268,6 +256,35 @@ class AtEquilibrium {
   }
 
  private:
+  // Why a part of a quantity has a value but no derivative; empty where all have.
+  std::string without_derivative(const SoughtQuantity& of) const {
+    using Kind = SoughtQuantity::Kind;
+    if (of.kind != Kind::ratio) {
+      for (const SoughtQuantity& part : of.of) {
+        if (std::string why = without_derivative(part); !why.empty()) return why;
+      }
+    }
+    if (of.kind != Kind::reaction && of.kind != Kind::shaking) return "";
+    const NumberedEquations& equations = response_.equations();
+    double largest = 0.0;
+    for (std::size_t i = equations.poses(); i < response_.z().size(); ++i) {
+      largest = std::max(largest, std::abs(response_.z()[i]));
+    }
+    if (of.part == SoughtQuantity::Part::size) {
+      QuantityPlace<double> place(equations, equations.numbers().data(), response_.z().data());
+      if (place.value(of) <= nothing * largest) return no_direction;
+    }
+    for (int j = 0; j < static_cast<int>(equations.scene().joints.size()); ++j) {
+      const Joint& joint = equations.scene().joints[static_cast<std::size_t>(j)];
+      const bool counts = of.kind == Kind::reaction ? j == of.item : joint.a.body == 0 || joint.b.body == 0;
+      const Stop* const teeth = counts ? equations.idle_teeth(j, response_.z(), nothing * largest) : nullptr;
+      if (teeth == nullptr) continue;
+      return fmt::format("{} \"{}\" transmits no force, and its teeth push \"{}\" the same way under either sign",
+                         teeth->family(), teeth->name, joint.name);
+    }
+    return "";
+  }
+
   const LinearResponse& response_;
   std::vector<Place> places_;  // the same for all quantities
   Scales scales_;
@@ -414,6 +431,24 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
   return out;
 }
 
+/// Of a stress or a mode the value, with the reason that there is no derivative.
+QuantitySensitivity by_others(const StaticModel& model, const Equilibrium& equilibrium, const SoughtQuantity& quantity,
+                              const OtherQuantities& others) {
+  QuantitySensitivity out;
+  out.of = quantity;
+  const RestingPlace place = resting_place(model, equilibrium.x, equilibrium.certificate.active_stops, -1, others);
+  const QuantityValue found = quantity_values(place, {quantity}).front();
+  out.value = found.value;
+  const Units& units = model.scene().units;
+  out.why = found.why;
+  if (out.why.empty()) {
+    const std::string unit = quantity.dimension.unit_name(units);
+    out.why = fmt::format("its value is {:.6g}{}{}; derivatives of stresses and modes are not found",
+                          found.value / quantity.dimension.unit(units), unit.empty() ? "" : " ", unit);
+  }
+  return out;
+}
+
 }  // namespace
 
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
@@ -447,6 +482,10 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
   const AtEquilibrium at(response, model.scales(), columns_of(response.equations(), response, out.without), tolerance,
                          proof.outcome == Outcome::neutral);
   for (const SoughtQuantity& quantity : of) {
+    if (is_found_by_others(quantity)) {
+      out.of.push_back(by_others(model, out.equilibrium, quantity, options.others));
+      continue;
+    }
     out.of.push_back(quantity.kind == SoughtQuantity::Kind::load_at_fold
                          ? at_fold(model, quantity, options.solve.interrupt)
                          : at.of(quantity));

@@ -38,7 +38,7 @@ TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(
       contains(complaint({"--vary", "load.P=0..5", "--at", "1,7"}), "within the range of load.P, 0..5, found 7"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--at", "1,x"}), "\"x\" is not a number"));
-  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--measure", "guid"}), "did you mean \"guide\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--measure", "guid"}), "did you mean \"travel.guide\""));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--from", "rest"}), "expected settle or equilibrium"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--follow", "all"}), "expected unstable or jump"));
   EXPECT_TRUE(contains(complaint({}), "--vary is required"));

@@ -5,13 +5,16 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "statics/model/pose_values.hpp"
+#include "statics/paths/over_path.hpp"
 #include "statics/paths/path_words.hpp"
 
 namespace poise::app {
@@ -30,14 +33,22 @@ struct PathReport {
   const VariedScene& varied;
   const Path& found;
   const PathView& view;
-  PathReader reader{varied};
+  PathReader reader{varied, other_quantity};
+  std::unordered_map<const PathPoint*, std::vector<double>> found_measures{};
 
   const Scene& scene() const { return varied.scene(); }
   const Units& units() const { return varied.scene().units; }
   double parameter(double si) const { return si / varied.unit(); }
   double effort(double si) const { return si / varied.effort_dimension().unit(units()); }
-  double measure(const SoughtQuantity& measure, const PathPoint& point) {
-    return reader.value(measure, point) / measure.dimension.unit(units());
+  /// The quantities that are shown, in units, in their order; found once for each point.
+  const std::vector<double>& measures(const PathPoint& point) {
+    std::vector<double>& out = found_measures[&point];
+    if (!out.empty() || view.measures.empty()) return out;
+    const std::vector<QuantityValue> values = reader.values(view.measures, point);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out.push_back(values[k].value / view.measures[k].dimension.unit(units()));
+    }
+    return out;
   }
   /// "load.P = 4.2 kN".
   std::string at(double si, int digits = digits_of_points) const { return varied.name() + " = " + amount(si, digits); }
@@ -82,7 +93,7 @@ void add_pose_data(Group& group, PathReport& report, const PathPoint& point) {
   places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.y); }));
   Table& measures = group.table("measures", "", Rows::values, Verbosity::data);
   measures.words("name", "", each(report.view.measures, &SoughtQuantity::name));
-  measures.data("value", each(report.view.measures, [&](const SoughtQuantity& m) { return report.measure(m, point); }));
+  measures.data("value", report.measures(point));
 }
 
 std::optional<double> energy_of(const PathReport& report, const PathPoint& point) {
@@ -242,8 +253,8 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
     put(places_of(model, readings), Quantity::length);
   }
   for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
-  for (const SoughtQuantity& measure : report.view.measures) {
-    add(measure.name, each(rows, [&](const PathRow& row) { return report.measure(measure, *row.point); }));
+  for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
+    add(report.view.measures[k].name, each(rows, [&](const PathRow& row) { return report.measures(*row.point)[k]; }));
   }
 }
 
@@ -265,12 +276,13 @@ std::string proof_in_words(const PathPoint& point) {
 
 /// Columns of the measures, and of a driven measure the effort, at the points of the rows.
 void add_measures(Table& table, PathReport& report, const std::vector<const PathPoint*>& points) {
-  for (const SoughtQuantity& measure : report.view.measures) {
+  for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
+    const SoughtQuantity& measure = report.view.measures[k];
     // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
     constexpr double rounding = 1e-13;
     const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
     table.numbers("", measure.name, measure.dimension.unit_name(report.units()),
-                  each(points, [&](const PathPoint* point) { return report.measure(measure, *point); }),
+                  each(points, [&](const PathPoint* point) { return report.measures(*point)[k]; }),
                   {.digits = digits_of_points, .zero_below = rounding * size / measure.dimension.unit(report.units())});
   }
   if (!report.varied.is_driven()) return;
@@ -300,7 +312,7 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
 std::string place_in_words(PathReport& report, const PathPoint& point) {
   if (report.view.measures.empty()) return "";
   const SoughtQuantity& measure = report.view.measures.front();
-  return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), digits_of_points),
+  return fmt::format("{} = {} {}", measure.name, significant(report.measures(point).front(), digits_of_points),
                      measure.dimension.unit_name(report.units()));
 }
 
@@ -428,6 +440,54 @@ void add_wanted(Group& content, PathReport& report) {
     if (k < report.found.wanted.size() && !report.found.wanted[k].empty()) continue;
     content.note(fmt::format("The curve has no equilibrium at {}.", report.at(report.view.at[k])), Tone::doubtful);
   }
+}
+
+/// "at angle.crank = 30 deg", "attained twice: at ..., at ...".
+std::string where_in_words(const PathReport& report, const OverPathValue& value) {
+  if (!value.why.empty()) return value.why;
+  std::vector<std::string> places;
+  for (const double at : value.at) places.push_back("at " + report.at(at, force_digits));
+  constexpr std::size_t most = 4;
+  if (places.size() > most) {
+    const std::size_t others = places.size() - most;
+    places.resize(most);
+    places.push_back(fmt::format("at {} other places", others));
+  }
+  return (value.is_attained_twice ? "attained more than once, so that its derivatives are one-sided: " : "") +
+         listed(places);
+}
+
+/// Quantities over each branch.
+void add_over_path(Group& content, PathReport& report) {
+  if (report.view.over_path.empty()) return;
+  Branch& data = content.array("over_path");
+  std::vector<double> branches;
+  std::vector<std::string> names, values, units, where;
+  for (std::size_t b = 0; b < report.found.branches.size(); ++b) {
+    for (const SoughtQuantity& of : report.view.over_path) {
+      const OverPathValue value = over_path(report.varied, report.found.branches[b], of, other_quantity);
+      const double shown = value.value / of.dimension.unit(report.units());
+      branches.push_back(static_cast<double>(b + 1));
+      names.push_back(of.name);
+      values.push_back(significant(shown, digits_of_points));
+      units.push_back(of.dimension.unit_name(report.units()));
+      where.push_back(where_in_words(report, value));
+      Group& one = data.parts.emplace_back();
+      one.data("branch", b + 1);
+      one.data("name", of.name);
+      one.data("value", value.why.empty() ? Value(shown) : Value());
+      one.data("unit", units.back());
+      one.data("why", value.why.empty() ? Value() : Value(value.why));
+      one.data("at", each(value.at, [&](double si) { return report.parameter(si); }));
+      one.data("attained_twice", value.is_attained_twice);
+    }
+  }
+  Table& table = content.table("", "Over the curve", Rows::list);
+  if (report.found.branches.size() > 1) table.counts("", "branch", branches);
+  table.words("", "quantity", names);
+  table.words("", "value", values);
+  table.words("", "unit", units);
+  table.remarks(where);
 }
 
 std::string end_of_branch(const PathBranch& branch) {
@@ -598,6 +658,7 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
   add_events(out.content, report);
   add_wanted(out.content, report);
   add_points(out.content, report, rows);
+  add_over_path(out.content, report);
   add_branches(out.content, report);
   out.content.group("", "Numerics")
       .fact("effort", fmt::format("{}, {}, {}", count(found.steps, "step", "steps"),
