@@ -21,6 +21,7 @@
 #include "app/terminal/interrupt.hpp"
 #include "motion/dynamic_stability.hpp"
 #include "statics/model/mobility.hpp"
+#include "statics/paths/path_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -159,8 +160,9 @@ int run_path(const PathRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const VariedScene varied = read_vary(request);
   options.at = read_at(request.at, varied);
-  std::vector<SoughtQuantity> shown = read_quantities("--measure", request.measures, varied.scene());
-  for (SoughtQuantity& one : read_quantities("--show", request.show, varied.scene())) shown.push_back(std::move(one));
+  const Scene named = named_scene(varied);
+  std::vector<SoughtQuantity> shown = read_quantities("--measure", request.measures, named);
+  for (SoughtQuantity& one : read_quantities("--show", request.show, named)) shown.push_back(std::move(one));
   refuse_folds("--show", shown);
   PathView view{.measures = shown, .at = options.at, .follow = options.follow};
   OutputFiles files(request.common);

@@ -100,6 +100,8 @@ class BodyForces {
 
   /// The static force of an element, positive if it tends to reduce its measure.
   T element_force(int element) const { return force_at(element, value(element_of(element).on)).value; }
+  /// Its derivative by that measure.
+  T element_rate(int element) const { return force_at(element, value(element_of(element).on)).by_measure; }
   /// What it does to bodies: push(body, at, force, moment). Returns its static force, 0 where it has no direction.
   template <class Push>
   T push_element(int element, Push push) const;

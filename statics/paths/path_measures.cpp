@@ -75,6 +75,19 @@ double PathReader::value(const SoughtQuantity& quantity, const PathPoint& point)
   return quantities_at(*at, point.x, active, {quantity}, driven).front();
 }
 
+Scene named_scene(const VariedScene& varied) {
+  Scene out = varied.scene();
+  if (!varied.is_driven()) return out;
+  const std::string& name = varied.name();
+  const bool has_kind = name.starts_with("angle.") || name.starts_with("travel.") || name.starts_with("drive.");
+  Drive drive;
+  drive.name = has_kind ? name.substr(name.find('.') + 1) : name;
+  drive.on = out.stops.back().on;
+  out.drives = {std::move(drive)};
+  out.stops.pop_back();
+  return out;
+}
+
 SoughtQuantity most_changing(const VariedScene& varied, const Path& path) {
   PathReader reader(varied);
   std::vector<SoughtQuantity> measures;

@@ -29,6 +29,9 @@ class PathReader {
   double at_ = 0.0;  // parameter of model_
 };
 
+/// The scene by whose names quantities of a path are found: the driven measure is its only drive, and no stop of it.
+Scene named_scene(const VariedScene& varied);
+
 /// The angle or travel that changes most along the path, in rad or mechanism sizes; of mechanisms that have neither a
 /// coordinate of a point. The first where several do. There is one point at least.
 SoughtQuantity most_changing(const VariedScene& varied, const Path& path);

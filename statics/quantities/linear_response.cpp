@@ -90,14 +90,16 @@ ResidualDerivatives differentiate(const NumberedEquations& equations, const std:
 }
 
 QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& equations,
-                             const std::vector<double>& numbers, const std::vector<double>& z) {
+                             const std::vector<double>& numbers, const std::vector<double>& z, int driven) {
   const int n = equations.unknowns();
   QuantityGradient out;
   out.by_unknowns.resize(n);
   out.by_numbers.resize(static_cast<Eigen::Index>(numbers.size()));
   for_each_block(z, numbers, true, [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
-    const Dual value = QuantityPlace<Dual>(equations, dual_p, dual_z).value(of);
+    QuantityPlace<Dual> place(equations, dual_p, dual_z, driven);
+    const Dual value = place.value(of);
     out.value = value.a;
+    out.why = place.why();
     for (int k = 0; k < count; ++k) {
       (first + k < n ? out.by_unknowns[first + k] : out.by_numbers[first + k - n]) = value.v[k];
     }

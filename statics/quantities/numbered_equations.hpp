@@ -25,6 +25,18 @@ struct ActingStop {
   bool upper = false;
 };
 
+/// The resultant of forces on the ground, about the origin of the world.
+template <class T>
+struct GroundForce {
+  Planar<T> force{};
+  T moment{};
+
+  void add(const Planar<T>& at, const Planar<T>& of, const T& couple) {
+    force += of;
+    moment += cross(at, of) + couple;
+  }
+};
+
 /// Unknowns z: origin x, y and angle of each body but the ground (3 (i - 1) of body i), then one multiplier per row of
 /// the joints and of the stops that act. Residual R(z, p), of the same size:
 ///
@@ -79,6 +91,10 @@ class NumberedEquations {
   template <class T>
   std::vector<T> measure_gradient(const Measure& on, const Bodies<T>& bodies,
                                   const std::vector<Placed<T>>& placed) const;
+  /// What the mechanism exerts on the ground at z through joints, acting stops and elements: the resultant, with its
+  /// moment about the origin of the world. Loads on the ground itself are left out.
+  template <class T>
+  GroundForce<T> on_ground(const Bodies<T>& bodies, const T* z) const;
   /// Adds those of all loads and elements to r.
   template <class T>
   void push_applied(const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, T* r) const;
@@ -91,6 +107,9 @@ class NumberedEquations {
   void add_joint(int joint, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z, T* r) const;
   template <class T>
   void add_stop(int acting, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z, T* r) const;
+  /// Calls visit(UnitEffortOf<T>) for all that an acting stop does with this effort on its measure.
+  template <class T, class Visit>
+  void for_each_stop_effort(int acting, const Bodies<T>& bodies, const T& effort, Visit visit) const;
   /// Adds a force at a point of the world, and a moment, on a body.
   template <class T>
   static void push(int body, const Planar<T>& at, const Planar<T>& force, const T& moment,
@@ -150,24 +169,48 @@ void NumberedEquations::add_joint(int joint, const Bodies<T>& bodies, const std:
   *gap = angle - bodies.numbers().kept_by(joint) - T(turns_[static_cast<std::size_t>(joint)]);
 }
 
-template <class T>
-void NumberedEquations::add_stop(int acting, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z,
-                                 T* r) const {
+template <class T, class Visit>
+void NumberedEquations::for_each_stop_effort(int acting, const Bodies<T>& bodies, const T& effort, Visit visit) const {
   using std::abs;
-  const auto [stop, upper] = acting_[static_cast<std::size_t>(acting)];
-  const int row = multiplier_of_stop(acting);
-  const T& effort = z[row];
+  const int stop = acting_[static_cast<std::size_t>(acting)].stop;
   const std::optional<ContactPlace>& place = contact_[static_cast<std::size_t>(acting)];
   const std::optional<ContactLoad<T>> load = place ? contact_load(bodies, stop, *place) : std::nullopt;
   if (load) {
     const Planar<T> force = effort * load->force + T(abs(effort)) * load->separating;
-    push({load->body_a, load->body_b, load->at, load->at, force, T(0)}, placed, r);
+    visit(UnitEffortOf<T>{load->body_a, load->body_b, load->at, load->at, force, T(0)});
   } else {
-    bodies.for_each_effort(
-        scene().stops[static_cast<std::size_t>(stop)].on, effort,
-        [&](const UnitEffortOf<T>& on) { push(on, placed, r); }, stop);
+    bodies.for_each_effort(scene().stops[static_cast<std::size_t>(stop)].on, effort, visit, stop);
   }
+}
+
+template <class T>
+void NumberedEquations::add_stop(int acting, const Bodies<T>& bodies, const std::vector<Placed<T>>& placed, const T* z,
+                                 T* r) const {
+  const auto [stop, upper] = acting_[static_cast<std::size_t>(acting)];
+  const int row = multiplier_of_stop(acting);
+  for_each_stop_effort(acting, bodies, z[row], [&](const UnitEffortOf<T>& on) { push(on, placed, r); });
   r[row] = bodies.overrun(stop, upper);
+}
+
+template <class T>
+GroundForce<T> NumberedEquations::on_ground(const Bodies<T>& bodies, const T* z) const {
+  GroundForce<T> out;
+  const auto add = [&](const UnitEffortOf<T>& on) {
+    if (on.body_a == 0) out.add(on.a, -on.force, T(-on.moment));
+    if (on.body_b == 0) out.add(on.b, on.force, on.moment);
+  };
+  for (int j = 0; j < static_cast<int>(scene().joints.size()); ++j) {
+    add(bodies.joint_effort(j, z + multiplier_of_joint(j)));
+  }
+  for (int h = 0; h < static_cast<int>(acting_.size()); ++h) {
+    for_each_stop_effort(h, bodies, z[multiplier_of_stop(h)], add);
+  }
+  for (int e = 0; e < static_cast<int>(scene().elements.size()); ++e) {
+    bodies.push_element(e, [&](int body, const Planar<T>& at, const Planar<T>& force, const T& moment) {
+      if (body == 0) out.add(at, force, moment);
+    });
+  }
+  return out;
 }
 
 template <class T>

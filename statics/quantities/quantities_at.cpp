@@ -40,12 +40,10 @@ std::vector<double> quantities_at(const StaticModel& model, const std::vector<do
   QuantityPlace<double> at(equations, equations.numbers().data(), response.z().data(), place);
   for (const SoughtQuantity& one : of) {
     double value = std::numeric_limits<double>::quiet_NaN();
-    if (response.why().empty() && why_undefined(one, equations, response.z(), place).empty()) {
-      value = at.value(one) / one.dimension.per_scale(model.scales());
-    }
+    if (response.why().empty()) value = at.value(one) / one.dimension.per_scale(model.scales());
     if (open.cols() > 0) {
       constexpr double nothing = 1e-9;
-      const Eigen::VectorXd by = gradient_of(one, equations, equations.numbers(), response.z()).by_unknowns;
+      const Eigen::VectorXd by = gradient_of(one, equations, equations.numbers(), response.z(), place).by_unknowns;
       const bool is_open = (open.transpose() * by).cwiseAbs().maxCoeff() > nothing * by.norm();
       if (is_open && !by.isZero()) value = std::numeric_limits<double>::quiet_NaN();
     }

@@ -28,14 +28,30 @@ SoughtQuantity measured(std::string name, const Measure& on) {
   return {.name = std::move(name), .on = on, .dimension = on.dimension()};
 }
 
+SoughtQuantity center_of(const Scene& scene, int body, int other, Part part) {
+  const auto name = [&](int i) -> const std::string& { return scene.bodies[static_cast<std::size_t>(i)].name; };
+  return {.name = fmt::format("center.{}.{}.{}", name(body), name(other), part == Part::x ? "x" : "y"),
+          .kind = Kind::center,
+          .part = part,
+          .item = body,
+          .other = other,
+          .dimension = dimension::length};
+}
+
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
   explicit Catalogue(const Scene& scene) : scene_(scene) {
     add_measures();
-    add_forces();
+    add_element_forces();
+    add_drive_forces();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
+    add_stops();
+    add_shaking();
     add_pushes();
     add_energy();
+    add_centers();
+    add_transmissions();
     add_folds();
   }
 
@@ -110,24 +126,55 @@ class Catalogue {
     return {"", whole};
   }
 
-  void add_forces() {
-    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const Element& of = scene_.elements[e];
-      if (!stores_energy(of.law)) continue;
-      const auto [name, whole] = names_of(e);
-      add({.name = "force." + (name.empty() ? whole : name),
-           .kind = Kind::element_force,
-           .item = static_cast<int>(e),
-           .dimension = of.on.effort_dimension()},
-          {"force." + whole});
+  void add_element_forces() {
+    const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
+      for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+        const Element& of = scene_.elements[e];
+        if (!stores_energy(of.law)) continue;
+        const auto [name, whole] = names_of(e);
+        add({.name = prefix + (name.empty() ? whole : name),
+             .kind = kind,
+             .item = static_cast<int>(e),
+             .dimension = dimension(of.on)},
+            {prefix + whole});
+      }
+    };
+    add_of_springs("force.", Kind::element_force, [](const Measure& on) { return on.effort_dimension(); });
+    add_of_springs("rate.", Kind::element_rate,
+                   [](const Measure& on) { return on.effort_dimension() * on.dimension().power(-1); });
+  }
+
+  // An element that has the name of a drive has it here.
+  void add_drive_forces() {
+    for (const Drive& drive : scene_.drives) {
+      const bool is_taken = by_name_.contains("force." + drive.name);
+      std::vector<std::string> also{"force.drive." + drive.name};
+      if (scene_.drives.size() == 1) also.emplace_back("force.drive");
+      add({.name = (is_taken ? "force.drive." : "force.") + drive.name,
+           .kind = Kind::drive_force,
+           .on = drive.on,
+           .dimension = drive.on.effort_dimension()},
+          also);
     }
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
+  }
+
+  void add_stops() {
     for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
       add({.name = "stop." + scene_.stops[s].name,
            .kind = Kind::stop_reaction,
            .item = static_cast<int>(s),
            .dimension = scene_.stops[s].on.effort_dimension()});
     }
+  }
+
+  void add_shaking() {
+    const auto part = [&](const char* name, Part which, const Dimension& dimension) {
+      add({.name = name, .kind = Kind::shaking, .part = which, .dimension = dimension});
+    };
+    part("shaking.x", Part::x, dimension::force);
+    part("shaking.y", Part::y, dimension::force);
+    part("shaking.size", Part::size, dimension::force);
+    part("shaking.moment", Part::moment, dimension::torque);
   }
 
   void add_reaction(int joint) {
@@ -171,6 +218,47 @@ class Catalogue {
     if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque});
   }
 
+  // Those relative to the ground; Reader reads the names of all pairs.
+  void add_centers() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      for (const Part part : {Part::x, Part::y}) add(center_of(scene_, static_cast<int>(i), 0, part));
+    }
+  }
+
+  void add_transmission(const std::string& name, PointRef from, PointRef to, int body) {
+    if (body == 0) return;
+    add({.name = "transmission." + name,
+         .kind = Kind::transmission,
+         .on = Measure::distance_between(from, to),
+         .item = body,
+         .dimension = dimension::angle});
+  }
+
+  void add_transmissions() {
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      const int link = static_cast<int>(i);
+      std::vector<const Joint*> joints;
+      for (const Joint& joint : scene_.joints) {
+        if (joint.a.body == link || joint.b.body == link) joints.push_back(&joint);
+      }
+      if (joints.size() != 2) continue;
+      const auto point = [&](const Joint& of) { return of.keeps_length() && of.a.body == link ? of.a : of.b; };
+      for (const std::size_t near : {0U, 1U}) {
+        const Joint& at = *joints[near];
+        // The end of a bar moves with the link.
+        const int other = at.keeps_length() ? link : at.a.body == link ? at.b.body : at.a.body;
+        add_transmission(scene_.bodies[i].name + "." + at.name, point(*joints[1 - near]), point(at), other);
+      }
+    }
+    for (const Joint& bar : scene_.joints) {
+      if (!bar.keeps_length()) continue;
+      add_transmission(bar.name + "." + scene_.bodies[static_cast<std::size_t>(bar.a.body)].name, bar.b, bar.a,
+                       bar.a.body);
+      add_transmission(bar.name + "." + scene_.bodies[static_cast<std::size_t>(bar.b.body)].name, bar.a, bar.b,
+                       bar.b.body);
+    }
+  }
+
   void add_folds() {
     for (const ParameterRow& row : parameter_table(scene_)) {
       if ((row.place.owner != Owner::force && row.place.owner != Owner::torque) || row.place.number != 0) continue;
@@ -195,14 +283,17 @@ constexpr std::string_view separators = " +-*/()";
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 10> families{{{"angle.", "body"},
+constexpr std::array<Family, 13> families{{{"angle.", "body"},
                                            {"travel.", "slide or pin in a slot"},
                                            {"x.", "point, BODY.POINT,"},
                                            {"y.", "point, BODY.POINT,"},
                                            {"length.", "force element"},
-                                           {"force.", "force element"},
+                                           {"force.", "force element or drive"},
+                                           {"rate.", "force element"},
                                            {"reaction.", "joint"},
                                            {"stop.", "stop"},
+                                           {"center.", "body and another, BODY.BODY.x,"},
+                                           {"transmission.", "link with two joints and one of these"},
                                            {"fold.load.", "load"},
                                            {"load_at_fold.", "load"}}};
 
@@ -365,8 +456,10 @@ class Reader {
     }
     for (const Element& element : scene.elements) {
       if (stores_energy(element.law)) continue;
-      if (name != "force." + element.name && name != "force." + element.table + "." + element.name) continue;
-      return fmt::format("a {} has no force at rest; expected a spring or constant force", element.family());
+      for (const std::string& called : {element.name, element.table + "." + element.name}) {
+        if (name != "force." + called && name != "rate." + called) continue;
+        return fmt::format("a {} has no force at rest; expected a spring or constant force", element.family());
+      }
     }
     return "";
   }
@@ -374,8 +467,8 @@ class Reader {
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
     const SoughtQuantity* const found = catalogue_.longest(rest_, length);
-    std::optional<SoughtQuantity> along = push(length);
-    if (along) return along;
+    if (std::optional<SoughtQuantity> along = push(length)) return along;
+    if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
     if (found == nullptr) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
@@ -401,6 +494,28 @@ class Reader {
       out.direction = {std::cos(angle), std::sin(angle)};
       rest_.remove_prefix(end);
       return out;
+    }
+    return std::nullopt;
+  }
+
+  /// center.BODY.BODY.x or .y, where that is longer than the name found.
+  std::optional<SoughtQuantity> center(std::size_t found) {
+    constexpr std::string_view prefix = "center.";
+    if (!rest_.starts_with(prefix)) return std::nullopt;
+    const std::vector<Body>& bodies = catalogue_.scene().bodies;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!rest_.substr(prefix.size()).starts_with(bodies[i].name + ".")) continue;
+      const std::size_t first = prefix.size() + bodies[i].name.size() + 1;
+      for (std::size_t k = 0; k < bodies.size(); ++k) {
+        for (const Part part : {Part::x, Part::y}) {
+          const std::string second = bodies[k].name + (part == Part::x ? ".x" : ".y");
+          const std::size_t end = first + second.size();
+          if (i == k || end <= found || !rest_.substr(first).starts_with(second)) continue;
+          if (end < rest_.size() && separators.find(rest_[end]) == std::string_view::npos) continue;
+          rest_.remove_prefix(end);
+          return center_of(catalogue_.scene(), static_cast<int>(i), static_cast<int>(k), part);
+        }
+      }
     }
     return std::nullopt;
   }

@@ -16,9 +16,15 @@ struct SoughtQuantity {
   enum class Kind {
     measure,        ///< of the pose
     element_force,  ///< T of a force element, positive where it tends to reduce its measure
+    element_rate,   ///< dT/dm of a force element by the measure m that it acts on: the stiffness that is felt
+    drive_force,    ///< with which what drives the measure `on` holds a driven position, positive where it tends to
+                    ///< increase it
     reaction,       ///< of a joint, on the body of its second point
     stop_reaction,  ///< with which a stop pushes, >= 0
+    shaking,        ///< what the mechanism exerts on the ground, its moment about the origin of the world
     energy,
+    center,        ///< x or y in the world of the instant centre of body `item` relative to body `other`
+    transmission,  ///< angle between the line `on` and the normal of the motion of body `item` at the end of that line
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
     ratio,         ///< d(first)/d(second) of two measures along the one motion that the joints allow
     load_at_fold,  ///< value of a load at the first fold of the path on which it grows
@@ -28,13 +34,14 @@ struct SoughtQuantity {
     product,
     quotient
   };
-  enum class Part { size, x, y, moment, axial };  ///< of a reaction; axial: tension of a bar
+  enum class Part { size, x, y, moment, axial };  ///< of a reaction or shaking force; axial: tension of a bar
 
   std::string name;
   Kind kind = Kind::measure;
   Part part = Part::size;
   Measure on{};
-  int item = -1;             ///< index of Scene::elements, joints or stops
+  int item = -1;             ///< index of Scene::elements, joints, stops or bodies
+  int other = -1;            ///< index of Scene::bodies
   PointRef point{};          ///< where a push acts
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector
   std::string load{};        ///< of a load at a fold: its path, "load.P"
@@ -49,11 +56,15 @@ struct SoughtQuantity {
 /// The quantity so called:
 ///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
 ///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
-///   force.ELEMENT
+///   force.ELEMENT, rate.ELEMENT
+///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where it has but one
 ///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
 ///   stop.NAME             with which a stop pushes
+///   shaking.x, .y, .size, .moment
 ///   push.BODY.POINT.DIRECTION   DIRECTION is x, y or an angle in degrees from x
 ///   energy
+///   center.A.B.x, .y      instant centre of body A relative to body B
+///   transmission.LINK.JOINT, transmission.BAR.BODY
 ///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
 ///   magnitude d(A)/d(B)             of two of the first two rows
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
@@ -61,8 +72,8 @@ struct SoughtQuantity {
 /// there is none, and where units do not fit.
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
 
-/// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, no ratios and no
-/// expressions.
+/// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, of instant centres
+/// those relative to the ground, no ratios and no expressions.
 std::vector<std::string> quantity_names(const Scene& scene);
 
 }  // namespace poise

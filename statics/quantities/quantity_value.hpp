@@ -25,7 +25,7 @@ struct OneMotion {
   int freedoms = 0;
 };
 
-/// `released`: an acting stop (place in acting()) that is left out of what holds, -1 of none. By elimination with
+/// `released`: a place in acting() from which on stops are left out of what holds, -1 of none. By elimination with
 /// pivots that the values choose, so that in dual numbers the motion has its derivatives.
 template <class T>
 OneMotion<T> one_motion(const NumberedEquations& equations, const NumberedEquations::Bodies<T>& bodies,
@@ -33,8 +33,8 @@ OneMotion<T> one_motion(const NumberedEquations& equations, const NumberedEquati
   constexpr double rank_tolerance = 1e-9;
   const auto n = static_cast<std::size_t>(equations.poses());
   std::vector<std::vector<T>> rows;
-  for (int k = equations.poses(); k < equations.unknowns(); ++k) {
-    if (released >= 0 && k == equations.multiplier_of_stop(released)) continue;
+  const int end = released >= 0 ? equations.multiplier_of_stop(released) : equations.unknowns();
+  for (int k = equations.poses(); k < end; ++k) {
     rows.push_back(equations.row_gradient(k, bodies, placed));
   }
   std::vector<std::size_t> columns(n);
@@ -75,36 +75,51 @@ OneMotion<T> one_motion(const NumberedEquations& equations, const NumberedEquati
   return out;
 }
 
+/// Whether two measures are of the same bodies, points and joints, whatever the numbers in them.
+bool is_same(const Measure& a, const Measure& b);
+
 /// Where a quantity is asked for: bodies at z with the numbers p, in the scalar T. Refers to the equations.
 template <class T>
 class QuantityPlace {
  public:
-  /// `driven`: an acting stop (place in acting()) in whose stead a push holds the pose, -1 of none.
+  /// `driven`: a place in acting() from which on the stops are drives, in whose stead a push holds the pose and which
+  /// d(A)/d(B) leaves out of what holds; -1 of none.
   QuantityPlace(const NumberedEquations& equations, const T* numbers, const T* z, int driven = -1)
       : equations_(equations), numbers_(numbers), z_(z), driven_(driven) {
     equations.place(z, placed_);
   }
 
-  /// In the units of the equations' scene. Not a number where the quantity is undefined (why_undefined()).
+  /// In the units of the equations' scene. Not a number where the quantity is undefined.
   T value(const SoughtQuantity& of);
+  /// Why the value found last is undefined, in one sentence; empty where it is a number.
+  const std::string& why() const { return why_; }
 
  private:
+  static constexpr double still = 1e-12;  // parts of a motion below which a rate is rounding
+
   NumberedEquations::Bodies<T> bodies() const { return equations_.bodies(numbers_, placed_); }
-  const OneMotion<T>& motion() {
-    if (!has_motion_) motion_ = one_motion(equations_, bodies(), placed_, driven_);
-    has_motion_ = true;
-    return motion_;
+  /// Rates of the one motion; empty where there is none, which why() says.
+  const std::vector<T>& motion();
+  double speed();  // the size of its rates
+  T along_motion(const std::vector<T>& gradient);
+  /// The rate of a quantity with this gradient along the motion; zero where it is rounding.
+  T rate_along_motion(const std::vector<T>& gradient);
+  /// Velocity in the motion of the point of a body that is at a place of the world, and rate of its angle.
+  Planar<T> velocity(int body, const Planar<T>& at);
+  T turning(int body) { return body == 0 ? T(0) : motion()[static_cast<std::size_t>(3 * (body - 1) + 2)]; }
+  T undefined(std::string why) {
+    if (why_.empty()) why_ = std::move(why);
+    return T(std::numeric_limits<double>::quiet_NaN());
   }
-  T along_motion(const std::vector<T>& gradient) {
-    T sum(0);
-    for (std::size_t i = 0; i < gradient.size(); ++i) sum += gradient[i] * motion().rates[i];
-    return sum;
-  }
-  static T undefined() { return T(std::numeric_limits<double>::quiet_NaN()); }
+  T part_of(const SoughtQuantity& of);
   T reaction(const SoughtQuantity& of) const;
   T stop_reaction(int stop) const;
+  T drive_force(const SoughtQuantity& of);
+  T shaking(const SoughtQuantity& of) const;
   T push(const SoughtQuantity& of);
   T ratio(const SoughtQuantity& of);
+  T center(const SoughtQuantity& of);
+  T transmission(const SoughtQuantity& of);
 
   const NumberedEquations& equations_;
   const T* numbers_;
@@ -113,7 +128,50 @@ class QuantityPlace {
   std::vector<NumberedEquations::Placed<T>> placed_;
   OneMotion<T> motion_;
   bool has_motion_ = false;
+  std::string why_;
 };
+
+template <class T>
+const std::vector<T>& QuantityPlace<T>::motion() {
+  if (!has_motion_) motion_ = one_motion(equations_, bodies(), placed_, driven_);
+  has_motion_ = true;
+  if (motion_.freedoms == 0) undefined("nothing can move");
+  if (motion_.freedoms > 1) {
+    undefined("it can move in " + std::to_string(motion_.freedoms) + " ways; expected one that is driven");
+  }
+  return motion_.rates;
+}
+
+template <class T>
+double QuantityPlace<T>::speed() {
+  double sum = 0.0;
+  for (const T& rate : motion()) sum += plain_value(rate) * plain_value(rate);
+  return std::sqrt(sum);
+}
+
+template <class T>
+T QuantityPlace<T>::along_motion(const std::vector<T>& gradient) {
+  T sum(0);
+  for (std::size_t i = 0; i < gradient.size(); ++i) sum += gradient[i] * motion_.rates[i];
+  return sum;
+}
+
+template <class T>
+T QuantityPlace<T>::rate_along_motion(const std::vector<T>& gradient) {
+  const T rate = along_motion(gradient);
+  double size = 0.0;
+  for (const T& one : gradient) size += plain_value(one) * plain_value(one);
+  return std::abs(plain_value(rate)) <= still * std::sqrt(size) * speed() ? T(0) : rate;
+}
+
+template <class T>
+Planar<T> QuantityPlace<T>::velocity(int body, const Planar<T>& at) {
+  if (body == 0) return {};
+  const auto first = static_cast<std::size_t>(3 * (body - 1));
+  const std::vector<T>& rates = motion();
+  return Planar<T>{rates[first], rates[first + 1]} +
+         rates[first + 2] * quarter_turn(at - placed_[static_cast<std::size_t>(body)].origin);
+}
 
 template <class T>
 T QuantityPlace<T>::reaction(const SoughtQuantity& of) const {
@@ -136,70 +194,134 @@ T QuantityPlace<T>::stop_reaction(int stop) const {
   return T(0);
 }
 
+template <class T>
+T QuantityPlace<T>::drive_force(const SoughtQuantity& of) {
+  for (std::size_t h = static_cast<std::size_t>(std::max(driven_, 0)); h < equations_.acting().size(); ++h) {
+    const Stop& stop = equations_.scene().stops[static_cast<std::size_t>(equations_.acting()[h].stop)];
+    if (driven_ >= 0 && is_same(stop.on, of.on)) return z_[equations_.multiplier_of_stop(static_cast<int>(h))];
+  }
+  return undefined("nothing is driven here that " + of.name + " would be the effort of");
+}
+
+template <class T>
+T QuantityPlace<T>::shaking(const SoughtQuantity& of) const {
+  const GroundForce<T> on = equations_.on_ground(bodies(), z_);
+  if (of.part == SoughtQuantity::Part::moment) return on.moment;
+  if (of.part == SoughtQuantity::Part::x) return on.force.x;
+  return of.part == SoughtQuantity::Part::y ? on.force.y : norm(on.force);
+}
+
 // P along e at a point, in the one motion t:  P e . v + (power of loads and elements) = 0.
 template <class T>
 T QuantityPlace<T>::push(const SoughtQuantity& of) {
-  if (motion().rates.empty()) return undefined();
-  std::vector<T> applied(motion().rates.size(), T(0));
+  if (motion().empty()) return undefined("");
+  std::vector<T> applied(motion_.rates.size(), T(0));
   equations_.push_applied(bodies(), placed_, applied.data());
-  const std::vector<T> along_x = equations_.measure_gradient(Measure::x_of(of.point), bodies(), placed_);
+  std::vector<T> along = equations_.measure_gradient(Measure::x_of(of.point), bodies(), placed_);
   const std::vector<T> along_y = equations_.measure_gradient(Measure::y_of(of.point), bodies(), placed_);
-  const T rate = T(of.direction.x) * along_motion(along_x) + T(of.direction.y) * along_motion(along_y);
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    along[i] = T(of.direction.x) * along[i] + T(of.direction.y) * along_y[i];
+  }
+  const T rate = rate_along_motion(along);
+  if (is_zero(rate)) return undefined("the point does not move along that direction here");
   return -along_motion(applied) / rate;
 }
 
 template <class T>
 T QuantityPlace<T>::ratio(const SoughtQuantity& of) {
-  if (motion().rates.empty()) return undefined();
-  const T a = along_motion(equations_.measure_gradient(of.of[0].on, bodies(), placed_));
-  const T b = along_motion(equations_.measure_gradient(of.of[1].on, bodies(), placed_));
-  return a / b;
+  if (motion().empty()) return undefined("");
+  const T b = rate_along_motion(equations_.measure_gradient(of.of[1].on, bodies(), placed_));
+  if (is_zero(b)) return undefined(of.of[1].name + " stands still here");
+  return along_motion(equations_.measure_gradient(of.of[0].on, bodies(), placed_)) / b;
+}
+
+// The point c of the world at which both bodies have one velocity:  u + w i c = 0,  with u the relative velocity of the
+// points of both that are at the origin of the world, and w the relative rate of their angles.
+template <class T>
+T QuantityPlace<T>::center(const SoughtQuantity& of) {
+  if (motion().empty()) return undefined("");
+  const T turns = turning(of.item) - turning(of.other);
+  if (std::abs(plain_value(turns)) <= still * speed()) {
+    return undefined("the two bodies do not turn relative to each other here");
+  }
+  const Planar<T> apart = velocity(of.item, {}) - velocity(of.other, {});
+  return of.part == SoughtQuantity::Part::x ? T(-apart.y / turns) : T(apart.x / turns);
+}
+
+template <class T>
+T QuantityPlace<T>::transmission(const SoughtQuantity& of) {
+  using std::abs;
+  using std::atan2;
+  if (motion().empty()) return undefined("");
+  const Planar<T> end = bodies().world(of.on.b);
+  const Planar<T> line = end - bodies().world(of.on.a);
+  if (is_zero(line.x) && is_zero(line.y)) return undefined("the two joints coincide here");
+  const Planar<T> v = velocity(of.item, end);
+  if (std::hypot(plain_value(v.x), plain_value(v.y)) <= still * speed()) {
+    return undefined("the joint stands still here");
+  }
+  return atan2(T(abs(dot(line, v))), T(abs(cross(line, v))));
 }
 
 template <class T>
 T QuantityPlace<T>::value(const SoughtQuantity& of) {
+  why_.clear();
+  const T out = part_of(of);
+  if (!std::isfinite(plain_value(out))) undefined("it is divided by zero here");
+  return out;
+}
+
+template <class T>
+T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
   using Kind = SoughtQuantity::Kind;
   switch (of.kind) {
     case Kind::measure:
       return bodies().value(of.on);
     case Kind::element_force:
       return bodies().element_force(of.item);
+    case Kind::element_rate:
+      return bodies().element_rate(of.item);
+    case Kind::drive_force:
+      return drive_force(of);
     case Kind::energy:
       return bodies().energy();
     case Kind::stop_reaction:
       return stop_reaction(of.item);
     case Kind::reaction:
       return reaction(of);
+    case Kind::shaking:
+      return shaking(of);
     case Kind::push:
       return push(of);
     case Kind::ratio:
       return ratio(of);
+    case Kind::center:
+      return center(of);
+    case Kind::transmission:
+      return transmission(of);
     case Kind::number:
       return T(of.constant);
     case Kind::sum:
-      return value(of.of[0]) + value(of.of[1]);
+      return part_of(of.of[0]) + part_of(of.of[1]);
     case Kind::difference:
-      return value(of.of[0]) - value(of.of[1]);
+      return part_of(of.of[0]) - part_of(of.of[1]);
     case Kind::product:
-      return value(of.of[0]) * value(of.of[1]);
+      return part_of(of.of[0]) * part_of(of.of[1]);
     case Kind::quotient:
-      return value(of.of[0]) / value(of.of[1]);
+      return part_of(of.of[0]) / part_of(of.of[1]);
     case Kind::load_at_fold:
-      break;
+      return undefined("a load at a fold belongs to a path, not to a position");
   }
-  return undefined();
+  return undefined("");
 }
 
-/// Value of a quantity at z and its derivatives, in the units of the equations' scene.
+/// Value of a quantity at z and its derivatives, in the units of the equations' scene; `driven` as of QuantityPlace.
 struct QuantityGradient {
   double value = 0.0;
+  std::string why;  ///< it has none, in one sentence
   Eigen::VectorXd by_unknowns, by_numbers;
 };
 QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& equations,
-                             const std::vector<double>& numbers, const std::vector<double>& z);
-
-/// Why a quantity has no value there, in one sentence; empty where it has one. `driven` as of QuantityPlace.
-std::string why_undefined(const SoughtQuantity& of, const NumberedEquations& equations, const std::vector<double>& z,
-                          int driven = -1);
+                             const std::vector<double>& numbers, const std::vector<double>& z, int driven = -1);
 
 }  // namespace poise

@@ -214,8 +214,11 @@ class AtEquilibrium {
     const QuantityGradient gradient =
         gradient_of(quantity, response_.equations(), response_.equations().numbers(), response_.z());
     out.value = gradient.value / quantity.dimension.per_scale(scales_);
+    out.why = gradient.why;
+    if (!out.why.empty()) return out;
     if (!gradient.by_unknowns.allFinite() || !gradient.by_numbers.allFinite()) {
-      out.why = quantity.kind == SoughtQuantity::Kind::reaction ? no_direction : "a distance of zero has no derivative";
+      const bool is_force = quantity.has(SoughtQuantity::Kind::reaction) || quantity.has(SoughtQuantity::Kind::shaking);
+      out.why = is_force ? no_direction : "a distance of zero has no derivative";
       return out;
     }
     if (quantity.kind == SoughtQuantity::Kind::reaction) {

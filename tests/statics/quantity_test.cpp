@@ -142,5 +142,135 @@ TEST(Quantities, RatiosAreSlopesOfPaths) {
   EXPECT_NEAR(reader.value(push, *at[0]) * rate, at[0]->effort, 1e-9 * std::abs(at[0]->effort));
 }
 
+/// The quantities so called where a driven measure stands at a value, SI.
+std::vector<double> driven_values(const VariedScene& varied, double at, const std::vector<std::string>& names) {
+  PathOptions options;
+  options.at = {at};
+  options.certify = false;
+  const Path found = path(varied, options);
+  EXPECT_EQ(found.wanted.size(), 1U);
+  EXPECT_EQ(found.wanted.at(0).size(), 1U) << found.why;
+  PathReader reader(varied);
+  const Scene named = named_scene(varied);
+  std::vector<double> out;
+  for (const std::string& name : names) {
+    out.push_back(reader.value(find_quantity(named, name), found.wanted.at(0).at(0)));
+  }
+  return out;
+}
+
+// Crank r = 0.1 m about O, coupler l = 0.3 m, slider on the x axis, with weights and a force against the slider.
+Scene slider_crank() {
+  return parse_scene(R"(
+title = "slider-crank"
+source = "ours"
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], B = [0.1, 0] }
+mass = 2
+center = [0.04, 0.01]
+[body.rod]
+points = { B = [0, 0], C = [0.3, 0] }
+mass = 3
+center = [0.15, 0]
+[body.piston]
+points = { C = [0, 0] }
+mass = 1
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "B"
+points = ["crank.B", "rod.B"]
+[[pin]]
+name = "C"
+points = ["rod.C", "piston.C"]
+[[slide]]
+name = "bore"
+points = ["ground.O", "piston.C"]
+axis = [1, 0]
+[[force]]
+name = "gas"
+at = "piston.C"
+vector = [-500, 0]
+[start]
+crank = 0.7
+rod = -0.2
+)",
+                     "slider_crank.toml");
+}
+
+// sin(rod) = -r sin(crank) / l; the transmission angle is that between the rod and the normal of the bore, 90 degrees
+// less the rod's. The instant centre of the rod relative to the ground is on the line of the crank, above the piston.
+TEST(Quantities, OfASliderCrankAreItsClosedForms) {
+  const VariedScene varied(slider_crank(), "angle.crank", 0.7, 1.4);
+  const double crank = 1.0, r = 0.1, l = 0.3;
+  const double tilt = std::asin(r * std::sin(crank) / l), x = r * std::cos(crank) + l * std::cos(tilt);
+  const double leverage = -r * std::sin(crank) - r * std::cos(crank) * std::tan(tilt);
+  const std::vector<double> at = driven_values(
+      varied, crank,
+      {"transmission.rod.C", "center.rod.ground.x", "center.rod.ground.y", "center.piston.crank.x",
+       "center.piston.crank.y", "center.crank.rod.x", "d(travel.bore)/d(angle.crank)", "force.crank", "force.drive",
+       "shaking.x", "shaking.y", "shaking.size", "shaking.moment", "center.piston.ground.x"});
+  EXPECT_NEAR(at[0], M_PI / 2 - tilt, 1e-12);
+  EXPECT_NEAR(at[1], x, 1e-12);
+  EXPECT_NEAR(at[2], x * std::tan(crank), 1e-12);
+  // Kennedy: on the normal of the bore through O, and on the line of the rod.
+  EXPECT_NEAR(at[3], 0.0, 1e-12);
+  EXPECT_NEAR(at[4], x * std::tan(tilt), 1e-12);
+  EXPECT_NEAR(at[5], r * std::cos(crank), 1e-12);
+  EXPECT_NEAR(at[6], leverage, 1e-12);
+  // The drive does the work of weights and gas: torque + power of the loads = 0 in the motion.
+  const double g = 9.81, F = 500;
+  const double by_crank = -2 * g * (0.04 * std::cos(crank) - 0.01 * std::sin(crank));
+  const double rate_of_rod = -r * std::cos(crank) / (l * std::cos(tilt));
+  const double by_rod = -3 * g * (r * std::cos(crank) + 0.15 * std::cos(tilt) * rate_of_rod);
+  const double torque = -(by_crank + by_rod - F * leverage);
+  EXPECT_NEAR(at[7], torque, 1e-9);
+  EXPECT_EQ(at[8], at[7]);
+  // At rest the ground gets what acts on the bodies.
+  EXPECT_NEAR(at[9], -F, 1e-9);
+  EXPECT_NEAR(at[10], -6 * g, 1e-9);
+  EXPECT_NEAR(at[11], std::hypot(F, 6 * g), 1e-9);
+  const double x_crank = 0.04 * std::cos(crank) - 0.01 * std::sin(crank);
+  const double moment = -g * (2 * x_crank + 3 * (r * std::cos(crank) + 0.15 * std::cos(tilt)) + x);
+  EXPECT_NEAR(at[12], moment, 1e-9);
+  EXPECT_TRUE(std::isnan(at[13]));  // it slides
+}
+
+// The instant centre of the coupler of a four-bar is where the lines of crank and rocker cross, its transmission angle
+// that between coupler and rocker.
+TEST(Quantities, OfAFourBarAreThoseOfItsLines) {
+  const Scene scene = read_scene(dataset("four_bar_gravity.toml"));
+  const VariedScene varied(scene, "angle.crank", -1.4, -0.8);
+  const std::vector<double> at = driven_values(varied, -1.0,
+                                               {"center.coupler.ground.x", "center.coupler.ground.y", "x.crank.B",
+                                                "y.crank.B", "x.rocker.C", "y.rocker.C", "transmission.coupler.C"});
+  const Vec2 center{at[0], at[1]}, B{at[2], at[3]}, C{at[4], at[5]}, D{4, 1};
+  EXPECT_NEAR(cross(center, B), 0.0, 1e-11 * norm(center));
+  EXPECT_NEAR(cross(center - D, C - D), 0.0, 1e-11 * norm(center));
+  EXPECT_NEAR(std::sin(at[6]), std::abs(cross(C - B, C - D)) / (norm(C - B) * norm(C - D)), 1e-12);
+}
+
+// Of a linear spring, the stiffness; of a drive that nothing drives, and of a push in several motions, no number.
+TEST(Quantities, OfElementsAndDrives) {
+  const StaticModel model(lever());
+  const Equilibrium found = solve(model);
+  ASSERT_TRUE(found.found());
+  const auto values = [&](const std::string& name) {
+    return quantities_at(model, found.x, {}, {find_quantity(model.scene(), name)}).front();
+  };
+  EXPECT_NEAR(values("rate.coil"), 2.0, 1e-13);
+  Scene driven = lever();
+  Drive drive;
+  drive.name = "lever";
+  drive.on = Measure::angle_between(0, 1);
+  driven.drives.push_back(drive);
+  EXPECT_TRUE(std::isnan(quantities_at(model, found.x, {}, {find_quantity(driven, "force.lever")}).front()));
+  EXPECT_EQ(find_quantity(driven, "force.drive").name, "force.lever");
+}
+
 }  // namespace
 }  // namespace poise::statics_quantity_test

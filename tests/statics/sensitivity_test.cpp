@@ -59,26 +59,14 @@ std::vector<SoughtQuantity> quantities(const Scene& scene, const std::vector<std
   return out;
 }
 
-/// Angles, travels, forces, reactions and stops of a scene.
+/// All quantities of a position of a scene; loads at folds belong to paths, and nothing is driven.
 std::vector<std::string> all_of(const Scene& scene) {
   std::vector<std::string> out;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    out.push_back("angle." + scene.bodies[i].name);
-    if (!scene.bodies[i].points.empty()) out.push_back(scene.name_of({static_cast<int>(i), 0}) + ".x");
+  for (const std::string& name : quantity_names(scene)) {
+    const SoughtQuantity::Kind kind = find_quantity(scene, name).kind;
+    if (kind == SoughtQuantity::Kind::load_at_fold || kind == SoughtQuantity::Kind::drive_force) continue;
+    out.push_back(name);
   }
-  for (const Joint& joint : scene.joints) {
-    if (joint.has_travel()) out.push_back("travel." + joint.name);
-    out.push_back("reaction." + joint.name);
-    if (joint.keeps_angle()) out.push_back("reaction." + joint.name + ".moment");
-    if (!joint.keeps_length()) out.push_back("reaction." + joint.name + ".y");
-  }
-  for (const Element& element : scene.elements) {
-    if (stores_energy(element.law)) out.push_back("force." + element.table + "." + element.name);
-  }
-  for (const Stop& stop : scene.stops) out.push_back("stop." + stop.name);
-  const bool has_potential =
-      std::all_of(scene.forces.begin(), scene.forces.end(), [](const Force& force) { return force.follows < 0; });
-  if (has_potential) out.emplace_back("energy");
   return out;
 }
 
@@ -129,8 +117,8 @@ int expect_differences(const Scene& given, const std::string& name) {
       std::vector<Real50> numbers(equations.numbers().begin(), equations.numbers().end());
       numbers[row] = value + k * h;
       const std::vector<Real50> z = refined(equations, numbers, response.z(), factors);
-      for (std::size_t q = 0; q < of.size(); ++q)
-        at[q].push_back(QuantityPlace<Real50>(equations, numbers.data(), z.data()).value(of[q]));
+      QuantityPlace<Real50> place(equations, numbers.data(), z.data());
+      for (std::size_t q = 0; q < of.size(); ++q) at[q].push_back(place.value(of[q]));
     }
     for (std::size_t q = 0; q < of.size(); ++q) {
       const QuantitySensitivity& one = found.of[q];
