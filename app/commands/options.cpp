@@ -143,7 +143,7 @@ void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& 
 }
 
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
-                                            const Scene& scene) {
+                                            const Scene& scene, AskedOf asked_of) {
   std::vector<SoughtQuantity> out;
   for (const std::string& list : names) {
     for (const std::string& name : comma_separated(list)) {
@@ -151,7 +151,7 @@ std::vector<SoughtQuantity> read_quantities(const std::string& option, const std
         throw InputError(fmt::format("{} \"{}\": expected a name before and after each comma", option, list));
       SoughtQuantity found;
       try {
-        found = find_quantity(scene, name);
+        found = find_quantity(scene, name, asked_of);
       } catch (const InputError& error) {
         throw InputError(option + " " + error.what());
       }

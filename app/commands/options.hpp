@@ -69,7 +69,7 @@ void add_show_option(Command& command, std::vector<std::string>& names);
 /// Throws InputError for a load at a fold, which belongs to no position.
 void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& of);
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
-                                            const Scene& scene);
+                                            const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 /// Reads the word given to an option. Throws InputError "OPTION: expected ..., found WORD" unless it is a number, or a
 /// whole number that the type can represent ("1e3" is one), or a text that is not empty.

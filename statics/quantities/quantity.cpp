@@ -41,7 +41,7 @@ SoughtQuantity center_of(const Scene& scene, int body, int other, Part part) {
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
-  explicit Catalogue(const Scene& scene) : scene_(scene) {
+  Catalogue(const Scene& scene, AskedOf asked_of) : scene_(scene), asked_of_(asked_of) {
     add_measures();
     add_element_forces();
     add_drive_forces();
@@ -81,6 +81,7 @@ class Catalogue {
   /// Names that two elements have.
   const std::map<std::string, std::vector<std::string>>& shared() const { return shared_; }
   const Scene& scene() const { return scene_; }
+  AskedOf asked_of() const { return asked_of_; }
 
  private:
   void add(SoughtQuantity one, const std::vector<std::string>& also = {}) {
@@ -130,7 +131,8 @@ class Catalogue {
     const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
       for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
         const Element& of = scene_.elements[e];
-        if (!stores_energy(of.law)) continue;
+        const bool resists = asked_of_ == AskedOf::motion && kind == Kind::element_force;
+        if (!stores_energy(of.law) && !resists) continue;
         const auto [name, whole] = names_of(e);
         add({.name = prefix + (name.empty() ? whole : name),
              .kind = kind,
@@ -215,7 +217,11 @@ class Catalogue {
   void add_energy() {
     const bool follows =
         std::any_of(scene_.forces.begin(), scene_.forces.end(), [](const Force& force) { return force.follows >= 0; });
-    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque});
+    const std::vector<std::string> also =
+        asked_of_ == AskedOf::motion ? std::vector<std::string>{"energy.potential"} : std::vector<std::string>{};
+    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque}, also);
+    if (asked_of_ == AskedOf::rest) return;
+    add({.name = "energy.kinetic", .kind = Kind::kinetic_energy, .dimension = dimension::torque});
   }
 
   // Those relative to the ground; Reader reads the names of all pairs.
@@ -272,6 +278,7 @@ class Catalogue {
   }
 
   const Scene& scene_;
+  AskedOf asked_of_;
   std::vector<SoughtQuantity> all_;
   std::map<std::string, std::size_t> by_name_;
   std::map<std::string, std::vector<std::string>> shared_;
@@ -383,7 +390,7 @@ class Reader {
       return out;
     }
     skip_spaces();
-    if (rest_.starts_with("d(")) return ratio();
+    if (rest_.starts_with("d(")) return derivative();
     if (const std::optional<SoughtQuantity> named = name()) return *named;
     return constant();
   }
@@ -520,28 +527,38 @@ class Reader {
     return std::nullopt;
   }
 
-  SoughtQuantity ratio() {
+  /// d(A)/d(B), or d(A)/dt of a motion.
+  SoughtQuantity derivative() {
     const auto part = [&]() -> SoughtQuantity {
       if (!take("d(")) fail("expected d(A)/d(B)");
-      skip_spaces();
-      std::size_t length = 0;
-      const SoughtQuantity* const found = catalogue_.longest(rest_, length);
-      const std::size_t end = rest_.find(')');
-      if (found == nullptr) refuse(std::string(rest_.substr(0, end)));
-      if (found->kind != Kind::measure) {
-        fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", found->name));
-      }
-      rest_.remove_prefix(length);
+      SoughtQuantity out = sum();
       if (!take(")")) fail("expected a closing parenthesis in d(A)/d(B)");
-      return *found;
+      return out;
     };
     SoughtQuantity a = part();
     if (!take("/")) fail("expected d(A)/d(B)");
+    skip_spaces();
+    if (rest_.starts_with("dt")) return by_time(std::move(a));
     SoughtQuantity b = part();
+    for (const SoughtQuantity* one : {&a, &b}) {
+      if (one->kind == Kind::measure) continue;
+      fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", one->name));
+    }
     SoughtQuantity out{.name = fmt::format("d({})/d({})", a.name, b.name),
                        .kind = Kind::ratio,
                        .dimension = a.dimension * b.dimension.power(-1)};
     out.of = {std::move(a), std::move(b)};
+    return out;
+  }
+
+  SoughtQuantity by_time(SoughtQuantity a) {
+    rest_.remove_prefix(2);
+    const std::string name = fmt::format("d({})/dt", a.name);
+    if (catalogue_.asked_of() == AskedOf::rest) {
+      fail(name + ": nothing changes with time at rest; expected d(A)/d(B), or poise motion --show");
+    }
+    SoughtQuantity out{.name = name, .kind = Kind::by_time, .dimension = a.dimension * dimension::time.power(-1)};
+    out.of = {std::move(a)};
     return out;
   }
 
@@ -557,14 +574,14 @@ bool SoughtQuantity::has(Kind wanted) const {
          std::any_of(of.begin(), of.end(), [&](const SoughtQuantity& one) { return one.has(wanted); });
 }
 
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
-  const Catalogue catalogue(scene);
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of) {
+  const Catalogue catalogue(scene, asked_of);
   return Reader(catalogue, name).read();
 }
 
-std::vector<std::string> quantity_names(const Scene& scene) {
+std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of) {
   std::vector<std::string> out;
-  const Catalogue catalogue(scene);
+  const Catalogue catalogue(scene, asked_of);
   for (const SoughtQuantity& one : catalogue.all()) out.push_back(one.name);
   return out;
 }

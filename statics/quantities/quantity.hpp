@@ -23,10 +23,12 @@ struct SoughtQuantity {
     stop_reaction,  ///< with which a stop pushes, >= 0
     shaking,        ///< what the mechanism exerts on the ground, its moment about the origin of the world
     energy,
-    center,        ///< x or y in the world of the instant centre of body `item` relative to body `other`
+    kinetic_energy,  ///< of a motion
+    center,          ///< x or y in the world of the instant centre of body `item` relative to body `other`
     transmission,  ///< angle between the line `on` and the normal of the motion of body `item` at the end of that line
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
     ratio,         ///< d(first)/d(second) of two measures along the one motion that the joints allow
+    by_time,       ///< d(A)/dt of a motion, of one part
     load_at_fold,  ///< value of a load at the first fold of the path on which it grows
     number,        ///< `constant`
     sum,           ///< of two, and so on
@@ -47,11 +49,14 @@ struct SoughtQuantity {
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
   double constant = 0.0;
-  std::vector<SoughtQuantity> of{};  ///< two, of those that are made of others
+  std::vector<SoughtQuantity> of{};  ///< of what is made of others: two, or one that changes with time
 
   /// Some part of it is of this kind.
   bool has(Kind wanted) const;
 };
+
+/// What a quantity is asked of: a mechanism at rest, or one that moves.
+enum class AskedOf { rest, motion };
 
 /// The quantity so called:
 ///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
@@ -70,10 +75,12 @@ struct SoughtQuantity {
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
 /// load_at_fold.LOAD are read too: the quantity has the name above. Throws InputError with the nearest names where
 /// there is none, and where units do not fit.
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
+///
+/// Of a motion also  energy.kinetic,  d(A)/dt  with any quantity A,  and force.ELEMENT of all elements.
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of = AskedOf::rest);
 
 /// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, of instant centres
 /// those relative to the ground, no ratios and no expressions.
-std::vector<std::string> quantity_names(const Scene& scene);
+std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 }  // namespace poise

@@ -89,6 +89,14 @@ class QuantityPlace {
     equations.place(z, placed_);
   }
 
+  /// From now on the motion is the one with these rates of the places, whatever joints and stops allow.
+  void move(std::vector<T> rates) {
+    motion_ = {std::move(rates), 1};
+    has_motion_ = true;
+  }
+  /// In how many ways joints and stops let it move.
+  int freedoms() { return motion().empty() ? motion_.freedoms : 1; }
+
   /// In the units of the equations' scene. Not a number where the quantity is undefined.
   T value(const SoughtQuantity& of);
   /// Why the value found last is undefined, in one sentence; empty where it is a number.
@@ -309,6 +317,10 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
       return part_of(of.of[0]) * part_of(of.of[1]);
     case Kind::quotient:
       return part_of(of.of[0]) / part_of(of.of[1]);
+    case Kind::kinetic_energy:
+      return T(0);
+    case Kind::by_time:
+      return undefined("nothing changes with time at rest");
     case Kind::load_at_fold:
       return undefined("a load at a fold belongs to a path, not to a position");
   }

@@ -154,7 +154,7 @@ TEST(FigureBuilders, Motion) {
   const Motion motion = simulate(model, release(model, equilibrium_origin(model), displaced), options);
   ASSERT_TRUE(motion.completed()) << motion.why;
   const auto begin = std::chrono::steady_clock::now();
-  const Figure figure = motion_figure(model, motion, record(model, motion, 200.0), true);
+  const Figure figure = motion_figure(model, motion, record(model, motion, 200.0), {}, true);
   std::printf("motion drawn in %.0f ms\n",
               std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   checked(figure, "motion");

@@ -254,20 +254,28 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   if (!motion.singular.empty()) content.fact("singular", singular_poses(motion));
   add_moving_data(content, model, answer);
   add_energy_data(content, model, motion);
-  if (motion.trajectory.nodes() > 0) {
+  const bool asked = !answer.shown.of.empty();
+  if (asked) {
+    add_quantities_in_time(content, answer.shown, model.scene().units, answer.found.error, answer.found.confirmed());
+  }
+  if (motion.trajectory.nodes() > 0 && !asked) {
     add_moving(content, model, answer, Moving::angle, "Angles");
     add_moving(content, model, answer, Moving::travel, "Slides");
     add_moving(content, model, answer, Moving::place, "Positions of free bodies");
   }
   add_drives(content, model, motion);
-  if (motion.trajectory.nodes() > 0) add_energies(content, model, motion);
-  add_record(content, model.scene().units, measured, answer.found.confirmed());
+  if (motion.trajectory.nodes() > 0 && !asked) add_energies(content, model, motion);
+  if (!asked) add_record(content, model.scene().units, measured, answer.found.confirmed());
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
   if (!motion.gap_of.empty()) {
     numerics.fact("closure", fmt::format("largest gap of a joint or drive {} of the mechanism's size, or rad: {}",
                                          small_number(motion.gap), motion.gap_of));
+  }
+  if (answer.shown.imbalance > 0.0) {
+    numerics.fact("forces", fmt::format("every body is in balance to {} of the largest force",
+                                        small_number(answer.shown.imbalance)));
   }
   numerics.fact("energy", fmt::format("kinetic + potential - work stays within {} of the energy exchanged",
                                       small_number(motion.energy_error)));

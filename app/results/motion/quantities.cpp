@@ -1,0 +1,121 @@
+#include "app/results/motion/quantities.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/result/numbers.hpp"
+
+namespace poise::app {
+namespace {
+
+constexpr int most_digits = 8;
+
+std::vector<double> in_unit_of(const SoughtQuantity& of, std::vector<double> si, const Units& units) {
+  for (double& one : si) one /= of.dimension.unit(units);
+  return si;
+}
+
+double largest(const std::vector<double>& values) {
+  double out = 0.0;
+  for (const double one : values) out = std::isfinite(one) ? std::max(out, std::abs(one)) : out;
+  return out;
+}
+
+/// "force.s is undefined at 3 of 1001 times".
+std::vector<std::string> undefined_in_words(const QuantitiesInTime& found) {
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < found.of.size(); ++k) {
+    const auto number =
+        std::count_if(found.value[k].begin(), found.value[k].end(), [](double value) { return !std::isfinite(value); });
+    if (number == 0) continue;
+    out.push_back(fmt::format("{} is undefined at {} of {} times.", found.of[k].name, number, found.time.size()));
+  }
+  return out;
+}
+
+void add_ranges(Group& group, const QuantitiesInTime& found, const Units& units, double known_to) {
+  std::vector<std::string> names, least, greatest, mean, of_units;
+  std::vector<double> least_at, greatest_at;
+  for (std::size_t k = 0; k < found.of.size(); ++k) {
+    const QuantityRange& range = found.range[k];
+    const double unit = found.of[k].dimension.unit(units);
+    const double radius = known_to * largest(found.value[k]) / unit;
+    const auto text = [&](double si) { return significant(si / unit, most_digits, radius); };
+    names.push_back(found.of[k].name);
+    least.push_back(text(range.least.value));
+    least_at.push_back(range.least.time);
+    greatest.push_back(text(range.greatest.value));
+    greatest_at.push_back(range.greatest.time);
+    mean.push_back(text(range.mean));
+    of_units.push_back(found.of[k].dimension.unit_name(units));
+  }
+  const Format times{.style = Format::Style::significant};
+  Table& table = group.table("", "Over the whole motion", Rows::list);
+  table.words("", "quantity", std::move(names));
+  table.words("", "least", std::move(least));
+  table.numbers("", "at", "s", std::move(least_at), times);
+  table.words("", "greatest", std::move(greatest));
+  table.numbers("", "at", "s", std::move(greatest_at), times);
+  table.words("", "mean", std::move(mean));
+  table.words("", "unit", std::move(of_units));
+}
+
+void add_quantity_data(Group& group, const QuantitiesInTime& found, const Units& units) {
+  group.data("quantity_times", found.time);
+  Branch& quantities = group.array("quantities");
+  for (std::size_t k = 0; k < found.of.size(); ++k) {
+    const SoughtQuantity& of = found.of[k];
+    const QuantityRange& range = found.range[k];
+    const double unit = of.dimension.unit(units);
+    Group& one = quantities.parts.emplace_back();
+    one.data("name", of.name);
+    one.data("unit", of.dimension.unit_name(units));
+    one.data("values", in_unit_of(of, found.value[k], units));
+    one.data("least", range.least.value / unit);
+    one.data("least_at", range.least.time);
+    one.data("greatest", range.greatest.value / unit);
+    one.data("greatest_at", range.greatest.time);
+    one.data("mean", range.mean / unit);
+  }
+}
+
+}  // namespace
+
+QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const std::vector<double>& time,
+                                    QuantitiesAlong& along) {
+  QuantitiesInTime out{.of = of, .time = time, .value = {}, .range = {}};
+  out.value.resize(of.size());
+  for (const double t : time) {
+    for (std::size_t k = 0; k < of.size(); ++k) out.value[k].push_back(along.value(of[k], t));
+  }
+  for (const SoughtQuantity& one : of) out.range.push_back(along.range(one));
+  out.imbalance = along.imbalance();
+  return out;
+}
+
+void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const Units& units,
+                            const std::optional<double>& error, bool is_confirmed) {
+  const double known_to = std::max(error.value_or(0.0), found.imbalance);
+  add_quantity_data(group, found, units);
+  Table& table = group.table("", "Quantities over time", Rows::columns);
+  table.csv = true;
+  table.shown = Table::Shown::spread;
+  table.numbers("time", "time", "s", found.time, {.digits = 6});
+  if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(found.time.size(), "no")).shown = false;
+  for (std::size_t k = 0; k < found.of.size(); ++k) {
+    const SoughtQuantity& of = found.of[k];
+    std::vector<double> values = in_unit_of(of, found.value[k], units);
+    const double radius = known_to * largest(values);
+    table.numbers(of.name, of.name, of.dimension.unit_name(units), std::move(values),
+                  {.digits = most_digits, .radius = radius});
+  }
+  table.footnotes = undefined_in_words(found);
+  add_ranges(group, found, units, known_to);
+}
+
+}  // namespace poise::app
