@@ -71,7 +71,7 @@ class SceneReader {
     for (const CouplingKind& kind : coupling_kinds()) {
       if (kind.row == 0) keys.push_back(kind.table);
     }
-    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start"});
+    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start", "outputs"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     expressions_.read_named(root_, scene_);
@@ -88,6 +88,7 @@ class SceneReader {
     read_couplings(root_, names_, riders, lines, scene_);
     add_chains();
     read_start();
+    read_outputs();
     set_values_from_start(root_, scene_);
     expressions_.find_dependents(document_, scene_);
     return std::move(scene_);
@@ -308,6 +309,25 @@ class SceneReader {
         table->place_of(name).fail("expected the name of a body, slide or pin_in_slot, or a table \"position\"" +
                                    did_you_mean_or_list(name, valid));
       }
+    }
+  }
+
+  // What they are is found where they are used: statics knows the quantities.
+  void read_outputs() {
+    const std::optional<TomlTable> table = root_.find_table("outputs");
+    if (!table) return;
+    constexpr std::size_t most = 100;
+    if (table->keys().size() > most) {
+      table->place().fail("expected at most 100 outputs, found " + std::to_string(table->keys().size()));
+    }
+    for (const std::string& name : table->keys()) {
+      const TomlPlace place = table->place_of(name);
+      if (!Expression::is_name(name)) {
+        place.fail(
+            "expected a name of letters, digits and underscores that does not begin with a digit and is neither pi nor "
+            "a function");
+      }
+      scene_.outputs.push_back({name, table->text(name).value, place.line});
     }
   }
 

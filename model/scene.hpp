@@ -178,6 +178,14 @@ struct SceneNumber {
 
 inline constexpr std::array<Number, 1> SceneNumber::numbers{plain_number<&SceneNumber::value>("", dimension::none)};
 
+/// A quantity that the table [outputs] gives a name: an expression of the names of docs/quantities.md, as it is
+/// written.
+struct SceneOutput {
+  std::string name;
+  std::string text;
+  int line = 0;
+};
+
 struct DependentNumber;
 
 /// A planar mechanism as declared in a scene file. All values SI.
@@ -199,6 +207,7 @@ struct Scene {
   std::vector<FlexibleLink> flexible_links;
   Start start;
   std::vector<SceneNumber> named_values;
+  std::vector<SceneOutput> outputs;
   /// Numbers that follow from the named ones: first those that have names themselves, each behind those that it uses,
   /// then the rows of the parameter table in its order, then components without a row. Null where there are none.
   std::shared_ptr<const std::vector<DependentNumber>> dependents;

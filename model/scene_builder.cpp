@@ -163,6 +163,11 @@ SceneBuilder& SceneBuilder::number(const std::string& name, const std::string& e
   return *this;
 }
 
+SceneBuilder& SceneBuilder::output(const std::string& name, const std::string& quantity) {
+  document_->add(document_->part(document_->root, "outputs"), "outputs", name, quantity);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::gravity(Vec2 acceleration) {
   document_->root.insert_or_assign("gravity", pair_of(acceleration));
   return *this;

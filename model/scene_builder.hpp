@@ -186,6 +186,9 @@ class SceneBuilder {
   /// Guess for the place of a body's origin in the world.
   SceneBuilder& start_position(const std::string& body, Vec2 at);
 
+  /// A quantity with a name of its own, an expression of the names of docs/quantities.md.
+  SceneBuilder& output(const std::string& name, const std::string& quantity);
+
   /// The scene, in SI. Throws InputError in the words in which the file reader does, with the title instead of file and
   /// line: `press: spring "return".points: expected a point of "crank", found "crank.C"; did you mean "crank.O"?`.
   /// A name that a body, a point or a guess has already is refused when the second one is added.

@@ -8,50 +8,27 @@
 
 #include "model/input_error.hpp"
 #include "statics/bodies/body_measures.hpp"
-#include "statics/quantities/quantities_at.hpp"
+#include "statics/quantities/linear_response.hpp"
+#include "statics/quantities/quantity_value.hpp"
 
 namespace poise {
 namespace {
 
-SoughtQuantity measured(std::string name, const Measure& on) {
-  return {.name = std::move(name), .on = on, .dimension = on.dimension()};
-}
-
-/// Coordinates of all points of bodies: "arm.tip.x", "arm.tip.y".
-std::vector<SoughtQuantity> coordinates_of(const Scene& scene) {
-  std::vector<SoughtQuantity> out;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    for (std::size_t p = 0; p < scene.bodies[i].points.size(); ++p) {
-      const PointRef point{static_cast<int>(i), static_cast<int>(p)};
-      out.push_back(measured(scene.name_of(point) + ".x", Measure::x_of(point)));
-      out.push_back(measured(scene.name_of(point) + ".y", Measure::y_of(point)));
-    }
-  }
-  return out;
-}
-
-/// Angles of bodies, travels of joints and coordinates of points, in the order in which names are looked for.
-std::vector<SoughtQuantity> measures_of_pose(const Scene& scene) {
-  std::vector<SoughtQuantity> out;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    out.push_back(measured(scene.bodies[i].name, Measure::angle_between(0, static_cast<int>(i))));
-  }
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
-    if (!scene.joints[j].has_travel()) continue;
-    out.push_back(measured(scene.joints[j].name, Measure::travel_of(static_cast<int>(j))));
-  }
-  for (SoughtQuantity& coordinate : coordinates_of(scene)) out.push_back(std::move(coordinate));
-  return out;
-}
-
-/// Angles of bodies that can turn and all travels, or else coordinates.
+/// Angles of bodies that can turn and all travels, or else coordinates of points.
 std::vector<SoughtQuantity> moving_measures(const StaticModel& model) {
-  std::vector<SoughtQuantity> out;
-  for (SoughtQuantity& measure : measures_of_pose(model.scene())) {
-    const bool turns = measure.on.is_angle() && model.layout().links[measure.on.body_b].frame >= 0;
-    if (turns || measure.on.kind == Measure::Kind::travel) out.push_back(std::move(measure));
+  std::vector<SoughtQuantity> out, coordinates;
+  for (SoughtQuantity& one : all_quantities(model.scene())) {
+    if (one.kind != SoughtQuantity::Kind::measure) continue;
+    const Measure& on = one.on;
+    const bool is_angle_of_body = on.kind == Measure::Kind::angle && on.body_a == 0 && one.name.starts_with("angle.");
+    if (is_angle_of_body && model.layout().links[on.body_b].frame >= 0)
+      out.push_back(std::move(one));
+    else if (on.kind == Measure::Kind::travel && one.name.starts_with("travel."))
+      out.push_back(std::move(one));
+    else if (on.kind == Measure::Kind::x || on.kind == Measure::Kind::y)
+      coordinates.push_back(std::move(one));
   }
-  return out.empty() ? coordinates_of(model.scene()) : out;
+  return out.empty() ? coordinates : out;
 }
 
 }  // namespace
@@ -64,15 +41,14 @@ const StaticModel& PathReader::model(const PathPoint& point) {
   return *model_;
 }
 
-double PathReader::value(const SoughtQuantity& quantity, const PathPoint& point) {
-  if (quantity.kind == SoughtQuantity::Kind::measure) {
-    return quantities_at(model(point), point.x, {}, {quantity}).front();
-  }
-  const auto at = varied_.model_at(point.parameter);
+std::vector<QuantityValue> PathReader::values(const std::vector<SoughtQuantity>& of, const PathPoint& point) {
   std::vector<int> active = point.active_stops;
-  const int driven = varied_.is_driven() ? static_cast<int>(at->scene().stops.size()) - 1 : -1;
+  Scene scene = varied_.scene_at(point.parameter);
+  const int driven = varied_.is_driven() ? static_cast<int>(scene.stops.size()) - 1 : -1;
   if (driven >= 0) active.push_back(driven);
-  return quantities_at(*at, point.x, active, {quantity}, driven).front();
+  return quantity_values({scaled(std::move(scene), varied_.scales()), varied_.scales(), poses_of(model(point), point.x),
+                          std::move(active), driven},
+                         of);
 }
 
 Scene named_scene(const VariedScene& varied) {
@@ -83,7 +59,9 @@ Scene named_scene(const VariedScene& varied) {
   Drive drive;
   drive.name = has_kind ? name.substr(name.find('.') + 1) : name;
   drive.on = out.stops.back().on;
-  out.drives = {std::move(drive)};
+  std::erase_if(out.drives,
+                [&](const Drive& other) { return is_same(other.on, drive.on) || other.name == drive.name; });
+  out.drives.insert(out.drives.begin(), std::move(drive));
   out.stops.pop_back();
   return out;
 }

@@ -6,7 +6,7 @@
 
 #include "statics/model/readings.hpp"
 #include "statics/paths/path.hpp"
-#include "statics/quantities/quantity.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise {
 
@@ -20,8 +20,10 @@ class PathReader {
   const StaticModel& model(const PathPoint& point);
   /// Where bodies, slides and springs are at the point, SI. Forces of springs may be those of another point.
   Readings read(const PathPoint& point) { return read_off(model(point), point.x); }
-  /// SI; not a number where the quantity is undefined (quantities_at()).
-  double value(const SoughtQuantity& quantity, const PathPoint& point);
+  /// Of a driven measure, with what drives it.
+  std::vector<QuantityValue> values(const std::vector<SoughtQuantity>& of, const PathPoint& point);
+  /// SI; not a number where the quantity is undefined.
+  double value(const SoughtQuantity& quantity, const PathPoint& point) { return values({quantity}, point)[0].value; }
 
  private:
   const VariedScene& varied_;
@@ -29,7 +31,7 @@ class PathReader {
   double at_ = 0.0;  // parameter of model_
 };
 
-/// The scene by whose names quantities of a path are found: the driven measure is its only drive, and no stop of it.
+/// The scene by whose names quantities of a path are found: the driven measure is a drive of it, and no stop.
 Scene named_scene(const VariedScene& varied);
 
 /// The angle or travel that changes most along the path, in rad or mechanism sizes; of mechanisms that have neither a

@@ -14,15 +14,15 @@ namespace {
 constexpr int lanes = 8;  // derivatives computed at once
 using Dual = ceres::Jet<double, lanes>;
 
-/// Calls at(first, count, z, p) with `count` variables from `first` of (z, p), or of z alone, as those by which is
-/// derived.
+/// Calls at(first, count, z, p) with `count` variables from `first` of (z, p) as those by which is derived; all of them
+/// from `from` to `end`.
 template <class At>
-void for_each_block(const std::vector<double>& z, const std::vector<double>& p, bool also_p, At at) {
+void for_each_block(const std::vector<double>& z, const std::vector<double>& p, int from, int end, At at) {
   std::vector<Dual> dual_z(z.begin(), z.end()), dual_p(p.begin(), p.end());
-  const int n = static_cast<int>(z.size()), all = n + (also_p ? static_cast<int>(p.size()) : 0);
+  const int n = static_cast<int>(z.size());
   const auto variable = [&](int k) -> Dual& { return k < n ? dual_z[k] : dual_p[k - n]; };
-  for (int first = 0; first < all; first += lanes) {
-    const int count = std::min(lanes, all - first);
+  for (int first = from; first < end; first += lanes) {
+    const int count = std::min(lanes, end - first);
     for (int k = 0; k < count; ++k) variable(first + k).v[k] = 1.0;
     at(first, count, dual_z.data(), dual_p.data());
     for (int k = 0; k < count; ++k) variable(first + k).v[k] = 0.0;
@@ -76,7 +76,8 @@ ResidualDerivatives differentiate(const NumberedEquations& equations, const std:
   out.residual.resize(n);
   std::vector<Dual> r(n);
   std::vector<NumberedEquations::Placed<Dual>> placed;
-  for_each_block(z, numbers, by_numbers, [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
+  const int variables = n + (by_numbers ? static_cast<int>(numbers.size()) : 0);
+  for_each_block(z, numbers, 0, variables, [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
     equations.residual(dual_p, dual_z, r.data(), placed);
     for (int i = 0; i < n; ++i) {
       out.residual[i] = r[i].a;
@@ -95,17 +96,29 @@ QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& 
   QuantityGradient out;
   out.by_unknowns.resize(n);
   out.by_numbers.resize(static_cast<Eigen::Index>(numbers.size()));
-  for_each_block(z, numbers, true, [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
-    QuantityPlace<Dual> place(equations, dual_p, dual_z, driven);
-    const Dual value = place.value(of);
-    out.value = value.a;
-    out.why = place.why();
-    for (int k = 0; k < count; ++k) {
-      (first + k < n ? out.by_unknowns[first + k] : out.by_numbers[first + k - n]) = value.v[k];
-    }
-  });
+  for_each_block(z, numbers, 0, n + static_cast<int>(numbers.size()),
+                 [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
+                   QuantityPlace<Dual> place(equations, dual_p, dual_z, driven);
+                   const Dual value = place.value(of);
+                   out.value = value.a;
+                   out.why = place.why();
+                   for (int k = 0; k < count; ++k) {
+                     (first + k < n ? out.by_unknowns[first + k] : out.by_numbers[first + k - n]) = value.v[k];
+                   }
+                 });
   Eigen::Map<Eigen::RowVectorXd> row(out.by_numbers.data(), out.by_numbers.size());
   add_followers(equations, numbers, row);
+  return out;
+}
+
+Eigen::VectorXd gradient_by_efforts(const SoughtQuantity& of, const NumberedEquations& equations,
+                                    const std::vector<double>& z, int driven) {
+  Eigen::VectorXd out(equations.unknowns() - equations.poses());
+  for_each_block(z, equations.numbers(), equations.poses(), equations.unknowns(),
+                 [&](int first, int count, const Dual* dual_z, const Dual* dual_p) {
+                   const Dual value = QuantityPlace<Dual>(equations, dual_p, dual_z, driven).value(of);
+                   for (int k = 0; k < count; ++k) out[first + k - equations.poses()] = value.v[k];
+                 });
   return out;
 }
 

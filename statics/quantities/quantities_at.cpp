@@ -1,10 +1,11 @@
 #include "statics/quantities/quantities_at.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
-#include "statics/bodies/body_measures.hpp"
 #include "statics/quantities/linear_response.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -12,6 +13,13 @@ namespace poise {
 namespace {
 
 using Kind = SoughtQuantity::Kind;
+
+constexpr const char* not_determined = "it is not determined: joints that repeat each other share the load";
+
+bool depends_on_efforts(const SoughtQuantity& of) {
+  return std::any_of(of.of.begin(), of.of.end(), depends_on_efforts) || of.kind == Kind::reaction ||
+         of.kind == Kind::stop_reaction || of.kind == Kind::drive_force || of.kind == Kind::shaking;
+}
 
 /// The place in acting() of a stop, -1 where it is none of these.
 int place_of(const NumberedEquations& equations, int stop) {
@@ -21,33 +29,98 @@ int place_of(const NumberedEquations& equations, int stop) {
   return -1;
 }
 
+/// Places of bodies with the efforts that hold them.
+struct Held {
+  std::vector<double> z;
+  Eigen::MatrixXd open;  // columns: changes of efforts that balance by themselves
+};
+
+/// Of the equations of balance, linear in the efforts: columns are what a unit of each does to the bodies.
+Held held_at(const NumberedEquations& equations, std::vector<double> z) {
+  const Eigen::Index places = equations.poses(), efforts = equations.unknowns() - equations.poses();
+  z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
+  std::vector<NumberedEquations::Placed<double>> placed;
+  equations.place(z.data(), placed);
+  const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);
+  Eigen::MatrixXd columns(places, efforts);
+  for (Eigen::Index k = 0; k < efforts; ++k) {
+    const std::vector<double> column = equations.row_gradient(static_cast<int>(places + k), bodies, placed);
+    columns.col(k) = Eigen::Map<const Eigen::VectorXd>(column.data(), places);
+  }
+  std::vector<double> applied(static_cast<std::size_t>(places), 0.0);
+  equations.push_applied(bodies, placed, applied.data());
+  Eigen::VectorXd rest = -Eigen::Map<const Eigen::VectorXd>(applied.data(), places);
+  const solvers::LeastSquares<double> factors(columns, solvers::known_to::solution);
+  Eigen::VectorXd found = factors.solve(rest);
+  // The contact forces of gears, racks and cams act elsewhere than their measures, by forces along rows of joints.
+  const bool has_contacts = std::any_of(equations.acting().begin(), equations.acting().end(), [&](const auto& one) {
+    return loads_bearings(equations.scene().stops[static_cast<std::size_t>(one.stop)]);
+  });
+  if (has_contacts) {
+    std::copy(found.data(), found.data() + efforts, z.begin() + places);
+    std::vector<double> residual(z.size());
+    equations.residual(equations.numbers().data(), z.data(), residual.data(), placed);
+    found -= factors.solve(Eigen::Map<const Eigen::VectorXd>(residual.data(), places));
+  }
+  std::copy(found.data(), found.data() + efforts, z.begin() + places);
+  Held out{std::move(z), {}};
+  if (factors.rank() < efforts) out.open = factors.null_space();
+  return out;
+}
+
+/// Whether a quantity changes with efforts that balance by themselves.
+bool is_open(const SoughtQuantity& of, const NumberedEquations& equations, const Held& held, int driven) {
+  if (held.open.cols() == 0) return false;
+  constexpr double nothing = 1e-9;
+  const Eigen::VectorXd by_efforts = gradient_by_efforts(of, equations, held.z, driven);
+  return !by_efforts.isZero() &&
+         !((held.open.transpose() * by_efforts).cwiseAbs().maxCoeff() <= nothing * by_efforts.norm());
+}
+
+/// A quantity with a number in place of each part that others find. Why one has none is left in `why`.
+SoughtQuantity with_others(SoughtQuantity of, const RestingPlace& place, std::string& why) {
+  if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
+    const QuantityValue found = place.other(of);
+    if (why.empty()) why = found.why;
+    of.kind = Kind::number;
+    of.constant = found.value * of.dimension.per_scale(place.scales);
+  }
+  for (SoughtQuantity& part : of.of) part = with_others(std::move(part), place, why);
+  return of;
+}
+
 }  // namespace
+
+RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
+                           int driven) {
+  return {model.scaled_scene(), model.scales(), poses_of(model, x), active, driven, {}};
+}
+
+std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std::vector<SoughtQuantity>& of) {
+  const NumberedEquations equations(place.scene, acting_at(place.scene, place.poses, place.active));
+  const int driven = place_of(equations, place.driven);
+  Held held{place.poses, {}};
+  if (std::any_of(of.begin(), of.end(), depends_on_efforts)) held = held_at(equations, place.poses);
+  held.z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
+  QuantityPlace<double> at(equations, equations.numbers().data(), held.z.data(), driven);
+  std::vector<QuantityValue> out;
+  for (const SoughtQuantity& given : of) {
+    QuantityValue& found = out.emplace_back();
+    const SoughtQuantity one = place.other ? with_others(given, place, found.why) : given;
+    found.value = at.value(one) / one.dimension.per_scale(place.scales);
+    if (found.why.empty()) found.why = at.why();
+    if (found.why.empty() && depends_on_efforts(one) && is_open(one, equations, held, driven)) {
+      found = {std::numeric_limits<double>::quiet_NaN(), not_determined};
+    }
+  }
+  return out;
+}
 
 std::vector<double> quantities_at(const StaticModel& model, const std::vector<double>& x,
                                   const std::vector<int>& active, const std::vector<SoughtQuantity>& of, int driven) {
   std::vector<double> out;
-  if (std::all_of(of.begin(), of.end(), [](const SoughtQuantity& one) { return one.kind == Kind::measure; })) {
-    std::vector<BodyPose<double>> poses = model.poses(x);
-    poses.resize(model.scene().bodies.size());
-    for (const SoughtQuantity& one : of) out.push_back(value_of(model.scene(), one.on, poses));
-    return out;
-  }
-  constexpr double rank_tolerance = solvers::known_to::solution;
-  const LinearResponse response = response_at(model, x, active, rank_tolerance);
-  const NumberedEquations& equations = response.equations();
-  const int place = place_of(equations, driven);
-  const Eigen::MatrixXd open = solvers::null_space<double>(response.by_unknowns(), rank_tolerance);
-  QuantityPlace<double> at(equations, equations.numbers().data(), response.z().data(), place);
-  for (const SoughtQuantity& one : of) {
-    double value = std::numeric_limits<double>::quiet_NaN();
-    if (response.why().empty()) value = at.value(one) / one.dimension.per_scale(model.scales());
-    if (open.cols() > 0) {
-      constexpr double nothing = 1e-9;
-      const Eigen::VectorXd by = gradient_of(one, equations, equations.numbers(), response.z(), place).by_unknowns;
-      const bool is_open = (open.transpose() * by).cwiseAbs().maxCoeff() > nothing * by.norm();
-      if (is_open && !by.isZero()) value = std::numeric_limits<double>::quiet_NaN();
-    }
-    out.push_back(value);
+  for (const QuantityValue& one : quantity_values(resting_place(model, x, active, driven), of)) {
+    out.push_back(one.value);
   }
   return out;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "statics/model/static_model.hpp"
@@ -7,9 +9,34 @@
 
 namespace poise {
 
-/// Values of quantities where a model rests at the scaled coordinates x while the stops `active` hold, SI. Not a number
-/// where one is undefined (docs/quantities.md), or where joints that repeat each other leave it open. `driven`: an
-/// index of Scene::stops, one of those that hold, in whose stead a push holds the pose; -1 of none.
+/// A quantity in a position, SI: not a number where it is undefined, and why, in one sentence.
+struct QuantityValue {
+  double value = 0.0;
+  std::string why;
+};
+
+/// Bodies at rest and what holds them, for quantities: in a scene measured in `scales`.
+struct RestingPlace {
+  Scene scene;
+  Scales scales;
+  std::vector<double> poses;  ///< scaled: poses_of() of a model at rest
+  std::vector<int> active;    ///< stops that hold, indices of Scene::stops; those that are drives last
+  int driven = -1;            ///< the first of these that is a drive, in whose stead a push holds the pose; -1 of none
+  /// Finds stresses and modes, SI; without it they are not known.
+  std::function<QuantityValue(const SoughtQuantity&)> other{};
+};
+
+/// Where a model rests at the scaled coordinates x.
+RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
+                           int driven = -1);
+
+/// Values of quantities in a place, all from the same efforts of joints and stops: those that balance the bodies,
+/// found once where any of the quantities depends on them. An effort that joints which repeat each other leave open is
+/// undefined, and so is what depends on it.
+std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std::vector<SoughtQuantity>& of);
+
+/// The values alone, not a number where one is undefined: where a model rests at the scaled coordinates x while the
+/// stops `active` hold. `driven` as of RestingPlace.
 std::vector<double> quantities_at(const StaticModel& model, const std::vector<double>& x,
                                   const std::vector<int>& active, const std::vector<SoughtQuantity>& of,
                                   int driven = -1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -38,24 +40,23 @@ SoughtQuantity center_of(const Scene& scene, int body, int other, Part part) {
           .dimension = dimension::length};
 }
 
+SoughtQuantity mode(int number, Kind kind) {
+  const bool is_frequency = kind == Kind::frequency;
+  return {.name = fmt::format("mode.{}.{}", number, is_frequency ? "frequency" : "damping"),
+          .kind = kind,
+          .item = number - 1,
+          .dimension = is_frequency ? dimension::time.power(-1) : dimension::none};
+}
+
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
   Catalogue(const Scene& scene, AskedOf asked_of) : scene_(scene), asked_of_(asked_of) {
-    add_measures();
-    add_element_forces();
-    add_drive_forces();
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
-    add_stops();
-    add_shaking();
-    add_pushes();
-    add_energy();
-    add_centers();
-    add_transmissions();
-    add_folds();
+    add_quantities();
+    add_outputs();
   }
 
-  /// In their order.
+  /// In their order, outputs last.
   const std::vector<SoughtQuantity>& all() const { return all_; }
 
   /// The quantity whose name begins the text, the longest; null without one.
@@ -84,6 +85,24 @@ class Catalogue {
   AskedOf asked_of() const { return asked_of_; }
 
  private:
+  void add_outputs();
+
+  void add_quantities() {
+    add_measures();
+    add_element_forces();
+    add_drive_forces();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
+    add_stops();
+    add_shaking();
+    add_pushes();
+    add_energy();
+    add_centers();
+    add_transmissions();
+    add_stresses();
+    add_modes();
+    add_folds();
+  }
+
   void add(SoughtQuantity one, const std::vector<std::string>& also = {}) {
     const std::size_t index = all_.size();
     by_name_.emplace(one.name, index);
@@ -265,6 +284,30 @@ class Catalogue {
     }
   }
 
+  void add_stresses() {
+    const auto add_stress = [&](const std::string& link, int item, int other) {
+      add({.name = "stress." + link,
+           .kind = Kind::stress,
+           .item = item,
+           .other = other,
+           .dimension = dimension::force * dimension::length.power(-2)});
+    };
+    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+      if (scene_.bodies[i].section) add_stress(scene_.bodies[i].name, static_cast<int>(i), -1);
+    }
+    for (std::size_t k = 0; k < scene_.flexible_links.size(); ++k) {
+      add_stress(scene_.flexible_links[k].name, static_cast<int>(k), 0);
+    }
+  }
+
+  // The first; Reader reads the names of all.
+  void add_modes() {
+    const auto has_inertia = [](const Body& body) { return body.mass > 0.0 || body.inertia > 0.0; };
+    if (std::none_of(scene_.bodies.begin(), scene_.bodies.end(), has_inertia)) return;
+    add(mode(1, Kind::frequency));
+    add(mode(1, Kind::damping));
+  }
+
   void add_folds() {
     for (const ParameterRow& row : parameter_table(scene_)) {
       if ((row.place.owner != Owner::force && row.place.owner != Owner::torque) || row.place.number != 0) continue;
@@ -290,7 +333,7 @@ constexpr std::string_view separators = " +-*/()";
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 13> families{{{"angle.", "body"},
+constexpr std::array<Family, 14> families{{{"angle.", "body"},
                                            {"travel.", "slide or pin in a slot"},
                                            {"x.", "point, BODY.POINT,"},
                                            {"y.", "point, BODY.POINT,"},
@@ -300,6 +343,7 @@ constexpr std::array<Family, 13> families{{{"angle.", "body"},
                                            {"reaction.", "joint"},
                                            {"stop.", "stop"},
                                            {"center.", "body and another, BODY.BODY.x,"},
+                                           {"stress.", "link with a section"},
                                            {"transmission.", "link with two joints and one of these"},
                                            {"fold.load.", "load"},
                                            {"load_at_fold.", "load"}}};
@@ -314,6 +358,9 @@ class Reader {
     SoughtQuantity out = sum();
     skip_spaces();
     if (!rest_.empty()) fail(fmt::format("expected + - * / or the end, found \"{}\"", rest_));
+    if (out.is_over_path() && has_position(out)) {
+      fail("expected quantities over a path, or of a position, not both in one expression");
+    }
     return out;
   }
 
@@ -326,6 +373,19 @@ class Reader {
     if (!rest_.starts_with(sign)) return false;
     rest_.remove_prefix(sign.size());
     return true;
+  }
+
+  /// Whether some part beside those over a path belongs to a position.
+  static bool has_position(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::sum:
+      case Kind::difference:
+      case Kind::product:
+      case Kind::quotient:
+        return std::any_of(of.of.begin(), of.of.end(), has_position);
+      default:
+        return of.kind != Kind::number && !of.is_over_path();
+    }
   }
 
   SoughtQuantity sum() {
@@ -365,6 +425,7 @@ class Reader {
 
   /// The name of an operand, in parentheses where the operation binds more than it.
   static std::string in_parentheses(const SoughtQuantity& operand, Kind kind, bool is_second) {
+    if (operand.is_output) return operand.name;
     const bool is_sum = operand.kind == Kind::sum || operand.kind == Kind::difference;
     const bool is_product = operand.kind == Kind::product || operand.kind == Kind::quotient;
     const bool binds = kind == Kind::product || kind == Kind::quotient;
@@ -391,6 +452,7 @@ class Reader {
     }
     skip_spaces();
     if (rest_.starts_with("d(")) return derivative();
+    if (std::optional<SoughtQuantity> over = over_path()) return *std::move(over);
     if (const std::optional<SoughtQuantity> named = name()) return *named;
     return constant();
   }
@@ -476,6 +538,7 @@ class Reader {
     const SoughtQuantity* const found = catalogue_.longest(rest_, length);
     if (std::optional<SoughtQuantity> along = push(length)) return along;
     if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
+    if (std::optional<SoughtQuantity> of_mode = mode_of_vibration()) return of_mode;
     if (found == nullptr) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
@@ -527,6 +590,77 @@ class Reader {
     return std::nullopt;
   }
 
+  std::optional<SoughtQuantity> mode_of_vibration() {
+    constexpr std::string_view prefix = "mode.";
+    if (!rest_.starts_with(prefix)) return std::nullopt;
+    const std::string_view tail = rest_.substr(prefix.size());
+    int number = 0;
+    const auto [end, error] = std::from_chars(tail.data(), tail.data() + tail.size(), number);
+    const int most = 3 * static_cast<int>(catalogue_.scene().bodies.size());
+    if (error != std::errc() || number < 1 || number > most) return std::nullopt;
+    for (const Kind kind : {Kind::frequency, Kind::damping}) {
+      SoughtQuantity one = mode(number, kind);
+      if (!rest_.starts_with(one.name)) continue;
+      rest_.remove_prefix(one.name.size());
+      return one;
+    }
+    return std::nullopt;
+  }
+
+  struct OverPath {
+    std::string_view name;
+    Kind kind;
+  };
+  static constexpr std::array<OverPath, 5> over_paths{{{"max(", Kind::maximum},
+                                                       {"min(", Kind::minimum},
+                                                       {"mean(", Kind::mean},
+                                                       {"span(", Kind::span},
+                                                       {"work(", Kind::work}}};
+
+  std::optional<SoughtQuantity> over_path() {
+    const auto* const found = std::find_if(over_paths.begin(), over_paths.end(),
+                                           [&](const OverPath& one) { return rest_.starts_with(one.name); });
+    if (found == over_paths.end()) return std::nullopt;
+    rest_.remove_prefix(found->name.size());
+    SoughtQuantity of = sum();
+    if (!take(")")) fail(fmt::format("expected a closing parenthesis after {}", found->name));
+    if (of.is_over_path())
+      fail(fmt::format("expected a quantity of a position in {}...), found {}", found->name, of.name));
+    SoughtQuantity out{
+        .name = std::string(found->name) + of.name + ")", .kind = found->kind, .dimension = of.dimension};
+    if (out.kind == Kind::work) {
+      if (forces_in(of) != 1) {
+        fail(
+            fmt::format("expected the force of a push, an element or a drive in work(...), perhaps times a number, "
+                        "found {}",
+                        of.name));
+      }
+      out.dimension = of.dimension * dimension::length;
+      // A torque times an angle, which has no unit in SI, is a torque.
+      if (of.dimension.length > 0) out.dimension = of.dimension;
+    }
+    out.of = {std::move(of)};
+    return out;
+  }
+
+  /// How many forces with a path of their own it is made of; more than any where it has other parts than these and
+  /// numbers.
+  static int forces_in(const SoughtQuantity& of) {
+    switch (of.kind) {
+      case Kind::push:
+      case Kind::element_force:
+      case Kind::drive_force:
+        return 1;
+      case Kind::number:
+        return 0;
+      case Kind::product:
+      case Kind::quotient:
+        return forces_in(of.of[0]) + (of.kind == Kind::quotient ? 2 : 1) * forces_in(of.of[1]);
+      default:
+        return 2;
+    }
+  }
+
   /// d(A)/d(B), or d(A)/dt of a motion.
   SoughtQuantity derivative() {
     const auto part = [&]() -> SoughtQuantity {
@@ -567,6 +701,30 @@ class Reader {
   std::string_view rest_;
 };
 
+void Catalogue::add_outputs() {
+  if (asked_of_ == AskedOf::rest) {
+    // One that belongs to a motion is undefined at rest.
+    for (SoughtQuantity& one : outputs_of(scene_, AskedOf::motion)) add(std::move(one));
+    return;
+  }
+  for (const SceneOutput& output : scene_.outputs) {
+    const std::string where =
+        (output.line > 0 ? fmt::format("{}:{}", scene_.file, output.line) : scene_.file) + ": outputs." + output.name;
+    if (const auto taken = by_name_.find(output.name); taken != by_name_.end()) {
+      throw InputError(fmt::format("{}: expected a name that is not a quantity yet; \"{}\" is {}", where, output.name,
+                                   all_[taken->second].name));
+    }
+    try {
+      SoughtQuantity one = Reader(*this, output.text).read();
+      one.name = output.name;
+      one.is_output = true;
+      add(std::move(one));
+    } catch (const InputError& error) {
+      throw InputError(where + ": " + error.what());
+    }
+  }
+}
+
 }  // namespace
 
 bool SoughtQuantity::has(Kind wanted) const {
@@ -574,15 +732,28 @@ bool SoughtQuantity::has(Kind wanted) const {
          std::any_of(of.begin(), of.end(), [&](const SoughtQuantity& one) { return one.has(wanted); });
 }
 
+bool SoughtQuantity::is_over_path() const {
+  return has(Kind::maximum) || has(Kind::minimum) || has(Kind::mean) || has(Kind::span) || has(Kind::work);
+}
+
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of) {
   const Catalogue catalogue(scene, asked_of);
   return Reader(catalogue, name).read();
 }
 
+std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of) {
+  if (scene.outputs.empty()) return {};
+  const Catalogue catalogue(scene, asked_of);
+  return {catalogue.all().end() - static_cast<std::ptrdiff_t>(scene.outputs.size()), catalogue.all().end()};
+}
+
+std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of) {
+  return Catalogue(scene, asked_of).all();
+}
+
 std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of) {
   std::vector<std::string> out;
-  const Catalogue catalogue(scene, asked_of);
-  for (const SoughtQuantity& one : catalogue.all()) out.push_back(one.name);
+  for (const SoughtQuantity& one : all_quantities(scene, asked_of)) out.push_back(one.name);
   return out;
 }
 

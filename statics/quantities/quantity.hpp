@@ -29,9 +29,17 @@ struct SoughtQuantity {
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
     ratio,         ///< d(first)/d(second) of two measures along the one motion that the joints allow
     by_time,       ///< d(A)/dt of a motion, of one part
+    stress,        ///< largest size of the stress in link `item`, which others find (RestingPlace::other)
+    frequency,     ///< of vibration mode `item`, Hz, and its damping ratio: likewise
+    damping,
     load_at_fold,  ///< value of a load at the first fold of the path on which it grows
-    number,        ///< `constant`
-    sum,           ///< of two, and so on
+    maximum,       ///< of one quantity over a branch of a path, and so on
+    minimum,
+    mean,
+    span,
+    work,    ///< of a force over the path of its point, or its measure
+    number,  ///< `constant`
+    sum,     ///< of two, and so on
     difference,
     product,
     quotient
@@ -42,17 +50,20 @@ struct SoughtQuantity {
   Kind kind = Kind::measure;
   Part part = Part::size;
   Measure on{};
-  int item = -1;             ///< index of Scene::elements, joints, stops or bodies
+  int item = -1;             ///< index of Scene::elements, joints, stops, bodies or flexible_links; of a mode, from 0
   int other = -1;            ///< index of Scene::bodies
   PointRef point{};          ///< where a push acts
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
   double constant = 0.0;
-  std::vector<SoughtQuantity> of{};  ///< of what is made of others: two, or one that changes with time
+  std::vector<SoughtQuantity> of{};  ///< those that it is made of: one over a path or by time, else two
+  bool is_output = false;            ///< the scene gives it this name: Scene::outputs
 
   /// Some part of it is of this kind.
   bool has(Kind wanted) const;
+  /// It belongs to a path, not to a position.
+  bool is_over_path() const;
 };
 
 /// What a quantity is asked of: a mechanism at rest, or one that moves.
@@ -70,17 +81,29 @@ enum class AskedOf { rest, motion };
 ///   energy
 ///   center.A.B.x, .y      instant centre of body A relative to body B
 ///   transmission.LINK.JOINT, transmission.BAR.BODY
+///   stress.LINK           of a link with a section
+///   mode.N.frequency, mode.N.damping
 ///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
-///   magnitude d(A)/d(B)             of two of the first two rows
+///                         magnitude
+///   NAME                  an output of the scene
+///   d(A)/d(B)             of two of the first two rows
+///   max(Q), min(Q), mean(Q), span(Q)   over a branch of a path
+///   work(Q)               of a force: integral of Q over the path of its point, or its measure
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
 /// load_at_fold.LOAD are read too: the quantity has the name above. Throws InputError with the nearest names where
-/// there is none, and where units do not fit.
+/// there is none, where units do not fit, and where an output of the scene is none.
 ///
 /// Of a motion also  energy.kinetic,  d(A)/dt  with any quantity A,  and force.ELEMENT of all elements.
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of = AskedOf::rest);
 
-/// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, of instant centres
-/// those relative to the ground, no ratios and no expressions.
+/// The outputs of a scene, in their order. Throws InputError with file and line where one is no quantity, has the name
+/// of another, or uses one that is not above it.
+std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of = AskedOf::rest);
+
+/// The quantities of a scene that are not made of others, in the order of the rows above; of pushes those along x and
+/// y, of instant centres those relative to the ground.
+std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of = AskedOf::rest);
+/// Their names.
 std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 }  // namespace poise

@@ -285,8 +285,11 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
   switch (of.kind) {
     case Kind::measure:
       return bodies().value(of.on);
-    case Kind::element_force:
+    case Kind::element_force: {
+      const Element& element = equations_.scene().elements[static_cast<std::size_t>(of.item)];
+      if (!stores_energy(element.law)) return undefined("a " + element.family() + " has no force at rest");
       return bodies().element_force(of.item);
+    }
     case Kind::element_rate:
       return bodies().element_rate(of.item);
     case Kind::drive_force:
@@ -321,6 +324,16 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
       return T(0);
     case Kind::by_time:
       return undefined("nothing changes with time at rest");
+    case Kind::stress:
+    case Kind::frequency:
+    case Kind::damping:
+      return undefined("it is not known here");
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return undefined(of.name + " belongs to a path, not to a position");
     case Kind::load_at_fold:
       return undefined("a load at a fold belongs to a path, not to a position");
   }
@@ -335,5 +348,8 @@ struct QuantityGradient {
 };
 QuantityGradient gradient_of(const SoughtQuantity& of, const NumberedEquations& equations,
                              const std::vector<double>& numbers, const std::vector<double>& z, int driven = -1);
+/// Its derivatives by the efforts of joints and acting stops alone.
+Eigen::VectorXd gradient_by_efforts(const SoughtQuantity& of, const NumberedEquations& equations,
+                                    const std::vector<double>& z, int driven);
 
 }  // namespace poise

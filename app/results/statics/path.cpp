@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,13 +32,21 @@ struct PathReport {
   const Path& found;
   const PathView& view;
   PathReader reader{varied};
+  std::unordered_map<const PathPoint*, std::vector<double>> found_measures{};
 
   const Scene& scene() const { return varied.scene(); }
   const Units& units() const { return varied.scene().units; }
   double parameter(double si) const { return si / varied.unit(); }
   double effort(double si) const { return si / varied.effort_dimension().unit(units()); }
-  double measure(const SoughtQuantity& measure, const PathPoint& point) {
-    return reader.value(measure, point) / measure.dimension.unit(units());
+  /// The quantities that are shown, in units, in their order; found once for each point.
+  const std::vector<double>& measures(const PathPoint& point) {
+    std::vector<double>& out = found_measures[&point];
+    if (!out.empty() || view.measures.empty()) return out;
+    const std::vector<QuantityValue> values = reader.values(view.measures, point);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      out.push_back(values[k].value / view.measures[k].dimension.unit(units()));
+    }
+    return out;
   }
   /// "load.P = 4.2 kN".
   std::string at(double si, int digits = digits_of_points) const { return varied.name() + " = " + amount(si, digits); }
@@ -82,7 +91,7 @@ void add_pose_data(Group& group, PathReport& report, const PathPoint& point) {
   places.data("[]", each(bodies, [&](std::size_t i) { return length(readings.poses[i].origin.y); }));
   Table& measures = group.table("measures", "", Rows::values, Verbosity::data);
   measures.words("name", "", each(report.view.measures, &SoughtQuantity::name));
-  measures.data("value", each(report.view.measures, [&](const SoughtQuantity& m) { return report.measure(m, point); }));
+  measures.data("value", report.measures(point));
 }
 
 std::optional<double> energy_of(const PathReport& report, const PathPoint& point) {
@@ -242,8 +251,8 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
     put(places_of(model, readings), Quantity::length);
   }
   for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
-  for (const SoughtQuantity& measure : report.view.measures) {
-    add(measure.name, each(rows, [&](const PathRow& row) { return report.measure(measure, *row.point); }));
+  for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
+    add(report.view.measures[k].name, each(rows, [&](const PathRow& row) { return report.measures(*row.point)[k]; }));
   }
 }
 
@@ -265,12 +274,13 @@ std::string proof_in_words(const PathPoint& point) {
 
 /// Columns of the measures, and of a driven measure the effort, at the points of the rows.
 void add_measures(Table& table, PathReport& report, const std::vector<const PathPoint*>& points) {
-  for (const SoughtQuantity& measure : report.view.measures) {
+  for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
+    const SoughtQuantity& measure = report.view.measures[k];
     // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
     constexpr double rounding = 1e-13;
     const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
     table.numbers("", measure.name, measure.dimension.unit_name(report.units()),
-                  each(points, [&](const PathPoint* point) { return report.measure(measure, *point); }),
+                  each(points, [&](const PathPoint* point) { return report.measures(*point)[k]; }),
                   {.digits = digits_of_points, .zero_below = rounding * size / measure.dimension.unit(report.units())});
   }
   if (!report.varied.is_driven()) return;
@@ -300,7 +310,7 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
 std::string place_in_words(PathReport& report, const PathPoint& point) {
   if (report.view.measures.empty()) return "";
   const SoughtQuantity& measure = report.view.measures.front();
-  return fmt::format("{} = {} {}", measure.name, significant(report.measure(measure, point), digits_of_points),
+  return fmt::format("{} = {} {}", measure.name, significant(report.measures(point).front(), digits_of_points),
                      measure.dimension.unit_name(report.units()));
 }
 
