@@ -42,13 +42,20 @@ const StaticModel& PathReader::model(const PathPoint& point) {
 }
 
 std::vector<QuantityValue> PathReader::values(const std::vector<SoughtQuantity>& of, const PathPoint& point) {
+  const int driven = varied_.is_driven() ? static_cast<int>(varied_.scene().stops.size()) - 1 : -1;
   std::vector<int> active = point.active_stops;
-  Scene scene = varied_.scene_at(point.parameter);
-  const int driven = varied_.is_driven() ? static_cast<int>(scene.stops.size()) - 1 : -1;
   if (driven >= 0) active.push_back(driven);
-  return quantity_values({scaled(std::move(scene), varied_.scales()), varied_.scales(), poses_of(model(point), point.x),
-                          std::move(active), driven},
-                         of);
+  if (others_ && std::any_of(of.begin(), of.end(), is_found_by_others)) {
+    const std::unique_ptr<StaticModel> there = varied_.model_at(point.parameter);
+    return quantity_values(resting_place(*there, point.x, active, driven, others_), of);
+  }
+  RestingPlace place{scaled(varied_.scene_at(point.parameter), varied_.scales()),
+                     varied_.scales(),
+                     poses_of(model(point), point.x),
+                     std::move(active),
+                     driven,
+                     {}};
+  return quantity_values(place, of);
 }
 
 Scene named_scene(const VariedScene& varied) {

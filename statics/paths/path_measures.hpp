@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "statics/model/readings.hpp"
@@ -13,7 +14,8 @@ namespace poise {
 /// Reads the points of a path by the names of the scene.
 class PathReader {
  public:
-  explicit PathReader(const VariedScene& varied) : varied_(varied) {}
+  explicit PathReader(const VariedScene& varied, OtherQuantities others = {})
+      : varied_(varied), others_(std::move(others)) {}
 
   /// The mechanism with the dimensions that it has at the point; loads and stiffnesses may be those of another. Valid
   /// until the next call.
@@ -27,6 +29,7 @@ class PathReader {
 
  private:
   const VariedScene& varied_;
+  OtherQuantities others_;
   std::unique_ptr<StaticModel> model_;
   double at_ = 0.0;  // parameter of model_
 };

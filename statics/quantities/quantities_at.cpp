@@ -91,9 +91,17 @@ SoughtQuantity with_others(SoughtQuantity of, const RestingPlace& place, std::st
 
 }  // namespace
 
+bool is_found_by_others(const SoughtQuantity& of) {
+  return of.has(Kind::stress) || of.has(Kind::frequency) || of.has(Kind::damping);
+}
+
 RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
-                           int driven) {
-  return {model.scaled_scene(), model.scales(), poses_of(model, x), active, driven, {}};
+                           int driven, const OtherQuantities& others) {
+  RestingPlace out{model.scaled_scene(), model.scales(), poses_of(model, x), active, driven, {}};
+  if (others) {
+    out.other = [&model, others, x, active](const SoughtQuantity& of) { return others(of, model, x, active); };
+  }
+  return out;
 }
 
 std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std::vector<SoughtQuantity>& of) {
@@ -106,7 +114,7 @@ std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std:
   std::vector<QuantityValue> out;
   for (const SoughtQuantity& given : of) {
     QuantityValue& found = out.emplace_back();
-    const SoughtQuantity one = place.other ? with_others(given, place, found.why) : given;
+    const SoughtQuantity one = place.other && is_found_by_others(given) ? with_others(given, place, found.why) : given;
     found.value = at.value(one) / one.dimension.per_scale(place.scales);
     if (found.why.empty()) found.why = at.why();
     if (found.why.empty() && depends_on_efforts(one) && is_open(one, equations, held, driven)) {

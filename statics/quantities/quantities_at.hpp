@@ -15,6 +15,10 @@ struct QuantityValue {
   std::string why;
 };
 
+/// Finds stresses and modes where a model rests at scaled coordinates while stops hold.
+using OtherQuantities = std::function<QuantityValue(const SoughtQuantity& of, const StaticModel& model,
+                                                    const std::vector<double>& x, const std::vector<int>& active)>;
+
 /// Bodies at rest and what holds them, for quantities: in a scene measured in `scales`.
 struct RestingPlace {
   Scene scene;
@@ -22,13 +26,16 @@ struct RestingPlace {
   std::vector<double> poses;  ///< scaled: poses_of() of a model at rest
   std::vector<int> active;    ///< stops that hold, indices of Scene::stops; those that are drives last
   int driven = -1;            ///< the first of these that is a drive, in whose stead a push holds the pose; -1 of none
-  /// Finds stresses and modes, SI; without it they are not known.
+  /// Finds stresses and modes; without it they are not known.
   std::function<QuantityValue(const SoughtQuantity&)> other{};
 };
 
-/// Where a model rests at the scaled coordinates x.
+/// Where a model rests at the scaled coordinates x. Refers to the model where there are `others`.
 RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
-                           int driven = -1);
+                           int driven = -1, const OtherQuantities& others = {});
+
+/// Whether others than statics find a part of the quantity: a stress or a mode.
+bool is_found_by_others(const SoughtQuantity& of);
 
 /// Values of quantities in a place, all from the same efforts of joints and stops: those that balance the bodies,
 /// found once where any of the quantities depends on them. An effort that joints which repeat each other leave open is
