@@ -49,6 +49,12 @@ double kinetic_energy(const Scene& scene, const std::vector<BodyMotion>& motions
   return twice / 2;
 }
 
+/// The place of the point of a push along its direction.
+Measure along_of(const SoughtQuantity& push) {
+  return Measure::sum_of({{.factor = push.direction.x, .measure = Measure::x_of(push.point)},
+                          {.factor = push.direction.y, .measure = Measure::y_of(push.point)}});
+}
+
 double reaction_part(const Reaction& reaction, Part part) {
   switch (part) {
     case Part::x:
@@ -90,6 +96,25 @@ double shaking(const Scene& then, const std::vector<BodyMotion>& motions, Part p
 
 }  // namespace
 
+bool is_constant_in_time(const SoughtQuantity& of) {
+  switch (of.kind) {
+    case Kind::number:
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return true;
+    case Kind::sum:
+    case Kind::difference:
+    case Kind::product:
+    case Kind::quotient:
+      return is_constant_in_time(of.of[0]) && is_constant_in_time(of.of[1]);
+    default:
+      return false;
+  }
+}
+
 void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of) {
   if (of.has(Kind::load_at_fold)) {
     throw InputError(of.name + ": a load at a fold belongs to equilibria, not to a motion; expected another quantity");
@@ -99,6 +124,10 @@ void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of) {
         fmt::format("{}: a push takes the place of the drive of a motion, and this one has {}; expected "
                     "another quantity, or one [[drive]] in the scene",
                     of.name, scene.drives.empty() ? "none" : "several"));
+  }
+  if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
+    throw InputError(fmt::format("{}: it belongs to an equilibrium, not to a motion; expected another quantity{}",
+                                 of.name, of.kind == Kind::stress ? ", or poise loads --time" : ""));
   }
   if (of.kind == Kind::stop_reaction) {
     const Stop& stop = scene.stops[static_cast<std::size_t>(of.item)];
@@ -165,11 +194,9 @@ double MovingQuantities::effort(const SoughtQuantity& of, const Forces& forces) 
 // P dp = F dg  with g the measure of the drive and p = e . (x, y), both along the motion.
 double MovingQuantities::push(const SoughtQuantity& of, const Forces& forces) const {
   const Measure& driven = scene_.drives.front().on;
-  const Measure along = Measure::sum_of({{.factor = of.direction.x, .measure = Measure::x_of(of.point)},
-                                         {.factor = of.direction.y, .measure = Measure::y_of(of.point)}});
   SoughtQuantity lever{
       .name = "lever", .kind = Kind::ratio, .dimension = driven.dimension() * dimension::length.power(-1)};
-  lever.of = {{.name = "drive", .on = driven}, {.name = "point", .on = along}};
+  lever.of = {{.name = "drive", .on = driven}, {.name = "point", .on = along_of(of)}};
   return effort({.name = "drive", .kind = Kind::drive_force, .on = driven}, forces) *
          in_place(lever, forces.motions, true);
 }
@@ -241,6 +268,14 @@ double MovingQuantities::value(const SoughtQuantity& of, const Forces& forces, c
       const double out = value(of.of[0], forces, then) / value(of.of[1], forces, then);
       return std::isfinite(out) ? out : undefined;
     }
+    case Kind::stress:
+    case Kind::frequency:
+    case Kind::damping:
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
     case Kind::load_at_fold:
       break;
   }
@@ -417,6 +452,42 @@ ValueInTime least_between(const std::function<double(double)>& f, double from, d
   return fx <= fy ? ValueInTime{x, fx} : ValueInTime{y, fy};
 }
 
+/// Places at which extremes are looked for: all nodes, at which something may jump, with both sides of them, and
+/// between.
+std::vector<double> places_between(const std::vector<double>& nodes) {
+  constexpr int parts = 8;
+  std::vector<double> out;
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    const double from = nodes[k], to = nodes[k + 1];
+    if (from == to) continue;
+    for (int i = 0; i < parts; ++i) out.push_back(from + (to - from) * i / parts);
+    out.push_back(std::nextafter(to, from));
+  }
+  out.push_back(nodes.back());
+  return out;
+}
+
+/// Gauss's rule of five points between each two nodes, exact for polynomials of degree 9: visit(t, weight).
+template <class Visit>
+void for_each_gauss_point(const std::vector<double>& nodes, Visit visit) {
+  constexpr std::array<std::pair<double, double>, 5> gauss{{{-0.9061798459386640, 0.2369268850561891},
+                                                            {-0.5384693101056831, 0.4786286704993665},
+                                                            {0.0, 128.0 / 225},
+                                                            {0.5384693101056831, 0.4786286704993665},
+                                                            {0.9061798459386640, 0.2369268850561891}}};
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    const double half = (nodes[k + 1] - nodes[k]) / 2;
+    if (half == 0.0) continue;
+    for (const auto& [place, weight] : gauss) visit(nodes[k] + half * (1 + place), weight * half);
+  }
+}
+
+/// The force of which the work is asked for: of a push, an element or a drive, perhaps times a number.
+const SoughtQuantity& force_in(const SoughtQuantity& of) {
+  if (of.of.empty()) return of;
+  return force_in(of.of[0].kind == Kind::number ? of.of[1] : of.of[0]);
+}
+
 }  // namespace
 
 QuantitiesAlong::QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion)
@@ -489,6 +560,12 @@ double QuantitiesAlong::rate(const SoughtQuantity& of, double t) {
 
 double QuantitiesAlong::value(const SoughtQuantity& of, double t) {
   switch (of.kind) {
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return over_motion(of);
     case Kind::by_time:
       return rate(of.of[0], t);
     case Kind::sum:
@@ -506,50 +583,65 @@ double QuantitiesAlong::value(const SoughtQuantity& of, double t) {
   }
 }
 
-QuantityRange QuantitiesAlong::range(const SoughtQuantity& of) {
-  constexpr int parts = 8;  // of a step of the integrator
-  std::vector<ValueInTime> places;
-  double integral = 0.0;
-  for (std::size_t k = 0; k + 1 < path_.nodes(); ++k) {
-    const double from = path_.t[k], to = path_.t[k + 1];
-    if (from == to) continue;
-    for (int i = 0; i < parts; ++i) {
-      const double t = from + (to - from) * i / parts;
-      places.push_back({t, value(of, t)});
-    }
-    // Just before a node at which something may jump.
-    const double before = std::nextafter(to, from);
-    places.push_back({before, value(of, before)});
-    // Gauss's rule of five points, exact for polynomials of degree 9.
-    constexpr std::array<std::pair<double, double>, 5> gauss{{{0.0, 128.0 / 225},
-                                                              {0.5384693101056831, 0.4786286704993665},
-                                                              {-0.5384693101056831, 0.4786286704993665},
-                                                              {0.9061798459386640, 0.2369268850561891},
-                                                              {-0.9061798459386640, 0.2369268850561891}}};
-    for (const auto& [place, weight] : gauss)
-      integral += weight * (to - from) / 2 * value(of, from + (to - from) / 2 * (1 + place));
+double QuantitiesAlong::work(const SoughtQuantity& of, double t) {
+  const SoughtQuantity& force = force_in(of);
+  const Measure on = force.kind == Kind::push          ? along_of(force)
+                     : force.kind == Kind::drive_force ? force.on
+                                                       : scene_.elements[static_cast<std::size_t>(force.item)].on;
+  return value(of, t) * rate_of(scene_, state(t, false).motions, on);
+}
+
+double QuantitiesAlong::over_motion(const SoughtQuantity& of) {
+  const auto known =
+      std::find_if(over_motion_.begin(), over_motion_.end(), [&](const auto& one) { return one.first == of.name; });
+  if (known != over_motion_.end()) return known->second;
+  double out = 0.0;
+  if (of.kind == Kind::work) {
+    for_each_gauss_point(path_.t, [&](double t, double weight) { out += weight * work(of.of[0], t); });
+  } else {
+    const QuantityRange range = ranges({of.of[0]}).front();
+    out = of.kind == Kind::maximum   ? range.greatest.value
+          : of.kind == Kind::minimum ? range.least.value
+          : of.kind == Kind::mean    ? range.mean
+                                     : range.greatest.value - range.least.value;
   }
-  places.push_back({path_.t.back(), value(of, path_.t.back())});
-  QuantityRange out;
-  out.mean = integral / (path_.t.back() - path_.t.front());
-  const auto extreme = [&](double sign) {
-    std::size_t best = 0;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      if (std::isnan(places[k].value)) return ValueInTime{undefined, undefined};
-      if (sign * places[k].value < sign * places[best].value) best = k;
-    }
-    ValueInTime found = places[best];
-    for (const std::size_t from : {best == 0 ? 0 : best - 1, best}) {
-      if (from + 1 >= places.size() || !(places[from].time < places[from + 1].time)) continue;
-      const ValueInTime refined =
-          least_between([&](double t) { return sign * value(of, t); }, places[from].time, places[from + 1].time);
-      if (refined.value < sign * found.value) found = {refined.time, sign * refined.value};
-    }
-    return found;
-  };
-  out.least = extreme(1.0);
-  out.greatest = extreme(-1.0);
+  over_motion_.emplace_back(of.name, out);
   return out;
+}
+
+std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuantity>& of) {
+  const std::vector<double> times = places_between(path_.t);
+  std::vector<std::vector<double>> values(of.size());
+  for (const double t : times) {
+    for (std::size_t k = 0; k < of.size(); ++k) values[k].push_back(value(of[k], t));
+  }
+  std::vector<QuantityRange> out(of.size());
+  for_each_gauss_point(path_.t, [&](double t, double weight) {
+    for (std::size_t k = 0; k < of.size(); ++k) out[k].mean += weight * value(of[k], t);
+  });
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    out[k].mean /= path_.t.back() - path_.t.front();
+    out[k].least = extreme(of[k], times, values[k], 1.0);
+    out[k].greatest = extreme(of[k], times, values[k], -1.0);
+  }
+  return out;
+}
+
+ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector<double>& times,
+                                     const std::vector<double>& values, double sign) {
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isnan(values[k])) return {undefined, undefined};
+    if (sign * values[k] < sign * values[best]) best = k;
+  }
+  ValueInTime found{times[best], values[best]};
+  for (const std::size_t from : {best == 0 ? 0 : best - 1, best}) {
+    if (from + 1 >= times.size() || !(times[from] < times[from + 1])) continue;
+    const ValueInTime refined =
+        least_between([&](double t) { return sign * value(of, t); }, times[from], times[from + 1]);
+    if (refined.value < sign * found.value) found = {refined.time, sign * refined.value};
+  }
+  return found;
 }
 
 }  // namespace poise

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "motion/inverse_dynamics.hpp"
@@ -17,6 +18,9 @@ namespace poise {
 /// Throws InputError "NAME: why" for a quantity that has no meaning in a motion of the scene: a load at a fold, the
 /// force of a stop that does not act in motion, a push where nothing is driven.
 void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of);
+
+/// Whether it has one value for a whole motion: max(Q) and the like, numbers, and what is made of these.
+bool is_constant_in_time(const SoughtQuantity& of);
 
 /// Values of quantities of bodies in motion, from their places, rates and accelerations and the forces between them.
 ///
@@ -82,9 +86,13 @@ class QuantitiesAlong {
   /// At a time of the motion, where something jumps after the jump; SI. Rates d(A)/dt of what is no measure are those
   /// of the polynomial of degree 11 through the values of A at Chebyshev's points of the integrator's step.
   double value(const SoughtQuantity& of, double t);
-  /// The least and the greatest value within the motion, between the nodes too: the extremes of the values at all nodes
-  /// and at points between them, refined to rounding of the parabola; jumps have their values on both sides.
-  QuantityRange range(const SoughtQuantity& of);
+  /// max(Q), min(Q), mean(Q) and span(Q) are those of ranges(), mean(Q) over time; work(Q) is the integral of the force
+  /// Q over its measure, or the way of its point along its direction.
+  ///
+  /// The least and the greatest values within the motion, between the nodes too: the extremes of the values at all
+  /// nodes and at points between them, refined by golden sections; jumps have their values on both sides. Means by
+  /// Gauss's rule of five points in each step.
+  std::vector<QuantityRange> ranges(const std::vector<SoughtQuantity>& of);
 
   /// The largest imbalance of a body over the largest force then, of all states yet whose forces were asked for: how
   /// well accelerations between the steps are known.
@@ -101,6 +109,10 @@ class QuantitiesAlong {
   const Scene& then(double t);
   std::size_t interval_at(double t) const;
   double rate(const SoughtQuantity& of, double t);
+  double work(const SoughtQuantity& of, double t);
+  double over_motion(const SoughtQuantity& of);
+  ValueInTime extreme(const SoughtQuantity& of, const std::vector<double>& times, const std::vector<double>& values,
+                      double sign);
 
   const Scene& scene_;
   const MotionModel& model_;
@@ -114,6 +126,7 @@ class QuantitiesAlong {
   Forces forces_;
   double imbalance_ = 0.0;
   std::vector<Polynomial> polynomials_;
+  std::vector<std::pair<std::string, double>> over_motion_;  // max(Q) and the like that are known
 };
 
 }  // namespace poise

@@ -95,17 +95,41 @@ std::vector<Displacement> read_displacements(const MotionRequest& request, const
   return out;
 }
 
+/// Why a quantity has no meaning in motion; empty where it has one.
+std::string why_refused(const Scene& scene, const SoughtQuantity& of) {
+  try {
+    refuse_at_rest_only(scene, of);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The outputs of the scene that have a meaning in motion, with what is said of the others.
+std::vector<SoughtQuantity> outputs_in_motion(const Scene& scene, std::vector<std::string>& left_out) {
+  std::vector<SoughtQuantity> out;
+  for (SoughtQuantity& one : outputs_of(scene, AskedOf::motion)) {
+    if (std::string why = why_refused(scene, one); !why.empty())
+      left_out.push_back(std::move(why));
+    else
+      out.push_back(std::move(one));
+  }
+  return out;
+}
+
 /// What --show asks for of a scene that is not yet resisted_by_joints().
 std::vector<SoughtQuantity> read_shown(const MotionRequest& request, const Scene& scene) {
   std::vector<SoughtQuantity> out = read_quantities("--show", request.show, scene, AskedOf::motion);
   for (const SoughtQuantity& one : out) {
-    try {
-      refuse_at_rest_only(scene, one);
-    } catch (const InputError& error) {
-      throw InputError(std::string("--show ") + error.what());
-    }
+    if (const std::string why = why_refused(scene, one); !why.empty()) throw InputError("--show " + why);
   }
   return out;
+}
+
+/// Charts of quantities, then those of the record.
+std::vector<Panel> with_record(std::vector<Panel> panels, const Scene& scene, const MotionRecord& record) {
+  for (Panel& panel : motion_panels(scene, record)) panels.push_back(std::move(panel));
+  return panels;
 }
 
 /// Shows how far a motion has come.
@@ -121,7 +145,9 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const Scene scene = load_moving_scene(request.common);
-  const std::vector<SoughtQuantity> shown = read_shown(request, scene);
+  std::vector<std::string> left_out;
+  const bool asked = !request.show.empty();
+  const std::vector<SoughtQuantity> shown = asked ? read_shown(request, scene) : outputs_in_motion(scene, left_out);
   const MotionModel model(resisted_by_joints(scene));
   refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
@@ -155,9 +181,11 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   if (!shown.empty() && moved) {
     QuantitiesAlong along(scene, model, answer.found.motion);
     answer.shown = quantities_in_time(shown, answer.record.time, along);
+    answer.shown.are_all = asked;
+    answer.shown.left_out = left_out;
   }
   MotionRecord measured;
-  if (files.wants_csv() && shown.empty()) measured = answer.record;
+  if (files.wants_csv() && !asked) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
   const Result result = motion_result(model, answer, measured, request.common.settings);
   const std::vector<Panel> panels =
@@ -165,10 +193,11 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   Pictures pictures;
   if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
     pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
-                           draw_plot(shown.empty() ? motion_panels(model.scene(), answer.record) : panels));
+                           draw_plot(asked && !panels.empty() ? panels : with_record(panels, scene, answer.record)));
   }
   if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
-    pictures.figures = {motion_figure(model, answer.found.motion, answer.record, panels, answer.found.confirmed())};
+    pictures.figures = {motion_figure(model, answer.found.motion, answer.record,
+                                      with_record(panels, scene, answer.record), answer.found.confirmed())};
   }
   return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
 }

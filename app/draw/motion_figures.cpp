@@ -116,7 +116,6 @@ Figure motion_figure(const MotionModel& model, const Motion& motion, const Motio
   const double duration = path.t.back();
   play.seconds = duration >= shortest && duration <= longest ? duration : usual_seconds;
   Figure figure{.title = "Motion"};
-  for (Panel& panel : motion_panels(model.scene(), record)) panels.push_back(std::move(panel));
   figure.charts = with_cursors(std::move(panels), play.values);
   animate(figure, std::move(positions), std::move(play), "The mechanism as it moves", {});
   return figure;

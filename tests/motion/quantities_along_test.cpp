@@ -34,7 +34,7 @@ class Moving {
 
   SoughtQuantity find(const std::string& name) const { return find_quantity(scene_, name, AskedOf::motion); }
   double at(const std::string& name, double t) { return along_.value(find(name), t); }
-  QuantityRange range(const std::string& name) { return along_.range(find(name)); }
+  QuantityRange range(const std::string& name) { return along_.ranges({find(name)}).front(); }
   double imbalance() const { return along_.imbalance(); }
   const Scene& scene() const { return scene_; }
   const MotionModel& model() const { return model_; }

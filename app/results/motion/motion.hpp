@@ -17,12 +17,12 @@ struct MotionAnswer {
   double accuracy = 0.0;  ///< asked for
   ConfirmedMotion found;
   MotionRecord record;       ///< without noise
-  QuantitiesInTime shown{};  ///< what was asked for; empty without
+  QuantitiesInTime shown{};  ///< what was asked for, or the outputs of the scene
 };
 
 /// What `poise motion` shows: verdict, start, where everything that moves began, ended and turned round, drives,
 /// energies, numerics. The table for CSV is `measured`: the record, with noise where that was asked for; empty
-/// where no CSV is. Where quantities were asked for they take its place, and that of the tables of what moves.
+/// where no CSV is. Where quantities alone are asked for they take its place, and that of the tables of what moves.
 Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
                      const std::vector<std::string>& settings);
 

@@ -65,9 +65,31 @@ void add_ranges(Group& group, const QuantitiesInTime& found, const Units& units,
   table.words("", "unit", std::move(of_units));
 }
 
+void add_once(Group& group, const QuantitiesInTime& found, const Units& units, double known_to) {
+  std::vector<std::string> names, texts, of_units;
+  std::vector<double> values;
+  for (const auto& [of, value] : found.once) {
+    names.push_back(of.name);
+    values.push_back(value / of.dimension.unit(units));
+    texts.push_back(significant(values.back(), most_digits, known_to * std::abs(values.back())));
+    of_units.push_back(of.dimension.unit_name(units));
+  }
+  Table& table = group.table("", "Quantities of the whole motion", Rows::list);
+  table.csv = found.are_all && found.of.empty();
+  table.words("quantity", "quantity", std::move(names));
+  table.numbers("value", "value", "", std::move(values)).texts = std::move(texts);
+  table.words("unit", "unit", std::move(of_units));
+}
+
 void add_quantity_data(Group& group, const QuantitiesInTime& found, const Units& units) {
   group.data("quantity_times", found.time);
   Branch& quantities = group.array("quantities");
+  for (const auto& [of, value] : found.once) {
+    Group& one = quantities.parts.emplace_back();
+    one.data("name", of.name);
+    one.data("unit", of.dimension.unit_name(units));
+    one.data("value", value / of.dimension.unit(units));
+  }
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const SoughtQuantity& of = found.of[k];
     const QuantityRange& range = found.range[k];
@@ -88,12 +110,20 @@ void add_quantity_data(Group& group, const QuantitiesInTime& found, const Units&
 
 QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const std::vector<double>& time,
                                     QuantitiesAlong& along) {
-  QuantitiesInTime out{.of = of, .time = time, .value = {}, .range = {}};
-  out.value.resize(of.size());
-  for (const double t : time) {
-    for (std::size_t k = 0; k < of.size(); ++k) out.value[k].push_back(along.value(of[k], t));
+  QuantitiesInTime out{.time = time};
+  std::vector<SoughtQuantity> changing;
+  for (const SoughtQuantity& one : of) {
+    if (!is_constant_in_time(one))
+      changing.push_back(one);
+    else
+      out.once.push_back({one, along.value(one, time.front())});
   }
-  for (const SoughtQuantity& one : of) out.range.push_back(along.range(one));
+  out.of = std::move(changing);
+  out.value.resize(out.of.size());
+  for (const double t : time) {
+    for (std::size_t k = 0; k < out.of.size(); ++k) out.value[k].push_back(along.value(out.of[k], t));
+  }
+  out.range = along.ranges(out.of);
   out.imbalance = along.imbalance();
   return out;
 }
@@ -102,8 +132,11 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const U
                             const std::optional<double>& error, bool is_confirmed) {
   const double known_to = std::max(error.value_or(0.0), found.imbalance);
   add_quantity_data(group, found, units);
+  add_once(group, found, units, known_to);
+  for (const std::string& why : found.left_out) group.fact("left out", why, Tone::doubtful);
+  if (found.of.empty()) return;
   Table& table = group.table("", "Quantities over time", Rows::columns);
-  table.csv = true;
+  table.csv = found.are_all;
   table.shown = Table::Shown::spread;
   table.numbers("time", "time", "s", found.time, {.digits = 6});
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(found.time.size(), "no")).shown = false;
