@@ -54,6 +54,7 @@ std::vector<QuantityValue> PathReader::values(const std::vector<SoughtQuantity>&
                      poses_of(model(point), point.x),
                      std::move(active),
                      driven,
+                     {},
                      {}};
   return quantity_values(place, of);
 }

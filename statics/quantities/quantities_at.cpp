@@ -35,8 +35,9 @@ struct Held {
   Eigen::MatrixXd open;  // columns: changes of efforts that balance by themselves
 };
 
-/// Of the equations of balance, linear in the efforts: columns are what a unit of each does to the bodies.
-Held held_at(const NumberedEquations& equations, std::vector<double> z) {
+/// Of the equations of balance, linear in the efforts: columns are what a unit of each does to the bodies; `beside` is
+/// what acts on these besides loads and elements.
+Held held_at(const NumberedEquations& equations, std::vector<double> z, const std::vector<double>& beside) {
   const Eigen::Index places = equations.poses(), efforts = equations.unknowns() - equations.poses();
   z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
   std::vector<NumberedEquations::Placed<double>> placed;
@@ -47,9 +48,9 @@ Held held_at(const NumberedEquations& equations, std::vector<double> z) {
     const std::vector<double> column = equations.row_gradient(static_cast<int>(places + k), bodies, placed);
     columns.col(k) = Eigen::Map<const Eigen::VectorXd>(column.data(), places);
   }
-  std::vector<double> applied(static_cast<std::size_t>(places), 0.0);
+  std::vector<double> applied = beside;
   equations.push_applied(bodies, placed, applied.data());
-  Eigen::VectorXd rest = -Eigen::Map<const Eigen::VectorXd>(applied.data(), places);
+  const Eigen::VectorXd rest = -Eigen::Map<const Eigen::VectorXd>(applied.data(), places);
   const solvers::LeastSquares<double> factors(columns, solvers::known_to::solution);
   Eigen::VectorXd found = factors.solve(rest);
   // The contact forces of gears, racks and cams act elsewhere than their measures, by forces along rows of joints.
@@ -60,11 +61,34 @@ Held held_at(const NumberedEquations& equations, std::vector<double> z) {
     std::copy(found.data(), found.data() + efforts, z.begin() + places);
     std::vector<double> residual(z.size());
     equations.residual(equations.numbers().data(), z.data(), residual.data(), placed);
-    found -= factors.solve(Eigen::Map<const Eigen::VectorXd>(residual.data(), places));
+    found -= factors.solve(Eigen::Map<const Eigen::VectorXd>(residual.data(), places) +
+                           Eigen::Map<const Eigen::VectorXd>(beside.data(), places));
   }
   std::copy(found.data(), found.data() + efforts, z.begin() + places);
   Held out{std::move(z), {}};
   if (factors.rank() < efforts) out.open = factors.null_space();
+  return out;
+}
+
+/// Generalized forces on the places of the bodies, and their resultant on the ground about the origin of the world.
+struct Beside {
+  std::vector<double> on_places;
+  GroundForce<double> on_ground;
+};
+
+Beside beside_of(const RestingPlace& place) {
+  Beside out{std::vector<double>(place.poses.size(), 0.0), {}};
+  for (const ForceBeside& one : place.beside) {
+    if (one.body == 0) {
+      out.on_ground.add(one.at, one.force, one.moment);
+      continue;
+    }
+    const auto first = static_cast<std::size_t>(3 * (one.body - 1));
+    const Vec2 origin{place.poses[first], place.poses[first + 1]};
+    out.on_places[first] += one.force.x;
+    out.on_places[first + 1] += one.force.y;
+    out.on_places[first + 2] += cross(one.at - origin, one.force) + one.moment;
+  }
   return out;
 }
 
@@ -97,7 +121,7 @@ bool is_found_by_others(const SoughtQuantity& of) {
 
 RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,
                            int driven, const OtherQuantities& others) {
-  RestingPlace out{model.scaled_scene(), model.scales(), poses_of(model, x), active, driven, {}};
+  RestingPlace out{model.scaled_scene(), model.scales(), poses_of(model, x), active, driven, {}, {}};
   if (others) {
     out.other = [&model, others, x, active](const SoughtQuantity& of) { return others(of, model, x, active); };
   }
@@ -107,10 +131,14 @@ RestingPlace resting_place(const StaticModel& model, const std::vector<double>& 
 std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std::vector<SoughtQuantity>& of) {
   const NumberedEquations equations(place.scene, acting_at(place.scene, place.poses, place.active));
   const int driven = place_of(equations, place.driven);
+  const Beside beside = beside_of(place);
   Held held{place.poses, {}};
-  if (std::any_of(of.begin(), of.end(), depends_on_efforts)) held = held_at(equations, place.poses);
+  if (std::any_of(of.begin(), of.end(), depends_on_efforts)) {
+    held = held_at(equations, place.poses, beside.on_places);
+  }
   held.z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
   QuantityPlace<double> at(equations, equations.numbers().data(), held.z.data(), driven);
+  at.add_beside(beside.on_places, beside.on_ground);
   std::vector<QuantityValue> out;
   for (const SoughtQuantity& given : of) {
     QuantityValue& found = out.emplace_back();

@@ -15,6 +15,13 @@ struct QuantityValue {
   std::string why;
 };
 
+/// A force at a point of the world and a moment on a body.
+struct ForceBeside {
+  int body = 0;
+  Vec2 at{}, force{};
+  double moment = 0.0;
+};
+
 /// Finds stresses and modes where a model rests at scaled coordinates while stops hold.
 using OtherQuantities = std::function<QuantityValue(const SoughtQuantity& of, const StaticModel& model,
                                                     const std::vector<double>& x, const std::vector<int>& active)>;
@@ -26,6 +33,8 @@ struct RestingPlace {
   std::vector<double> poses;  ///< scaled: poses_of() of a model at rest
   std::vector<int> active;    ///< stops that hold, indices of Scene::stops; those that are drives last
   int driven = -1;            ///< the first of these that is a drive, in whose stead a push holds the pose; -1 of none
+  /// What acts on bodies beside loads, elements, joints and stops: inertia forces, dampers; scaled.
+  std::vector<ForceBeside> beside{};
   /// Finds stresses and modes; without it they are not known.
   std::function<QuantityValue(const SoughtQuantity&)> other{};
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -70,14 +71,8 @@ class Catalogue {
     return found;
   }
 
-  std::vector<std::string> known() const {
-    std::vector<std::string> out;
-    for (const SoughtQuantity& one : all_) out.push_back(one.name);
-    for (const auto& [name, index] : by_name_) {
-      if (name != all_[index].name) out.push_back(name);
-    }
-    return out;
-  }
+  /// What quantities may be called, and their names.
+  const std::map<std::string, std::size_t>& by_name() const { return by_name_; }
 
   /// Names that two elements have.
   const std::map<std::string, std::vector<std::string>>& shared() const { return shared_; }
@@ -348,6 +343,33 @@ constexpr std::array<Family, 14> families{{{"angle.", "body"},
                                            {"fold.load.", "load"},
                                            {"load_at_fold.", "load"}}};
 
+/// The tail of a message that names the three quantities nearest to a word, or to all that follows, for a name may have
+/// spaces: `; did you mean "a", "b" or "c"?`. Of those only that may be called something with this prefix.
+std::string nearest_three(const Catalogue& catalogue, std::string_view prefix, std::string_view word,
+                          std::string_view whole) {
+  constexpr std::size_t most = 3, longest_compared = 200;
+  const auto distance = [&](std::string_view name, const std::string& candidate) {
+    const bool is_long = std::max(name.size(), candidate.size()) > longest_compared;
+    return is_long ? std::numeric_limits<int>::max() : edit_distance(name, candidate);
+  };
+  std::vector<std::pair<int, std::size_t>> order;
+  for (const auto& [called, index] : catalogue.by_name()) {
+    if (called.starts_with(prefix)) {
+      order.emplace_back(std::min(distance(word, called), distance(whole, called)), index);
+    }
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::string> names;
+  for (const auto& [edits, index] : order) {
+    const std::string name = "\"" + catalogue.all()[index].name + "\"";
+    if (names.size() < most && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  if (names.empty()) return "; there is none here";
+  std::string text = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " or " : ", ") + names[i];
+  return "; did you mean " + text + "?";
+}
+
 /// Reads a quantity, or an expression of several, from a text. A name may have spaces, hyphens and points in it, so
 /// that the longest name of the scene is taken; where none is, the longest word is what the error is about.
 class Reader {
@@ -494,17 +516,9 @@ class Reader {
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
     for (const auto& [prefix, item] : families) {
       if (!whole.starts_with(prefix)) continue;
-      std::vector<std::string> known;
-      for (const std::string& one : catalogue_.known()) {
-        if (one.starts_with(prefix)) known.push_back(one.substr(prefix.size()));
-      }
-      fail(fmt::format("expected the name of a {}{}", item, did_you_mean_or_list(whole.substr(prefix.size()), known)));
+      fail(fmt::format("expected the name of a {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
     }
-    throw InputError(
-        fmt::format("{}: expected the name of a quantity{}; or angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
-                    "length.ELEMENT, force.ELEMENT, reaction.JOINT, stop.NAME, push.BODY.POINT.x, energy, "
-                    "fold.load.LOAD, d(A)/d(B)",
-                    text_, did_you_mean_or_list(whole, catalogue_.known())));
+    fail("expected the name of a quantity" + nearest_three(catalogue_, "", word, whole));
   }
 
   /// Why a name is none although the scene has its item; empty where it has not.

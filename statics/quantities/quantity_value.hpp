@@ -96,6 +96,12 @@ class QuantityPlace {
   }
   /// In how many ways joints and stops let it move.
   int freedoms() { return motion().empty() ? motion_.freedoms : 1; }
+  /// Counts forces besides loads and elements: generalized ones on the places of the bodies, poses() values, and their
+  /// resultant on the ground.
+  void add_beside(const std::vector<double>& on_places, const GroundForce<double>& on_ground) {
+    beside_ = on_places;
+    beside_on_ground_ = on_ground;
+  }
 
   /// In the units of the equations' scene. Not a number where the quantity is undefined.
   T value(const SoughtQuantity& of);
@@ -136,6 +142,8 @@ class QuantityPlace {
   std::vector<NumberedEquations::Placed<T>> placed_;
   OneMotion<T> motion_;
   bool has_motion_ = false;
+  std::vector<double> beside_;  // empty: none
+  GroundForce<double> beside_on_ground_;
   std::string why_;
 };
 
@@ -213,7 +221,9 @@ T QuantityPlace<T>::drive_force(const SoughtQuantity& of) {
 
 template <class T>
 T QuantityPlace<T>::shaking(const SoughtQuantity& of) const {
-  const GroundForce<T> on = equations_.on_ground(bodies(), z_);
+  GroundForce<T> on = equations_.on_ground(bodies(), z_);
+  on.force += planar_cast<T>(beside_on_ground_.force);
+  on.moment += T(beside_on_ground_.moment);
   if (of.part == SoughtQuantity::Part::moment) return on.moment;
   if (of.part == SoughtQuantity::Part::x) return on.force.x;
   return of.part == SoughtQuantity::Part::y ? on.force.y : norm(on.force);
@@ -224,6 +234,7 @@ template <class T>
 T QuantityPlace<T>::push(const SoughtQuantity& of) {
   if (motion().empty()) return undefined("");
   std::vector<T> applied(motion_.rates.size(), T(0));
+  for (std::size_t i = 0; i < beside_.size(); ++i) applied[i] = T(beside_[i]);
   equations_.push_applied(bodies(), placed_, applied.data());
   std::vector<T> along = equations_.measure_gradient(Measure::x_of(of.point), bodies(), placed_);
   const std::vector<T> along_y = equations_.measure_gradient(Measure::y_of(of.point), bodies(), placed_);
