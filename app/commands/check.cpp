@@ -9,6 +9,7 @@
 #include "app/commands/session.hpp"
 #include "app/draw/equilibrium_figure.hpp"
 #include "app/draw/mechanism.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 namespace {
@@ -18,6 +19,7 @@ int run_check(const Request& request, const Palette& palette) {
   progress.now("reading the scene");
   const Scene moving = load_moving_scene(request);
   const StaticModel model(moving);
+  outputs_of(moving);  // throws where one is no quantity
   OutputFiles files(request);
   progress.now("analysing its mobility");
   const Mobility mobility = analyse_mobility(model);

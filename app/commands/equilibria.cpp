@@ -27,6 +27,7 @@ struct EquilibriaRequest {
   Request common;
   std::vector<std::string> drives;
   bool assemblies = false;
+  std::vector<std::string> show;
   std::optional<double> seconds;
   int starts = AllEquilibriaOptions{}.starts;
   std::uint64_t seed = 1;
@@ -74,6 +75,23 @@ Scene held_scene(const EquilibriaRequest& request) {
   return request.assemblies ? positions_alone(std::move(scene)) : scene;
 }
 
+/// How many stops behind those of the file hold drives.
+std::size_t held_drives(const Scene& held, const EquilibriaRequest& request) {
+  return held.stops.size() - load_scene(request.common).stops.size();
+}
+
+/// The scene by whose names quantities are asked for: what is held is a drive of it, and no stop.
+Scene named_scene(Scene scene, std::size_t held) {
+  scene.drives.clear();
+  for (auto stop = scene.stops.end() - static_cast<std::ptrdiff_t>(held); stop != scene.stops.end(); ++stop) {
+    Drive& drive = scene.drives.emplace_back();
+    drive.name = stop->name;
+    drive.on = stop->on;
+  }
+  scene.stops.resize(scene.stops.size() - held);
+  return scene;
+}
+
 AllEquilibriaOptions read_options(const EquilibriaRequest& request) {
   AllEquilibriaOptions options;
   if (request.seconds) {
@@ -108,6 +126,9 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(held_scene(request));
+  const std::size_t held = held_drives(model.scene(), request);
+  const EquilibriaView view{read_shown_in_position(request.show, named_scene(model.scene(), held)),
+                            held == 0 ? -1 : static_cast<int>(model.scene().stops.size() - held)};
   OutputFiles files(request.common);
   options.progress = [&](double decided) {
     progress.now_and_then([&] { return fmt::format("proving: {:.1f} % of the volume decided", 100.0 * decided); });
@@ -123,7 +144,7 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
         [&] { return fmt::format("refining {} of {} in 50 digits", answers.size() + 1, set.equilibria.size()); });
     answers.push_back(measure(model, equilibrium));
   }
-  Result result = equilibria_result(model, set, answers, options, request.common.settings);
+  Result result = equilibria_result(model, set, answers, options, view, request.common.settings);
   if (files.wants_svg() && set.equilibria.empty()) {
     result.warnings.push_back(doubtful("No picture is written: there is nothing to draw."));
   }
@@ -157,6 +178,7 @@ Command equilibria_command() {
                "starts alone"});
   command.add({"--starts", &request->starts, "N", "Random starts, where nothing is proved (1000)"});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
+  add_show_option(command, request->show);
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores); the result is the same");
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,

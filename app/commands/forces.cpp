@@ -27,6 +27,7 @@ struct ForcesRequest {
   std::string motion;
   int steps = 72;
   std::optional<double> rate, flywheel;
+  std::vector<std::string> show;
 };
 
 bool has_range(const std::string& drive) { return drive.find('=') != std::string::npos; }
@@ -115,6 +116,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const MotionModel model(with_drives(load_moving_scene(request.common), request.drives));
   const Scene& scene = model.scene();
+  const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, scene);
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
@@ -122,7 +124,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
                               : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
                                                        : along_motion(model, request.motion);
   const ForcesAlong& found = answer.found;
-  const Result result = forces_result(model, answer, request.common.settings);
+  const Result result = forces_result(model, answer, show, request.common.settings);
   const bool any = !found.poses.empty();
   Pictures pictures;
   if (files.wants_svg() && any) {
@@ -154,6 +156,7 @@ Command forces_command() {
   command.add({"--motion", &request->motion, "FILE",
                "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
                "writes it"});
+  add_show_option(command, request->show);
   add_output_options(
       command, request->common,
       {.svg = "Draw the mechanism with its forces in one pose, or efforts and\njoint forces over the range, "

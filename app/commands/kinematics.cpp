@@ -22,6 +22,7 @@ struct KinematicsRequest {
   KinematicsView view;
   int steps = 72;
   std::optional<double> rate;
+  std::vector<std::string> show;
 };
 
 int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
@@ -32,6 +33,11 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   const Scene scene = load_scene(request.common);
   std::vector<DriveRange> ranges;
   for (const std::string& text : request.drives) ranges.push_back(read_drive(text, scene));
+  KinematicsView view = request.view;
+  Scene named = scene;
+  named.drives.clear();
+  for (const DriveRange& range : ranges) named.drives.push_back(find_drive(scene, range.name));
+  view.show = read_shown_in_position(request.show, named);
   OutputFiles files(request.common);
   SweepOptions options;
   options.steps = request.steps;
@@ -42,7 +48,7 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   }
   progress.now("driving the mechanism");
   const KinematicsResult found = sweep(scene, ranges, options);
-  const Result result = kinematics_result(scene, found, ranges, options.rate, request.view, request.common.settings);
+  const Result result = kinematics_result(scene, found, ranges, options.rate, view, request.common.settings);
   const bool reached = found.complete || found.stop;
   Pictures pictures;
   if (files.wants_svg() && !found.samples.empty()) {
@@ -71,6 +77,7 @@ Command kinematics_command() {
                "Speed of the first drive that moves, scene's units per second\n(1 rad/s or 1 m/s)"});
   command.add({"--point", &request->view.points, "BODY.POINT",
                "Show this point: crank.B; --svg draws its path; several times"});
+  add_show_option(command, request->show);
   command.add({"--all", &request->view.all, "", "Show every angle and slide too"});
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism at the start, middle and end of the range, and\nits angles and slides "

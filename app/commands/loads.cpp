@@ -21,6 +21,7 @@ struct LoadsRequest {
   std::string seek = "settle";
   std::optional<double> proof_seconds;
   int steps = 10;
+  std::vector<std::string> show;
   std::optional<double> time;
 };
 
@@ -33,6 +34,9 @@ void expect_links(const Scene& scene) {
 /// At a time of the motion that the drives and loads make of the scene's start.
 int run_in_motion(const LoadsRequest& request, const Palette& palette) {
   expect_number("--time", *request.time, *request.time >= 0, "a time in s, 0 or more");
+  if (!request.show.empty()) {
+    throw InputError("--time: quantities are shown at rest; leave out --show, or see poise motion");
+  }
   if (request.proof_seconds || request.seek != LoadsRequest().seek) {
     throw InputError("--time: in motion no equilibrium is sought; leave out --seek and --proof-seconds");
   }
@@ -76,6 +80,7 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   const StaticModel model(load_scene(request.common));
   const Scene& scene = model.scene();
   expect_links(scene);
+  const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, scene);
   OutputFiles files(request.common);
   options.interrupt = &watch_for_interrupt();
   progress.now("solving");
@@ -83,7 +88,7 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   const Equilibrium& equilibrium = answer.equilibrium;
   const bool stands = equilibrium.found() || equilibrium.status == Status::checked;
   if (stands) answer.links = link_loads(scene, model.poses(equilibrium.x), equilibrium.check);
-  const Result result = loads_result(model, answer, request.steps, request.common.settings);
+  const Result result = loads_result(model, answer, request.steps, show, request.common.settings);
   Pictures pictures;
   const bool confirmed = answer.is_complete();
   if (files.wants_svg() && stands) {
@@ -106,6 +111,7 @@ Command loads_command() {
   command.add({"--time", &request->time, "S",
                "In motion, S seconds after the scene's start, with the inertia of\nthe links (without it: at rest in "
                "the equilibrium)"});
+  add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);
   add_output_options(
       command, request->common,

@@ -132,16 +132,6 @@ void add_show_option(Command& command, std::vector<std::string>& names) {
                "(docs/quantities.md)"});
 }
 
-void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& of) {
-  for (const SoughtQuantity& one : of) {
-    if (!one.has(SoughtQuantity::Kind::load_at_fold)) continue;
-    throw InputError(
-        fmt::format("{} {}: a load at a fold belongs to a path, not to a position; expected another "
-                    "quantity, or poise sensitivity --of {}",
-                    option, one.name, one.name));
-  }
-}
-
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
                                             const Scene& scene, AskedOf asked_of) {
   std::vector<SoughtQuantity> out;
@@ -153,17 +143,57 @@ std::vector<SoughtQuantity> read_quantities(const std::string& option, const std
       try {
         found = find_quantity(scene, name, asked_of);
       } catch (const InputError& error) {
-        throw InputError(option + " " + error.what());
+        const bool is_of_file = std::string_view(error.what()).starts_with(scene.file + ":");
+        throw InputError(is_of_file ? error.what() : option + " " + error.what());
       }
-      // These options have always answered with the name that was asked for.
-      const bool keeps_name = option == "--of" || option == "--measure";
-      if (keeps_name && found.of.empty()) found.name = name;
       if (std::any_of(out.begin(), out.end(), [&](const SoughtQuantity& one) { return one.name == found.name; }))
         continue;
       out.push_back(std::move(found));
     }
   }
   return out;
+}
+
+std::vector<SoughtQuantity> read_of_position(const std::string& option, const std::vector<std::string>& names,
+                                             const Scene& scene) {
+  std::vector<SoughtQuantity> out = read_quantities(option, names, scene);
+  for (const SoughtQuantity& one : out) {
+    if (!one.is_over_path()) continue;
+    throw InputError(
+        fmt::format("{} {}: it belongs to a path, not to a position; expected another quantity, or poise "
+                    "path --show",
+                    option, one.name));
+  }
+  return out;
+}
+
+Shown read_shown(const std::string& option, const std::vector<std::string>& names, const Scene& scene) {
+  Shown out;
+  const auto add = [&](const SoughtQuantity& one) {
+    std::vector<SoughtQuantity>& to = one.is_over_path() ? out.over_path : out.of_position;
+    if (std::none_of(to.begin(), to.end(), [&](const SoughtQuantity& other) { return other.name == one.name; })) {
+      to.push_back(one);
+    }
+  };
+  // A load at a fold takes a path of its own.
+  for (const SoughtQuantity& one : outputs_of(scene)) {
+    if (!one.has(SoughtQuantity::Kind::load_at_fold)) add(one);
+  }
+  for (const SoughtQuantity& one : read_quantities(option, names, scene)) {
+    if (one.has(SoughtQuantity::Kind::load_at_fold)) {
+      throw InputError(
+          fmt::format("{} {}: a load at a fold belongs to a path, not to a position; expected another "
+                      "quantity, or poise sensitivity --of {}",
+                      option, one.name, one.name));
+    }
+    add(one);
+  }
+  return out;
+}
+
+std::vector<SoughtQuantity> read_shown_in_position(const std::vector<std::string>& names, const Scene& scene) {
+  read_of_position("--show", names, scene);
+  return read_shown("--show", names, scene).of_position;
 }
 
 void add_proof_option(Command& command, std::optional<double>& seconds) {

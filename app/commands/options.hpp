@@ -63,13 +63,23 @@ Seek read_seek(const std::string& word);
 
 /// --of, required; its words go to `names`, which must outlive the command.
 void add_quantities_option(Command& command, std::vector<std::string>& names);
-/// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.
 /// Adds --show NAMES, quantities that are shown at each position.
 void add_show_option(Command& command, std::vector<std::string>& names);
-/// Throws InputError for a load at a fold, which belongs to no position.
-void refuse_folds(const std::string& option, const std::vector<SoughtQuantity>& of);
+/// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
                                             const Scene& scene, AskedOf asked_of = AskedOf::rest);
+/// The same, and throws for quantities over a path, such as extremes.
+std::vector<SoughtQuantity> read_of_position(const std::string& option, const std::vector<std::string>& names,
+                                             const Scene& scene);
+
+/// The outputs of a scene but for loads at folds, and behind them what an option asks for.
+struct Shown {
+  std::vector<SoughtQuantity> of_position, over_path;
+};
+/// Throws InputError for a load at a fold, which belongs to no position.
+Shown read_shown(const std::string& option, const std::vector<std::string>& names, const Scene& scene);
+/// The same of --show where there is no path.
+std::vector<SoughtQuantity> read_shown_in_position(const std::vector<std::string>& names, const Scene& scene);
 
 /// Reads the word given to an option. Throws InputError "OPTION: expected ..., found WORD" unless it is a number, or a
 /// whole number that the type can represent ("1e3" is one), or a text that is not empty.

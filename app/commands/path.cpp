@@ -161,10 +161,13 @@ int run_path(const PathRequest& request, const Palette& palette) {
   const VariedScene varied = read_vary(request);
   options.at = read_at(request.at, varied);
   const Scene named = named_scene(varied);
-  std::vector<SoughtQuantity> shown = read_quantities("--measure", request.measures, named);
-  for (SoughtQuantity& one : read_quantities("--show", request.show, named)) shown.push_back(std::move(one));
-  refuse_folds("--show", shown);
-  PathView view{.measures = shown, .at = options.at, .follow = options.follow};
+  std::vector<std::string> names = request.measures;
+  names.insert(names.end(), request.show.begin(), request.show.end());
+  Shown shown = read_shown(request.measures.empty() ? "--show" : "--measure", names, named);
+  PathView view{.measures = std::move(shown.of_position),
+                .over_path = std::move(shown.over_path),
+                .at = options.at,
+                .follow = options.follow};
   OutputFiles files(request.common);
   progress.now("following the curve of equilibria");
   options.progress = progress_of(progress, varied);

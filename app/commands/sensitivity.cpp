@@ -8,6 +8,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
@@ -22,10 +23,11 @@ struct SensitivityRequest {
 int run_sensitivity(const SensitivityRequest& request, const Palette& palette) {
   expect_between("--top", request.top, 0, 1'000'000);
   SensitivityOptions options;
+  options.others = other_quantity;
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
-  const std::vector<SoughtQuantity> of = read_quantities("--of", request.of, model.scene());
+  const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
   OutputFiles files(request.common);
   options.solve.interrupt = &watch_for_interrupt();
   progress.now("solving");

@@ -49,8 +49,7 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(scene_at_time(words));
-  const std::vector<SoughtQuantity> show = read_quantities("--show", words.show, model.scene());
-  refuse_folds("--show", show);
+  const std::vector<SoughtQuantity> show = read_shown_in_position(words.show, model.scene());
   OutputFiles files(request);
   options.interrupt = &watch_for_interrupt();
   const Answer answer = search(model, options, progress);

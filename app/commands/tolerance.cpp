@@ -34,7 +34,7 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
-  const std::vector<SoughtQuantity> of = read_quantities("--of", request.of, model.scene());
+  const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
   const std::vector<Tolerance> tolerances = read_tolerances(request.tolerances, model.scene());
   OutputFiles files(request.common, {request.common.scene, request.tolerances});
   options.solve.interrupt = &watch_for_interrupt();

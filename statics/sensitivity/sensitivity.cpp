@@ -417,6 +417,24 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
   return out;
 }
 
+/// Of a stress or a mode the value, with the reason that there is no derivative.
+QuantitySensitivity by_others(const StaticModel& model, const Equilibrium& equilibrium, const SoughtQuantity& quantity,
+                              const OtherQuantities& others) {
+  QuantitySensitivity out;
+  out.of = quantity;
+  const RestingPlace place = resting_place(model, equilibrium.x, equilibrium.certificate.active_stops, -1, others);
+  const QuantityValue found = quantity_values(place, {quantity}).front();
+  out.value = found.value;
+  const Units& units = model.scene().units;
+  out.why = found.why;
+  if (out.why.empty()) {
+    const std::string unit = quantity.dimension.unit_name(units);
+    out.why = fmt::format("its value is {:.6g}{}{}; derivatives of stresses and modes are not found",
+                          found.value / quantity.dimension.unit(units), unit.empty() ? "" : " ", unit);
+  }
+  return out;
+}
+
 }  // namespace
 
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
@@ -450,6 +468,10 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
   const AtEquilibrium at(response, model.scales(), columns_of(response.equations(), response, out.without), tolerance,
                          proof.outcome == Outcome::neutral);
   for (const SoughtQuantity& quantity : of) {
+    if (is_found_by_others(quantity)) {
+      out.of.push_back(by_others(model, out.equilibrium, quantity, options.others));
+      continue;
+    }
     out.of.push_back(quantity.kind == SoughtQuantity::Kind::load_at_fold
                          ? at_fold(model, quantity, options.solve.interrupt)
                          : at.of(quantity));

@@ -8,7 +8,7 @@
 #include "model/measure.hpp"
 #include "model/scene.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
-#include "statics/quantities/quantity.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise {
 
@@ -31,6 +31,7 @@ struct QuantitySensitivity {
 
 struct SensitivityOptions {
   SolveOptions solve{};
+  OtherQuantities others{};  ///< stresses and modes have values, but no derivatives
 };
 
 struct Sensitivities {

@@ -31,7 +31,7 @@ std::string complaint(const std::vector<std::string>& further) {
 TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "--vary lod.P: ")) << "the name";
   EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "did you mean \"load.P\"?"));
-  EXPECT_TRUE(contains(complaint({"--vary", "travel.gide=0..1"}), "did you mean \"guide\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "travel.gide=0..1"}), "did you mean \"travel.guide\""));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=2..2"}), "the range 2..2 has no length"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..x"}), "is no range of numbers"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P"}), "there is no \"=\""));

@@ -12,8 +12,10 @@
 #include "app/results/cams.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "model/couplings.hpp"
 #include "model/joint_friction.hpp"
+#include "motion/driven_quantities.hpp"
 #include "motion/force_courses.hpp"
 #include "statics/model/pose_values.hpp"
 #include "statics/model/readings.hpp"
@@ -463,8 +465,8 @@ void add_friction_data(Group& group, const Scene& scene, const ForcesAlong& foun
   }
 }
 
-void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer,
-              const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
+Table& add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer,
+                const std::vector<ForceCourse>& courses, const std::vector<LoadedParallel>& parallels) {
   const Scene& scene = model.scene();
   const ForcesAlong& found = answer.found;
   group.data("how", answer.how);
@@ -519,11 +521,48 @@ void add_data(Group& group, const MotionModel& model, const ForcesAnswer& answer
   for (const std::string& stop : idle) {
     group.fact("stop", fmt::format("\"{}\" is in contact without force: the drives alone hold the load", stop));
   }
+  return forces;
+}
+
+/// Of each pose. What friction leaves without forces has none.
+std::vector<std::vector<QuantityValue>> shown_quantities(const Scene& scene, const ForcesAlong& found,
+                                                         const std::vector<SoughtQuantity>& show) {
+  if (show.empty()) return {};
+  std::vector<std::vector<QuantityValue>> out;
+  for (std::size_t k = 0; k < found.poses.size(); ++k) {
+    const double time = found.along == "time" ? found.at[k] : 0.0;
+    const Forces& forces = found.poses[k];
+    out.push_back(scene.time_functions.empty() ? driven_quantities(scene, forces, show)
+                                               : driven_quantities(at_time(scene, time), forces, show));
+    if (!forces.friction.has_no_forces()) continue;
+    const QuantityValue none{std::numeric_limits<double>::quiet_NaN(), "friction leaves the forces open here"};
+    for (std::size_t q = 0; q < show.size(); ++q) {
+      if (show[q].kind != SoughtQuantity::Kind::measure) out.back()[q] = none;
+    }
+  }
+  return out;
+}
+
+/// Along the range, or in one pose.
+void add_shown(Group& group, const MotionModel& model, const ForcesAlong& found,
+               const std::vector<SoughtQuantity>& show, const std::vector<std::vector<QuantityValue>>& shown) {
+  const Units& units = model.scene().units;
+  if (show.empty()) return;
+  if (found.at.empty()) {
+    add_quantities(group, show, shown.front(), units);
+    return;
+  }
+  const Places places = places_of(found, units);
+  Table& table = group.table("", "Quantities", Rows::list);
+  table.shown = Table::Shown::spread;
+  table.numbers("", places.title, places.unit, places.values, {.digits = place_digits});
+  add_quantity_columns(table, show, shown, units, false);
 }
 
 }  // namespace
 
-Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings) {
+Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<SoughtQuantity>& show,
+                     const std::vector<std::string>& settings) {
   const ForcesAlong& found = answer.found;
   Result out = scene_result(model.scene(), settings);
   Group& content = out.content;
@@ -534,7 +573,9 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
   if (!found.complete && !found.stop) content.fact("range", found.why);
-  add_data(content, model, answer, courses, parallels);
+  const std::vector<std::vector<QuantityValue>> shown = shown_quantities(model.scene(), found, show);
+  add_quantity_columns(add_data(content, model, answer, courses, parallels), show, shown, model.scene().units, true,
+                       false);
   if (found.poses.empty()) return out;
   const bool moving = moves(found);
   if (found.at.empty()) {
@@ -542,6 +583,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     add_drives(content, model, forces, moving);
     add_position(content, model, forces);
     add_elements(content, model, courses);
+    add_shown(content, model, found, show, shown);
     add_friction(content, model, found);
     if (!forces.friction.has_no_forces()) {
       add_reactions(content, model, reaction_rows(forces.reactions), forces.redundancy);
@@ -550,6 +592,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   } else {
     add_efforts(content, model, found, courses, moving);
     if (answer.fluctuation) add_fluctuation(content, model, *answer.fluctuation, answer.coefficient);
+    add_shown(content, model, found, show, shown);
     add_friction(content, model, found);
     add_largest(content, model, found, courses);
   }

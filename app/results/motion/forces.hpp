@@ -7,6 +7,7 @@
 #include "app/result/result.hpp"
 #include "motion/fluctuation.hpp"
 #include "motion/forces_along.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 
@@ -19,7 +20,8 @@ struct ForcesAnswer {
 };
 
 /// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the
-/// drives from place to place and the largest of everything else.
-Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<std::string>& settings);
+/// drives from place to place and the largest of everything else. In all of them the quantities of `show`.
+Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<SoughtQuantity>& show,
+                     const std::vector<std::string>& settings);
 
 }  // namespace poise::app

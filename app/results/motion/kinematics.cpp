@@ -8,7 +8,9 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "model/nearest_name.hpp"
+#include "motion/driven_quantities.hpp"
 #include "statics/model/cam_contact.hpp"
 
 namespace poise::app {
@@ -160,9 +162,9 @@ void add_pressure_angles(Group& group, const Scene& scene, const std::vector<Cou
 }
 
 /// Every number, for JSON and CSV.
-void add_samples(Group& group, const Scene& scene, const KinematicsResult& found, const std::vector<Course>& drives,
-                 const std::vector<Course>& courses, const std::vector<Course>& points,
-                 const std::vector<Course>& cams) {
+Table& add_samples(Group& group, const Scene& scene, const KinematicsResult& found, const std::vector<Course>& drives,
+                   const std::vector<Course>& courses, const std::vector<Course>& points,
+                   const std::vector<Course>& cams) {
   Table& table = group.table("samples", "", Rows::columns, Verbosity::data);
   table.csv = true;
   for (const Course& drive : drives) {
@@ -179,6 +181,21 @@ void add_samples(Group& group, const Scene& scene, const KinematicsResult& found
     table.data("cam." + cam.name + ".pressure_angle", in_unit(cam.value, cam.quantity, scene.units));
   }
   table.data("closeness_to_singular", each(found.samples, &KinematicSample::closeness_to_singular));
+  return table;
+}
+
+/// Of each sample.
+std::vector<std::vector<QuantityValue>> shown_quantities(const Scene& scene, const KinematicsResult& found,
+                                                         const std::vector<DriveRange>& ranges,
+                                                         const std::vector<SoughtQuantity>& show) {
+  if (show.empty()) return {};
+  std::vector<Drive> held;
+  for (const DriveRange& range : ranges) held.push_back(find_drive(scene, range.name));
+  std::vector<std::vector<QuantityValue>> out;
+  for (const KinematicSample& sample : found.samples) {
+    out.push_back(driven_quantities(scene, held, sample.bodies, show));
+  }
+  return out;
 }
 
 std::string place_in_words(const Scene& scene, const std::vector<DriveRange>& ranges,
@@ -273,8 +290,15 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
   add_singular(content, scene, found, ranges);
   if (view.points.empty()) add_drives(content, scene, drives);
   add_points(content, scene, view.points, points, drives.front());
+  const std::vector<std::vector<QuantityValue>> shown = shown_quantities(scene, found, ranges, view.show);
+  if (!view.show.empty()) {
+    Table& table = course_table(content, "Quantities, at rest in each position", Verbosity::normal);
+    add_drive(table, drives[pace], scene.units);
+    add_quantity_columns(table, view.show, shown, scene.units, false);
+  }
   add_courses(content, scene, courses, drives.front(), view.all ? Verbosity::normal : Verbosity::verbose);
-  add_samples(content, scene, found, drives, courses, points, cams);
+  add_quantity_columns(add_samples(content, scene, found, drives, courses, points, cams), view.show, shown, scene.units,
+                       true, false);
   if (!found.samples.empty()) {
     double closest = 1.0;
     for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);

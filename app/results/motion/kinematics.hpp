@@ -5,13 +5,15 @@
 
 #include "app/result/result.hpp"
 #include "motion/courses.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 
 /// What `poise kinematics` was asked to show beside the driven quantities.
 struct KinematicsView {
-  std::vector<std::string> points{};  ///< "coupler.P"
-  bool all = false;                   ///< every angle and slide too
+  std::vector<std::string> points{};   ///< "coupler.P"
+  bool all = false;                    ///< every angle and slide too
+  std::vector<SoughtQuantity> show{};  ///< with the loads and the drives at rest
 };
 
 /// What `poise kinematics` shows: the driven quantities, the points asked for, singular poses; every angle, slide and

@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/one_line.hpp"
 #include "model/parameters.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 namespace {
@@ -167,6 +168,16 @@ void add_named(Result& out, const Scene& scene) {
   }
 }
 
+/// The quantities that the scene gives names.
+void add_outputs(Group& content, const Scene& scene) {
+  const std::vector<SoughtQuantity> outputs = outputs_of(scene);
+  Table& table = content.table("outputs", "Outputs", Rows::list);
+  table.words("name", "name", each(outputs, &SoughtQuantity::name));
+  table.words("quantity", "quantity", each(scene.outputs, &SceneOutput::text));
+  table.words("unit", "unit",
+              each(outputs, [&](const SoughtQuantity& one) { return one.dimension.unit_name(scene.units); }));
+}
+
 /// Numbers of drives: "start 0 deg, rate 2 deg/s, ...", or of the function of time that one follows, "ramp: from 0 deg,
 /// ...".
 std::vector<std::string> motions_of_drives(const Scene& scene) {
@@ -262,6 +273,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
   content.list("redundant_joints", mobility.assembled ? "Redundant joints" : "Redundant or conflicting joints",
                mobility.redundant);
   add_named(out, scene);
+  add_outputs(content, scene);
   add_bodies(content, scene);
   add_joints(content, scene);
   add_elements(content, scene);

@@ -8,6 +8,7 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "app/results/statics/solve.hpp"
 
 namespace poise::app {
@@ -53,8 +54,21 @@ void add_coordinate_columns(Table& table, const StaticModel& model, const std::v
   }
 }
 
+/// With the drives that are held.
+std::vector<QuantityValue> quantities_of(const StaticModel& model, const Equilibrium& equilibrium,
+                                         const EquilibriaView& view) {
+  std::vector<int> active;
+  for (const int stop : equilibrium.certificate.active_stops) {
+    if (view.driven < 0 || stop < view.driven) active.push_back(stop);
+  }
+  const int stops = static_cast<int>(model.scene().stops.size());
+  for (int stop = view.driven; view.driven >= 0 && stop < stops; ++stop) active.push_back(stop);
+  return quantity_values(resting_place(model, equilibrium.x, active, view.driven, other_quantity), view.show);
+}
+
 void add_table(Group& content, const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
-               bool assemblies) {
+               bool assemblies, const std::vector<SoughtQuantity>& show,
+               const std::vector<std::vector<QuantityValue>>& shown) {
   Table& table = content.table("", assemblies ? "Assemblies" : "Equilibria", Rows::list);
   table.csv = true;
   table.shown = Table::Shown::first;
@@ -72,6 +86,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
                  each(answers, [](const Answer& a) { return a.equilibrium.certificate.unstable_directions; }));
   }
   add_coordinate_columns(table, model, answers);
+  if (!shown.empty()) add_quantity_columns(table, show, shown, model.scene().units);
   table.flags("settles_here",
               each(rows, [&](std::size_t k) { return static_cast<int>(k) == set.settles_into ? 1.0 : 0.0; }));
   table.flags("change_point",
@@ -163,7 +178,8 @@ void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& s
 }  // namespace
 
 Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
-                         const AllEquilibriaOptions& options, const std::vector<std::string>& settings) {
+                         const AllEquilibriaOptions& options, const EquilibriaView& view,
+                         const std::vector<std::string>& settings) {
   Result out = scene_result(model.scene(), settings);
   out.verdict = {"", (set.interrupted ? "Interrupted: " + set.statement + "." : sentence_of(set.statement)),
                  set.interrupted ? Tone::bad : tone_of_claim(set.claim)};
@@ -180,12 +196,17 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
   content.data("assemblies", options.assemblies);
   content.data("settles_into", set.settles_into >= 0 ? std::optional(set.settles_into) : std::nullopt);
   content.data("settles_nowhere", set.settles_nowhere);
-  add_table(content, model, set, answers, options.assemblies);
+  std::vector<std::vector<QuantityValue>> shown;
+  if (!view.show.empty()) {
+    for (const Answer& answer : answers) shown.push_back(quantities_of(model, answer.equilibrium, view));
+  }
+  add_table(content, model, set, answers, options.assemblies, view.show, shown);
   Branch& equilibria = content.array("equilibria");
   for (std::size_t k = 0; k < answers.size(); ++k) {
     Group& one = equilibria.parts.emplace_back();
     one.data("index", k);
     add_answer_data(one, model, answers[k]);
+    if (!shown.empty()) add_quantities(one, view.show, shown[k], model.scene().units);
   }
   add_barriers(content, model, set, answers);
   add_balanced(content, model, set);

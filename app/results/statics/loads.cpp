@@ -7,6 +7,7 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 
 namespace poise::app {
 namespace {
@@ -269,7 +270,7 @@ bool LoadsAnswer::is_complete() const {
 std::string stress_unit(const Units& units) { return stress.unit_name(units); }
 
 Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int steps,
-                    const std::vector<std::string>& settings) {
+                    const std::vector<SoughtQuantity>& show, const std::vector<std::string>& settings) {
   const Scene& scene = model.scene();
   Result out = scene_result(scene, settings);
   out.verdict = verdict(answer);
@@ -282,6 +283,14 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   content.data("why", equilibrium.why);
   const std::vector<BodyPose<double>> poses = model.poses(equilibrium.x);
   add_all(content, model, poses, answer.links, steps, radius_of_forces(model, equilibrium.check));
+  if (stands(equilibrium) && !show.empty()) {
+    std::vector<int> active;
+    for (const Reaction& reaction : equilibrium.check.reactions) {
+      if (reaction.of_stop()) active.push_back(reaction.stop);
+    }
+    const RestingPlace place = resting_place(model, equilibrium.x, active, -1, other_quantity);
+    add_quantities(content, show, quantity_values(place, show), scene.units);
+  }
   add_forces_on_bodies(content, model, poses, equilibrium.check);
   return out;
 }

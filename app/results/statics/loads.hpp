@@ -6,6 +6,7 @@
 #include "app/result/result.hpp"
 #include "motion/loads_in_motion.hpp"
 #include "statics/equilibrium/link_loads.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
 
@@ -19,9 +20,9 @@ struct LoadsAnswer {
 };
 
 /// What `poise loads` shows: the largest internal loads, stresses and deflections of every link, what acts on each, and
-/// the diagrams as data, with so many parts of every piece.
+/// the diagrams as data, with so many parts of every piece; and the quantities of `show`.
 Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int steps,
-                    const std::vector<std::string>& settings);
+                    const std::vector<SoughtQuantity>& show, const std::vector<std::string>& settings);
 
 /// What `poise loads --time` found: the links at that time of the motion, s.
 struct MovingLoadsAnswer {

@@ -12,7 +12,9 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "statics/model/pose_values.hpp"
+#include "statics/paths/over_path.hpp"
 #include "statics/paths/path_words.hpp"
 
 namespace poise::app {
@@ -31,7 +33,7 @@ struct PathReport {
   const VariedScene& varied;
   const Path& found;
   const PathView& view;
-  PathReader reader{varied};
+  PathReader reader{varied, other_quantity};
   std::unordered_map<const PathPoint*, std::vector<double>> found_measures{};
 
   const Scene& scene() const { return varied.scene(); }
@@ -440,6 +442,54 @@ void add_wanted(Group& content, PathReport& report) {
   }
 }
 
+/// "at angle.crank = 30 deg", "attained twice: at ..., at ...".
+std::string where_in_words(const PathReport& report, const OverPathValue& value) {
+  if (!value.why.empty()) return value.why;
+  std::vector<std::string> places;
+  for (const double at : value.at) places.push_back("at " + report.at(at, force_digits));
+  constexpr std::size_t most = 4;
+  if (places.size() > most) {
+    const std::size_t others = places.size() - most;
+    places.resize(most);
+    places.push_back(fmt::format("at {} other places", others));
+  }
+  return (value.is_attained_twice ? "attained more than once, so that its derivatives are one-sided: " : "") +
+         listed(places);
+}
+
+/// Quantities over each branch.
+void add_over_path(Group& content, PathReport& report) {
+  if (report.view.over_path.empty()) return;
+  Branch& data = content.array("over_path");
+  std::vector<double> branches;
+  std::vector<std::string> names, values, units, where;
+  for (std::size_t b = 0; b < report.found.branches.size(); ++b) {
+    for (const SoughtQuantity& of : report.view.over_path) {
+      const OverPathValue value = over_path(report.varied, report.found.branches[b], of, other_quantity);
+      const double shown = value.value / of.dimension.unit(report.units());
+      branches.push_back(static_cast<double>(b + 1));
+      names.push_back(of.name);
+      values.push_back(significant(shown, digits_of_points));
+      units.push_back(of.dimension.unit_name(report.units()));
+      where.push_back(where_in_words(report, value));
+      Group& one = data.parts.emplace_back();
+      one.data("branch", b + 1);
+      one.data("name", of.name);
+      one.data("value", value.why.empty() ? Value(shown) : Value());
+      one.data("unit", units.back());
+      one.data("why", value.why.empty() ? Value() : Value(value.why));
+      one.data("at", each(value.at, [&](double si) { return report.parameter(si); }));
+      one.data("attained_twice", value.is_attained_twice);
+    }
+  }
+  Table& table = content.table("", "Over the curve", Rows::list);
+  if (report.found.branches.size() > 1) table.counts("", "branch", branches);
+  table.words("", "quantity", names);
+  table.words("", "value", values);
+  table.words("", "unit", units);
+  table.remarks(where);
+}
+
 std::string end_of_branch(const PathBranch& branch) {
   switch (branch.end) {
     case PathBranch::End::range:
@@ -608,6 +658,7 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
   add_events(out.content, report);
   add_wanted(out.content, report);
   add_points(out.content, report, rows);
+  add_over_path(out.content, report);
   add_branches(out.content, report);
   out.content.group("", "Numerics")
       .fact("effort", fmt::format("{}, {}, {}", count(found.steps, "step", "steps"),

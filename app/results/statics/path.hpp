@@ -11,8 +11,9 @@ namespace poise::app {
 
 /// What `poise path` was asked for.
 struct PathView {
-  std::vector<SoughtQuantity> measures{};  ///< shown at every point and event
-  std::vector<double> at{};                ///< SI: PathOptions::at
+  std::vector<SoughtQuantity> measures{};   ///< shown at every point and event
+  std::vector<SoughtQuantity> over_path{};  ///< shown once for each branch
+  std::vector<double> at{};                 ///< SI: PathOptions::at
   PathOptions::Follow follow = PathOptions::Follow::unstable;
 };
 

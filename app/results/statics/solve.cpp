@@ -511,7 +511,8 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
                     radius_of(equilibrium));
     if (equilibrium.found()) {
       const std::vector<int>& active = equilibrium.certificate.active_stops;
-      add_quantities(content, show, quantities_at(model, equilibrium.x, active, show), model.scene().units);
+      const RestingPlace place = resting_place(model, equilibrium.x, active, -1, other_quantity);
+      add_quantities(content, show, quantity_values(place, show), model.scene().units);
     }
     add_pose(content, model, answer);
   }
