@@ -118,7 +118,7 @@ std::vector<SoughtQuantity> outputs_in_motion(const Scene& scene, std::vector<st
 }
 
 /// What --show asks for of a scene that is not yet resisted_by_joints().
-std::vector<SoughtQuantity> read_shown(const MotionRequest& request, const Scene& scene) {
+std::vector<SoughtQuantity> read_asked(const MotionRequest& request, const Scene& scene) {
   std::vector<SoughtQuantity> out = read_quantities("--show", request.show, scene, AskedOf::motion);
   for (const SoughtQuantity& one : out) {
     if (const std::string why = why_refused(scene, one); !why.empty()) throw InputError("--show " + why);
@@ -147,7 +147,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   const Scene scene = load_moving_scene(request.common);
   std::vector<std::string> left_out;
   const bool asked = !request.show.empty();
-  const std::vector<SoughtQuantity> shown = asked ? read_shown(request, scene) : outputs_in_motion(scene, left_out);
+  const std::vector<SoughtQuantity> shown = asked ? read_asked(request, scene) : outputs_in_motion(scene, left_out);
   const MotionModel model(resisted_by_joints(scene));
   refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
