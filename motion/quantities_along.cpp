@@ -410,7 +410,7 @@ std::vector<double> slopes_of(const std::array<double, chebyshev_points>& values
     }
   }
   for (std::size_t j = n - 1; j-- > 0;) {
-    slopes[j] = (j + 2 <= n ? slopes[j + 2 <= n ? j + 2 : n] : 0.0) + 2.0 * static_cast<double>(j + 1) * c[j + 1];
+    slopes[j] = slopes[j + 2] + 2.0 * static_cast<double>(j + 1) * c[j + 1];
   }
   slopes[0] /= 2;
   slopes.resize(n - 1);
@@ -539,8 +539,11 @@ std::size_t QuantitiesAlong::interval_at(double t) const {
 }
 
 double QuantitiesAlong::rate(const SoughtQuantity& of, double t) {
-  const double exact = quantities_.value({.name = "rate", .kind = Kind::by_time, .of = {of}}, state(t, false), then(t));
-  if (!std::isnan(exact)) return exact;
+  if (!MovingQuantities::needs_forces(of)) {
+    const SoughtQuantity by_time{.name = "rate", .kind = Kind::by_time, .of = {of}};
+    const double exact = quantities_.value(by_time, state(t, false), then(t));
+    if (!std::isnan(exact)) return exact;
+  }
   const std::size_t interval = interval_at(t);
   const double from = path_.t[interval], half = (path_.t[interval + 1] - from) / 2;
   auto found =

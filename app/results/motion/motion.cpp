@@ -263,7 +263,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   add_energy_data(content, model, motion);
   const bool asked = answer.shown.are_all;
   if (!answer.shown.empty()) {
-    add_quantities_in_time(content, answer.shown, model.scene().units, answer.found.error, answer.found.confirmed());
+    add_quantities_in_time(content, answer.shown, model, answer.found.error, answer.found.confirmed());
   }
   if (motion.trajectory.nodes() > 0 && !asked) {
     add_moving(content, model, answer, Moving::angle, "Angles");

@@ -26,6 +26,35 @@ double largest(const std::vector<double>& values) {
   return out;
 }
 
+/// How the values of a quantity are written.
+struct Written {
+  double unit = 1.0;     ///< SI
+  double nothing = 0.0;  ///< in it: what is smaller is rounding
+  double radius = 0.0;   ///< in it: to which they are known
+
+  std::string text(double si) const {
+    const double value = si / unit;
+    return significant(std::abs(value) < nothing ? 0.0 : value, most_digits, radius);
+  }
+};
+
+/// How well a motion is known: the error of its coordinates, and what accelerations leave out of balance, as parts of
+/// the largest values.
+struct Known {
+  double coordinates = 0.0, forces = 0.0;
+};
+
+Written written(const SoughtQuantity& of, double largest_value, const ScaledModel& model, double duration,
+                const Known& known) {
+  constexpr double rounding = 1e-12;
+  using Kind = SoughtQuantity::Kind;
+  const bool by_accelerations = MovingQuantities::needs_forces(of) || of.has(Kind::by_time) || of.has(Kind::shaking);
+  const double known_to = by_accelerations ? std::max(known.coordinates, known.forces) : known.coordinates;
+  const double unit = of.dimension.unit(model.scene().units);
+  const double size = std::pow(duration, of.dimension.time) / of.dimension.per_scale(model.scales());
+  return {unit, std::max(rounding, known_to) * size / unit, known_to * largest_value / unit};
+}
+
 /// "force.s is undefined at 3 of 1001 times".
 std::vector<std::string> undefined_in_words(const QuantitiesInTime& found) {
   std::vector<std::string> out;
@@ -38,21 +67,19 @@ std::vector<std::string> undefined_in_words(const QuantitiesInTime& found) {
   return out;
 }
 
-void add_ranges(Group& group, const QuantitiesInTime& found, const Units& units, double known_to) {
+void add_ranges(Group& group, const QuantitiesInTime& found, const ScaledModel& model, const Known& known) {
   std::vector<std::string> names, least, greatest, mean, of_units;
   std::vector<double> least_at, greatest_at;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const QuantityRange& range = found.range[k];
-    const double unit = found.of[k].dimension.unit(units);
-    const double radius = known_to * largest(found.value[k]) / unit;
-    const auto text = [&](double si) { return significant(si / unit, most_digits, radius); };
+    const Written as = written(found.of[k], largest(found.value[k]), model, found.time.back(), known);
     names.push_back(found.of[k].name);
-    least.push_back(text(range.least.value));
+    least.push_back(as.text(range.least.value));
     least_at.push_back(range.least.time);
-    greatest.push_back(text(range.greatest.value));
+    greatest.push_back(as.text(range.greatest.value));
     greatest_at.push_back(range.greatest.time);
-    mean.push_back(text(range.mean));
-    of_units.push_back(found.of[k].dimension.unit_name(units));
+    mean.push_back(as.text(range.mean));
+    of_units.push_back(found.of[k].dimension.unit_name(model.scene().units));
   }
   const Format times{.style = Format::Style::significant};
   Table& table = group.table("", "Over the whole motion", Rows::list);
@@ -65,14 +92,15 @@ void add_ranges(Group& group, const QuantitiesInTime& found, const Units& units,
   table.words("", "unit", std::move(of_units));
 }
 
-void add_once(Group& group, const QuantitiesInTime& found, const Units& units, double known_to) {
+void add_once(Group& group, const QuantitiesInTime& found, const ScaledModel& model, const Known& known) {
   std::vector<std::string> names, texts, of_units;
   std::vector<double> values;
   for (const auto& [of, value] : found.once) {
     names.push_back(of.name);
-    values.push_back(value / of.dimension.unit(units));
-    texts.push_back(significant(values.back(), most_digits, known_to * std::abs(values.back())));
-    of_units.push_back(of.dimension.unit_name(units));
+    const Written as = written(of, std::abs(value), model, found.time.back(), known);
+    values.push_back(value / as.unit);
+    texts.push_back(as.text(value));
+    of_units.push_back(of.dimension.unit_name(model.scene().units));
   }
   Table& table = group.table("", "Quantities of the whole motion", Rows::list);
   table.csv = found.are_all && found.of.empty();
@@ -128,11 +156,12 @@ QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const
   return out;
 }
 
-void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const Units& units,
+void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const ScaledModel& model,
                             const std::optional<double>& error, bool is_confirmed) {
-  const double known_to = std::max(error.value_or(0.0), found.imbalance);
+  const Units& units = model.scene().units;
+  const Known known{error.value_or(0.0), found.imbalance};
   add_quantity_data(group, found, units);
-  add_once(group, found, units, known_to);
+  add_once(group, found, model, known);
   for (const std::string& why : found.left_out) group.fact("left out", why, Tone::doubtful);
   if (found.of.empty()) return;
   Table& table = group.table("", "Quantities over time", Rows::columns);
@@ -142,13 +171,12 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const U
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(found.time.size(), "no")).shown = false;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const SoughtQuantity& of = found.of[k];
-    std::vector<double> values = in_unit_of(of, found.value[k], units);
-    const double radius = known_to * largest(values);
-    table.numbers(of.name, of.name, of.dimension.unit_name(units), std::move(values),
-                  {.digits = most_digits, .radius = radius});
+    const Written as = written(of, largest(found.value[k]), model, found.time.back(), known);
+    table.numbers(of.name, of.name, of.dimension.unit_name(units), in_unit_of(of, found.value[k], units),
+                  {.digits = most_digits, .zero_below = as.nothing, .radius = as.radius});
   }
   table.footnotes = undefined_in_words(found);
-  add_ranges(group, found, units, known_to);
+  add_ranges(group, found, model, known);
 }
 
 }  // namespace poise::app

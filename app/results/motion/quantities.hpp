@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/result/result.hpp"
-#include "model/units.hpp"
 #include "motion/quantities_along.hpp"
+#include "statics/model/scaled_model.hpp"
 
 namespace poise::app {
 
@@ -35,7 +35,7 @@ QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const
 /// The table over time, as text at some of the times, which is the one for CSV where they are all; the least, the
 /// greatest and the mean values; in JSON `quantities` and their times `quantity_times`. `error`: to which the motion is
 /// known, of the range of each coordinate; where it is not `is_confirmed`, each row of the CSV says so.
-void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const Units& units,
+void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const ScaledModel& model,
                             const std::optional<double>& error, bool is_confirmed);
 
 }  // namespace poise::app
