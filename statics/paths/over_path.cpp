@@ -144,7 +144,7 @@ class Extremes {
     }
     const auto best = std::max_element(
         found.begin(), found.end(), [&](const Found& a, const Found& b) { return sense * a.value < sense * b.value; });
-    constexpr double unbounded = 1e6;
+    constexpr double unbounded = 1e3;
     if (std::abs(best->value) > unbounded * std::max(size_, std::numeric_limits<double>::min())) {
       return none("it grows without bound");
     }

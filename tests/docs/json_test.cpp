@@ -256,12 +256,29 @@ bodies = ["ground", "bob"]
 min = -0.5
 )";
 
+/// A lid with outputs.
+constexpr const char* lid = R"(
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.lid]
+points = { O = [0, 0], grip = [1, 0] }
+mass = 1
+center = [0, -1]
+[[pin]]
+points = ["ground.O", "lid.O"]
+[outputs]
+hand = "push.lid.grip.y * 1.1"
+lost = "energy / push.lid.grip.x"
+)";
+
 TEST(JsonDocs, Check) {
   const TempFolder folder;
   check_section("check", {{{"check", scene("redundant_parallelogram")}},
                           {{"check", folder.write("driven.toml", driven)}},
                           {{"check", scene("balanced_arm")}},
                           {{"check", scene("planetary_gear")}},
+                          {{"check", folder.write("lid.toml", lid)}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
 }
 
@@ -299,6 +316,7 @@ TEST(JsonDocs, Solve) {
   check_section("solve",
                 {{{"solve", scene("toggle_clamp"), "--set", "load.P=30"}},
                  {{"solve", scene("toggle_clamp"), "--show", "force.rubber,d(angle.arm)/d(angle.handle)"}},
+                 {{"solve", folder.write("lid.toml", lid)}},
                  {{"solve", scene("thesis_four_bar_reversed")}},
                  {{"solve", scene("forced_machine"), "--time", "0.05"}},
                  {{"solve", scene("four_bar_torsion")}},
@@ -349,7 +367,9 @@ TEST(JsonDocs, Hold) {
 
 TEST(JsonDocs, Equilibria) {
   check_section("equilibria",
-                {{{"equilibria", scene("von_mises_toggle"), "--starts", "100"}, with_csv},
+                {{{"equilibria", scene("von_mises_toggle"), "--starts", "100", "--show",
+                   "energy,force.left,d(x.apex.C)/d(x.apex.C)"},
+                  with_csv},
                  {{"equilibria", scene("hard/balanced_arm"), "--starts", "20"}},
                  {{"equilibria", scene("hard/counterweight"), "--starts", "20"}},
                  {{"equilibria", scene("hard/kink"), "--starts", "20"}},
@@ -364,7 +384,9 @@ TEST(JsonDocs, Path) {
                 {{{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--at", "30"}, with_csv},
                  {{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--follow", "jump"}},
                  {{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--at", "10"}},
-                 {{"path", scene("toggle_press"), "--vary", "angle.crank=120..160"}, with_csv},
+                 {{"path", scene("toggle_press"), "--vary", "angle.crank=120..160", "--show",
+                   "force.crank,max(travel.gib),mean(energy)"},
+                  with_csv},
                  {{"path", folder.write("toggle.toml", free_toggle), "--vary", "load.load=0..60", "--at", "10", "--set",
                    "spring.left.stiffness=1000"}},
                  {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}},
@@ -410,11 +432,13 @@ TEST(JsonDocs, CompareTolerances) {
 TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}}); }
 
 TEST(JsonDocs, Kinematics) {
-  check_section("kinematics",
-                {{{"kinematics", scene("lift"), "--drive", "stroke=0.5..0.79", "--steps", "3"}, with_csv},
-                 {{"kinematics", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
-                 {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}},
-                 {{"kinematics", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv}});
+  check_section(
+      "kinematics",
+      {{{"kinematics", scene("lift"), "--drive", "stroke=0.5..0.79", "--steps", "3", "--show", "force.stroke,energy"},
+        with_csv},
+       {{"kinematics", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
+       {{"kinematics", scene("redundant_parallelogram"), "--drive", "crank1=1..4", "--steps", "3"}},
+       {{"kinematics", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv}});
 }
 
 /// Two drives of one arm that part.
@@ -478,8 +502,10 @@ TEST(JsonDocs, Forces) {
   const TempFolder folder;
   check_section(
       "forces",
-      {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2"}, with_csv},
-       {{"forces", scene("toggle_clamp"), "--drive", "handle=60"}},
+      {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2", "--show",
+         "force.handle,d(angle.arm)/d(angle.handle)"},
+        with_csv},
+       {{"forces", scene("toggle_clamp"), "--drive", "handle=60", "--show", "shaking.x,d(angle.arm)/d(x.handle.O)"}},
        {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
        {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
        {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
@@ -518,10 +544,11 @@ axis = [1, 0]
 at = "strut.B"
 vector = [-3, 0]
 )";
-  check_section("loads", {{{"loads", scene("structures/three_hinged_portal")}, with_csv},
-                          {{"loads", scene("structures/elastica")}},
-                          {{"loads", scene("structures/falling_chimney"), "--time", "0.5"}},
-                          {{"loads", folder.write("clamped.toml", clamped_twice)}}});
+  check_section("loads",
+                {{{"loads", scene("structures/three_hinged_portal"), "--show", "energy,shaking.moment"}, with_csv},
+                 {{"loads", scene("structures/elastica")}},
+                 {{"loads", scene("structures/falling_chimney"), "--time", "0.5"}},
+                 {{"loads", folder.write("clamped.toml", clamped_twice)}}});
 }
 
 TEST(JsonDocs, Design) { check_section("design", {{{"design", scene("lift_design")}}}); }

@@ -10,7 +10,10 @@
 
 #include "model/input_error.hpp"
 #include "model/parameters.hpp"
+#include "motion/driven_quantities.hpp"
+#include "motion/forces_along.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/paths/over_path.hpp"
 #include "statics/paths/path_measures.hpp"
 #include "statics/quantities/quantities_at.hpp"
 #include "tests/support/known_answers.hpp"
@@ -252,6 +255,150 @@ TEST(Quantities, OfAFourBarAreThoseOfItsLines) {
   EXPECT_NEAR(cross(center, B), 0.0, 1e-11 * norm(center));
   EXPECT_NEAR(cross(center - D, C - D), 0.0, 1e-11 * norm(center));
   EXPECT_NEAR(std::sin(at[6]), std::abs(cross(C - B, C - D)) / (norm(C - B) * norm(C - D)), 1e-12);
+}
+
+std::string with_outputs(const std::string& outputs) {
+  return R"([ground]
+points = { O = [0, 0] }
+[body.lever]
+points = { O = [0, 0], B = [0.3, 0] }
+[[pin]]
+name = "O"
+points = ["ground.O", "lever.O"]
+[[torsion_spring]]
+name = "coil"
+bodies = ["ground", "lever"]
+stiffness = 2.0
+[start]
+lever = 0.5
+[outputs]
+)" + outputs;
+}
+
+TEST(Outputs, AreQuantitiesOfTheScene) {
+  const Scene scene = parse_scene(with_outputs("hand = \"push.lever.B.y * 1.1\"\nboth = \"hand + force.coil / 2\"\n"
+                                               "arm = \"0.5 * length.coil\"\n"),
+                                  "lever.toml");
+  const std::vector<SoughtQuantity> outputs = outputs_of(scene);
+  ASSERT_EQ(outputs.size(), 3U);
+  EXPECT_EQ(outputs[0].name, "hand");
+  EXPECT_EQ(outputs[0].dimension, dimension::force);
+  EXPECT_EQ(find_quantity(scene, "(hand)*2").name, "hand * 2");
+  const VariedScene varied(scene, "angle.lever", 0.1, 0.6);
+  const std::vector<double> at = driven_values(varied, 0.4, {"hand", "arm", "push.lever.B.y"});
+  EXPECT_NEAR(at[0], 1.1 * at[2], 1e-14);
+  EXPECT_NEAR(at[1], 0.2, 1e-14);
+}
+
+TEST(Outputs, ThatAreNoneAreRefusedWithTheirLine) {
+  const auto why = [](const std::string& outputs) {
+    try {
+      outputs_of(parse_scene(with_outputs(outputs), "lever.toml"));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(why("hand = \"push.lever.C.y\"\n").find("lever.toml:15: outputs.hand: push.lever.C.y: expected "), 0U)
+      << why("hand = \"push.lever.C.y\"\n");
+  EXPECT_NE(why("energy = \"force.coil\"\n").find("15: outputs.energy: expected a name that is not a quantity yet"),
+            std::string::npos);
+  EXPECT_NE(why("lever = \"force.coil\"\n").find("is angle.lever"), std::string::npos);
+  EXPECT_NE(why("a = \"b\"\nb = \"energy\"\n").find("15: outputs.a: b: expected the name of a quantity"),
+            std::string::npos);
+  EXPECT_NE(why("two.words = \"energy\"\n").find("outputs"), std::string::npos);
+  EXPECT_NE(why("\"a-b\" = \"energy\"\n").find("expected a name of letters"), std::string::npos);
+  EXPECT_NE(why("a = 3\n").find("expected a string"), std::string::npos) << why("a = 3\n");
+}
+
+/// What a quantity is over the path on which a driven measure changes.
+OverPathValue over(const VariedScene& varied, const std::string& name) {
+  PathOptions options;
+  options.certify = false;
+  const Path found = path(varied, options);
+  EXPECT_EQ(found.branches.size(), 1U);
+  return over_path(varied, found.branches.at(0), find_quantity(named_scene(varied), name));
+}
+
+// The slider-crank through a whole turn: the slider from l - r to l + r, twice each in two turns; the rod tilts most
+// where the crank is across the bore. Work of the drive is what weights and gas take up, nothing in a whole turn.
+TEST(Quantities, OverAPathOfASliderCrank) {
+  const double r = 0.1, l = 0.3, turn = 2 * M_PI;
+  const VariedScene varied(slider_crank(), "angle.crank", 0.7, 0.7 + turn);
+  const OverPathValue most = over(varied, "max(travel.bore)");
+  EXPECT_NEAR(most.value, l + r, 1e-9 * l);
+  ASSERT_EQ(most.at.size(), 1U);
+  EXPECT_NEAR(most.at[0], turn, 1e-5);
+  EXPECT_NEAR(over(varied, "min(travel.bore)").value, l - r, 1e-9 * l);
+  EXPECT_NEAR(over(varied, "span(travel.bore)").value, 2 * r, 1e-9 * l);
+  const OverPathValue tilt = over(varied, "min(transmission.rod.C)");
+  EXPECT_NEAR(tilt.value, M_PI / 2 - std::asin(r / l), 1e-9);
+  EXPECT_EQ(tilt.at.size(), 2U);  // up and down
+  EXPECT_TRUE(tilt.is_attained_twice);
+  EXPECT_NEAR(over(varied, "work(force.crank)").value, 0.0, 1e-7);
+  // The mean of r cos a + sqrt(l^2 - r^2 sin^2 a) over a turn is a complete elliptic integral.
+  EXPECT_NEAR(over(varied, "mean(travel.bore)").value, 2 / M_PI * l * std::comp_ellint_2(r / l), 1e-9 * l);
+  EXPECT_NE(over(varied, "max(d(angle.crank)/d(travel.bore))").why, "");
+}
+
+// Over a part of the turn: the drive's work is that against gas and weights, of which the push at the piston has the
+// same.
+TEST(Quantities, WorkAlongAPathIsThatOfTheLoads) {
+  const VariedScene varied(slider_crank(), "angle.crank", 0.7, 1.4);
+  const auto energy = [](double crank) {
+    const double r = 0.1, l = 0.3, g = 9.81, tilt = std::asin(r * std::sin(crank) / l);
+    const double x = r * std::cos(crank) + l * std::cos(tilt);
+    const double y_crank = 0.04 * std::sin(crank) + 0.01 * std::cos(crank);
+    return 500 * x + g * (2 * y_crank + 3 * (r * std::sin(crank) - 0.15 * std::sin(tilt)));
+  };
+  const double work = energy(1.4) - energy(0.7);
+  EXPECT_NEAR(over(varied, "work(force.crank)").value, work, 1e-8);
+  EXPECT_NEAR(over(varied, "work(push.piston.C.x)").value, work, 1e-8);
+  EXPECT_NEAR(over(varied, "work(2 * push.piston.C.x) / 2").value, work, 1e-8);
+}
+
+TEST(Quantities, OverAPathAreNotMixedWithThoseOfAPosition) {
+  const Scene clamp = read_scene(dataset("toggle_clamp.toml"));
+  EXPECT_NE(refusal(clamp, "max(energy) - energy").find("not both in one expression"), std::string::npos);
+  EXPECT_NE(refusal(clamp, "max(min(energy))").find("expected a quantity of a position"), std::string::npos);
+  EXPECT_NE(refusal(clamp, "work(energy)").find("expected the force of a push"), std::string::npos);
+  EXPECT_EQ(find_quantity(clamp, "max(energy)-min( energy )").name, "max(energy) - min(energy)");
+}
+
+// Kinematics and inverse dynamics say the same of a position as the path does; inertia comes to what is at rest.
+TEST(Quantities, OfDrivenPositionsAgreeWithPaths) {
+  Scene scene = slider_crank();
+  const std::vector<std::string> names{"force.crank", "push.piston.C.x", "shaking.moment", "reaction.B",
+                                       "d(travel.bore)/d(angle.crank)"};
+  const VariedScene varied(scene, "angle.crank", 0.7, 1.4);
+  const std::vector<double> on_path = driven_values(varied, 1.0, names);
+  scene.drives = {find_drive(scene, "crank")};
+  std::vector<SoughtQuantity> of;
+  for (const std::string& name : names) of.push_back(find_quantity(scene, name));
+  const std::vector<DriveRange> ranges{{"crank", 1.0, 1.0}};
+  const KinematicsResult found = sweep(scene, ranges);
+  ASSERT_EQ(found.samples.size(), 1U);
+  const std::vector<QuantityValue> driven = driven_quantities(scene, scene.drives, found.samples[0].bodies, of);
+  const MotionModel model(scene);
+  const ForcesAlong still = forces_over(model, ranges, {}, false);
+  const std::vector<QuantityValue> by_forces = driven_quantities(model.scene(), still.poses.at(0), of);
+  for (std::size_t q = 0; q < names.size(); ++q) {
+    EXPECT_NEAR(driven[q].value, on_path[q], 1e-9 * std::max(1.0, std::abs(on_path[q]))) << names[q];
+    EXPECT_NEAR(by_forces[q].value, on_path[q], 1e-9 * std::max(1.0, std::abs(on_path[q]))) << names[q];
+  }
+  // In motion the drive's effort and the forces of joints are those of inverse dynamics.
+  const ForcesAlong moving = forces_over(model, {{"crank", 1.0, 1.2}}, {.steps = 2, .rate = 30.0}, true);
+  for (const Forces& pose : moving.poses) {
+    const std::vector<QuantityValue> at = driven_quantities(model.scene(), pose, of);
+    EXPECT_NEAR(at[0].value, pose.drives.at(0).value, 1e-9 * std::abs(at[0].value));
+    EXPECT_NEAR(at[1].value * at[4].value, at[0].value, 1e-9 * std::abs(at[0].value));
+    EXPECT_NEAR(at[3].value, norm(pose.reactions.at(1).force), 1e-9 * at[3].value);
+    double moment = 0.0;
+    for (const SourcedForce& one : forces_on_bodies(model.scene(), pose)) {
+      if (one.on.body == 0) moment += cross(one.on.at, one.on.force) + one.on.moment;
+    }
+    EXPECT_NEAR(at[2].value, moment, 1e-9 * std::abs(moment));
+  }
 }
 
 // Of a linear spring, the stiffness; of a drive that nothing drives, and of a push in several motions, no number.
