@@ -16,6 +16,7 @@
 #include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/paths/fold_curve.hpp"
+#include "statics/paths/over_path.hpp"
 #include "statics/paths/path_measures.hpp"
 #include "statics/proof/certificate.hpp"
 #include "statics/proof/enclosed_values.hpp"
@@ -26,6 +27,7 @@
 
 // Motion: kinematics, inverse dynamics, free motion, small oscillations, synthesis
 #include "motion/design.hpp"
+#include "motion/driven_quantities.hpp"
 #include "motion/dynamic_stability.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/forces_along.hpp"

@@ -221,23 +221,8 @@ class AtEquilibrium {
       out.why = is_force ? no_direction : "a distance of zero has no derivative";
       return out;
     }
-    if (quantity.kind == SoughtQuantity::Kind::reaction) {
-      double largest = 0.0;
-      for (std::size_t i = response_.equations().poses(); i < response_.z().size(); ++i) {
-        largest = std::max(largest, std::abs(response_.z()[i]));
-      }
-      if (quantity.part == SoughtQuantity::Part::size && gradient.value <= nothing * largest) {
-        out.why = no_direction;
-        return out;
-      }
-      const Stop* const teeth = response_.equations().idle_teeth(quantity.item, response_.z(), nothing * largest);
-      if (teeth != nullptr) {
-        out.why =
-            fmt::format("{} \"{}\" transmits no force, and its teeth push this joint the same way under either sign",
-                        teeth->family(), teeth->name);
-        return out;
-      }
-    }
+    out.why = without_derivative(quantity);
+    if (!out.why.empty()) return out;
     if (right_null_.cols() > 0) {
       const double along = (right_null_.transpose() * gradient.by_unknowns).cwiseAbs().maxCoeff();
       if (along > nothing * gradient.by_unknowns.norm()) {
@@ -271,6 +256,35 @@ class AtEquilibrium {
   }
 
  private:
+  // Why a part of a quantity has a value but no derivative; empty where all have.
+  std::string without_derivative(const SoughtQuantity& of) const {
+    using Kind = SoughtQuantity::Kind;
+    if (of.kind != Kind::ratio) {
+      for (const SoughtQuantity& part : of.of) {
+        if (std::string why = without_derivative(part); !why.empty()) return why;
+      }
+    }
+    if (of.kind != Kind::reaction && of.kind != Kind::shaking) return "";
+    const NumberedEquations& equations = response_.equations();
+    double largest = 0.0;
+    for (std::size_t i = equations.poses(); i < response_.z().size(); ++i) {
+      largest = std::max(largest, std::abs(response_.z()[i]));
+    }
+    if (of.part == SoughtQuantity::Part::size) {
+      QuantityPlace<double> place(equations, equations.numbers().data(), response_.z().data());
+      if (place.value(of) <= nothing * largest) return no_direction;
+    }
+    for (int j = 0; j < static_cast<int>(equations.scene().joints.size()); ++j) {
+      const Joint& joint = equations.scene().joints[static_cast<std::size_t>(j)];
+      const bool counts = of.kind == Kind::reaction ? j == of.item : joint.a.body == 0 || joint.b.body == 0;
+      const Stop* const teeth = counts ? equations.idle_teeth(j, response_.z(), nothing * largest) : nullptr;
+      if (teeth == nullptr) continue;
+      return fmt::format("{} \"{}\" transmits no force, and its teeth push \"{}\" the same way under either sign",
+                         teeth->family(), teeth->name, joint.name);
+    }
+    return "";
+  }
+
   const LinearResponse& response_;
   std::vector<Place> places_;  // the same for all quantities
   Scales scales_;

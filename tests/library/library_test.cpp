@@ -105,6 +105,8 @@ TEST(Library, FollowsAPathAndReadsIt) {
   for (const PathPoint& point : found.branches.front().points) {
     EXPECT_NEAR(reader.value(angle, point), angle_under(point.parameter), 1e-12);
   }
+  const OverPathValue most = over_path(varied, found.branches.front(), find_quantity(varied.scene(), "max(angle.arm)"));
+  EXPECT_NEAR(most.value, angle_under(20), 1e-9);
 }
 
 TEST(Library, FollowsFolds) {
@@ -202,6 +204,9 @@ TEST(Library, FindsForcesInMotion) {
   EXPECT_NEAR(forces_in_place(model).poses.front().drives.front().value, moment_of_weight, 1e-9);
   const ForcesAlong over = forces_over(model, {{"wheel", 0, pi / 3}}, {.steps = 2}, true);
   EXPECT_NEAR(over.poses.back().drives.front().value, moment_of_weight * std::cos(pi / 3), 1e-9);
+  const SoughtQuantity torque = find_quantity(model.scene(), "force.drive");
+  EXPECT_NEAR(driven_quantities(model.scene(), over.poses.back(), {torque}).front().value,
+              moment_of_weight * std::cos(pi / 3), 1e-9);
   // a = t^2, so that the motor accelerates an inertia of 0.5 + 2 0.5^2 by 2 rad/s^2 too.
   std::vector<double> time;
   SampledCoordinate angle;
