@@ -82,14 +82,14 @@ std::size_t held_drives(const Scene& held, const EquilibriaRequest& request) {
 
 /// The scene by whose names quantities are asked for: what is held is a drive of it, and no stop.
 Scene named_scene(Scene scene, std::size_t held) {
-  scene.drives.clear();
+  std::vector<Drive> drives;
   for (auto stop = scene.stops.end() - static_cast<std::ptrdiff_t>(held); stop != scene.stops.end(); ++stop) {
-    Drive& drive = scene.drives.emplace_back();
+    Drive& drive = drives.emplace_back();
     drive.name = stop->name;
     drive.on = stop->on;
   }
   scene.stops.resize(scene.stops.size() - held);
-  return scene;
+  return naming_drives(std::move(scene), drives);
 }
 
 AllEquilibriaOptions read_options(const EquilibriaRequest& request) {

@@ -114,9 +114,10 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   if (!request.common.svg.empty() && has_chart) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const MotionModel model(with_drives(load_moving_scene(request.common), request.drives));
+  const Scene given = load_moving_scene(request.common);
+  const MotionModel model(with_drives(given, request.drives));
   const Scene& scene = model.scene();
-  const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, scene);
+  const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, naming_drives(given, scene.drives));
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");

@@ -34,10 +34,9 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   std::vector<DriveRange> ranges;
   for (const std::string& text : request.drives) ranges.push_back(read_drive(text, scene));
   KinematicsView view = request.view;
-  Scene named = scene;
-  named.drives.clear();
-  for (const DriveRange& range : ranges) named.drives.push_back(find_drive(scene, range.name));
-  view.show = read_shown_in_position(request.show, named);
+  std::vector<Drive> drives;
+  for (const DriveRange& range : ranges) drives.push_back(find_drive(scene, range.name));
+  view.show = read_shown_in_position(request.show, naming_drives(scene, drives));
   OutputFiles files(request.common);
   SweepOptions options;
   options.steps = request.steps;

@@ -9,7 +9,6 @@
 #include "model/input_error.hpp"
 #include "statics/bodies/body_measures.hpp"
 #include "statics/quantities/linear_response.hpp"
-#include "statics/quantities/quantity_value.hpp"
 
 namespace poise {
 namespace {
@@ -67,11 +66,8 @@ Scene named_scene(const VariedScene& varied) {
   Drive drive;
   drive.name = has_kind ? name.substr(name.find('.') + 1) : name;
   drive.on = out.stops.back().on;
-  std::erase_if(out.drives,
-                [&](const Drive& other) { return is_same(other.on, drive.on) || other.name == drive.name; });
-  out.drives.insert(out.drives.begin(), std::move(drive));
   out.stops.pop_back();
-  return out;
+  return naming_drives(std::move(out), {drive});
 }
 
 SoughtQuantity most_changing(const VariedScene& varied, const Path& path) {

@@ -162,10 +162,12 @@ class Catalogue {
 
   // An element that has the name of a drive has it here.
   void add_drive_forces() {
+    const bool is_one = std::all_of(scene_.drives.begin(), scene_.drives.end(),
+                                    [&](const Drive& drive) { return is_same(drive.on, scene_.drives.front().on); });
     for (const Drive& drive : scene_.drives) {
       const bool is_taken = by_name_.contains("force." + drive.name);
       std::vector<std::string> also{"force.drive." + drive.name};
-      if (scene_.drives.size() == 1) also.emplace_back("force.drive");
+      if (is_one) also.emplace_back("force.drive");
       add({.name = (is_taken ? "force.drive." : "force.") + drive.name,
            .kind = Kind::drive_force,
            .on = drive.on,
@@ -748,6 +750,38 @@ bool SoughtQuantity::has(Kind wanted) const {
 
 bool SoughtQuantity::is_over_path() const {
   return has(Kind::maximum) || has(Kind::minimum) || has(Kind::mean) || has(Kind::span) || has(Kind::work);
+}
+
+bool is_same(const Measure& a, const Measure& b) {
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case Measure::Kind::angle:
+      return a.body_a == b.body_a && a.body_b == b.body_b;
+    case Measure::Kind::travel:
+      return a.joint == b.joint;
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return a.b == b.b;
+    case Measure::Kind::distance:
+    case Measure::Kind::component:
+      return a.a == b.a && a.b == b.b;
+    case Measure::Kind::rope:
+      return std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), b.contacts.end(),
+                        [](const RopeContact& one, const RopeContact& other) { return one.at == other.at; });
+    case Measure::Kind::sum:
+      break;
+  }
+  return std::equal(
+      a.terms.begin(), a.terms.end(), b.terms.begin(), b.terms.end(),
+      [](const Measure::Term& one, const Measure::Term& other) { return is_same(one.measure, other.measure); });
+}
+
+Scene naming_drives(Scene scene, const std::vector<Drive>& drives) {
+  std::erase_if(scene.drives, [&](const Drive& own) {
+    return std::any_of(drives.begin(), drives.end(), [&](const Drive& drive) { return drive.name == own.name; });
+  });
+  scene.drives.insert(scene.drives.begin(), drives.begin(), drives.end());
+  return scene;
 }
 
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of) {

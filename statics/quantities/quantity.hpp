@@ -69,11 +69,19 @@ struct SoughtQuantity {
 /// What a quantity is asked of: a mechanism at rest, or one that moves.
 enum class AskedOf { rest, motion };
 
+/// Whether two measures are of the same bodies, points and joints, whatever the numbers in them.
+bool is_same(const Measure& a, const Measure& b);
+
+/// A scene by whose names quantities of positions are found that these drives hold: they are drives of it too, in place
+/// of those with their names.
+Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
+
 /// The quantity so called:
 ///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
 ///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
 ///   force.ELEMENT, rate.ELEMENT
-///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where it has but one
+///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where all drive one
+///                         measure
 ///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
 ///   stop.NAME             with which a stop pushes
 ///   shaking.x, .y, .size, .moment

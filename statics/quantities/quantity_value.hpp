@@ -75,9 +75,6 @@ OneMotion<T> one_motion(const NumberedEquations& equations, const NumberedEquati
   return out;
 }
 
-/// Whether two measures are of the same bodies, points and joints, whatever the numbers in them.
-bool is_same(const Measure& a, const Measure& b);
-
 /// Where a quantity is asked for: bodies at z with the numbers p, in the scalar T. Refers to the equations.
 template <class T>
 class QuantityPlace {
