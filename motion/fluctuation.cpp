@@ -15,7 +15,7 @@
 namespace poise {
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
+constexpr double whole_turn = 2 * std::numbers::pi;
 
 /// The trigonometric polynomial through n values at equal distances over a period:
 ///   mean + sum_j (cosine_j cos(j x) + sine_j sin(j x)),   x from 0 to 2 pi.
@@ -24,8 +24,8 @@ struct Series {
     const std::size_t n = values.size();
     std::vector<double> cosines(n), sines(n);
     for (std::size_t k = 0; k < n; ++k) {
-      cosines[k] = std::cos(turn * static_cast<double>(k) / static_cast<double>(n));
-      sines[k] = std::sin(turn * static_cast<double>(k) / static_cast<double>(n));
+      cosines[k] = std::cos(whole_turn * static_cast<double>(k) / static_cast<double>(n));
+      sines[k] = std::sin(whole_turn * static_cast<double>(k) / static_cast<double>(n));
     }
     for (const double value : values) mean += value / static_cast<double>(n);
     for (std::size_t j = 1; 2 * j <= n; ++j) {
@@ -86,8 +86,8 @@ Fluctuation found_in(const std::vector<double>& torques, double from, double to)
   constexpr std::size_t finer = 8;
   std::vector<double> energy(finer * period.size());
   for (std::size_t k = 0; k < energy.size(); ++k) {
-    energy[k] =
-        series.integral(turn * static_cast<double>(k) / static_cast<double>(energy.size())) * (to - from) / turn;
+    energy[k] = series.integral(whole_turn * static_cast<double>(k) / static_cast<double>(energy.size())) *
+                (to - from) / whole_turn;
   }
   const Fluctuation::Place most = extreme_of(energy, 1.0), least = extreme_of(energy, -1.0);
   out.swing = most.value - least.value;
@@ -141,7 +141,7 @@ Fluctuation fluctuation_over(const MotionModel& model, const DriveRange& range, 
   if (drives.size() != 1 || !drives.front().on.is_angle()) {
     throw InputError("the flywheel of one turning drive is asked for; expected one --drive of the angle of a body");
   }
-  const double turns = std::abs(range.to - range.from) / turn;
+  const double turns = std::abs(range.to - range.from) / whole_turn;
   constexpr double whole = 1e-9;
   if (turns < 0.5 || std::abs(turns - std::round(turns)) > whole * turns) {
     throw InputError(fmt::format(

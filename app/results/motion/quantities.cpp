@@ -20,7 +20,7 @@ std::vector<double> in_unit_of(const SoughtQuantity& of, std::vector<double> si,
   return si;
 }
 
-double largest(const std::vector<double>& values) {
+double largest_finite(const std::vector<double>& values) {
   double out = 0.0;
   for (const double one : values) out = std::isfinite(one) ? std::max(out, std::abs(one)) : out;
   return out;
@@ -72,7 +72,7 @@ void add_ranges(Group& group, const QuantitiesInTime& found, const ScaledModel& 
   std::vector<double> least_at, greatest_at;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const QuantityRange& range = found.range[k];
-    const Written as = written(found.of[k], largest(found.value[k]), model, found.time.back(), known);
+    const Written as = written(found.of[k], largest_finite(found.value[k]), model, found.time.back(), known);
     names.push_back(found.of[k].name);
     least.push_back(as.text(range.least.value));
     least_at.push_back(range.least.time);
@@ -171,7 +171,7 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const S
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(found.time.size(), "no")).shown = false;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const SoughtQuantity& of = found.of[k];
-    const Written as = written(of, largest(found.value[k]), model, found.time.back(), known);
+    const Written as = written(of, largest_finite(found.value[k]), model, found.time.back(), known);
     table.numbers(of.name, of.name, of.dimension.unit_name(units), in_unit_of(of, found.value[k], units),
                   {.digits = most_digits, .zero_below = as.nothing, .radius = as.radius});
   }
