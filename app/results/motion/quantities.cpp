@@ -47,8 +47,8 @@ struct Known {
 Written written(const SoughtQuantity& of, double largest_value, const ScaledModel& model, double duration,
                 const Known& known) {
   constexpr double rounding = 1e-12;
-  using Kind = SoughtQuantity::Kind;
-  const bool by_accelerations = MovingQuantities::needs_forces(of) || of.has(Kind::by_time) || of.has(Kind::shaking);
+  const bool by_accelerations = MovingQuantities::needs_forces(of) || of.has(SoughtQuantity::Kind::by_time) ||
+                                of.has(SoughtQuantity::Kind::shaking);
   const double known_to = by_accelerations ? std::max(known.coordinates, known.forces) : known.coordinates;
   const double unit = of.dimension.unit(model.scene().units);
   const double size = std::pow(duration, of.dimension.time) / of.dimension.per_scale(model.scales());
