@@ -31,14 +31,14 @@ std::string complaint(const std::vector<std::string>& further) {
 TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "--vary lod.P: ")) << "the name";
   EXPECT_TRUE(contains(complaint({"--vary", "lod.P=0..5"}), "did you mean \"load.P\"?"));
-  EXPECT_TRUE(contains(complaint({"--vary", "travel.gide=0..1"}), "did you mean \"travel.guide\""));
+  EXPECT_TRUE(contains(complaint({"--vary", "travel.gide=0..1"}), "did you mean \"guide\"?"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=2..2"}), "the range 2..2 has no length"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..x"}), "is no range of numbers"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P"}), "there is no \"=\""));
   EXPECT_TRUE(
       contains(complaint({"--vary", "load.P=0..5", "--at", "1,7"}), "within the range of load.P, 0..5, found 7"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--at", "1,x"}), "\"x\" is not a number"));
-  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--measure", "guid"}), "did you mean \"guide\"?"));
+  EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--measure", "guid"}), "did you mean \"travel.guide\""));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--from", "rest"}), "expected settle or equilibrium"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--follow", "all"}), "expected unstable or jump"));
   EXPECT_TRUE(contains(complaint({}), "--vary is required"));

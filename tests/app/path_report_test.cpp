@@ -26,14 +26,7 @@ using nlohmann::json;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Under the name that is asked for, as by --measure.
-SoughtQuantity quantity_called(const Scene& scene, const std::string& name) {
-  SoughtQuantity out = find_quantity(scene, name);
-  out.name = name;
-  return out;
-}
-
-PathView with_guide(const VariedScene& varied) { return {.measures = {quantity_called(varied.scene(), "guide")}}; }
+PathView with_guide(const VariedScene& varied) { return {.measures = {find_quantity(varied.scene(), "guide")}}; }
 
 std::string text_of(const VariedScene& varied, const Path& path, const PathView& view) {
   return plain_text(path_result(varied, path, view, {}), {}, Verbosity::normal);
@@ -62,7 +55,7 @@ TEST(PathReport, NamesBothSidesOfAFoldAndWhereItSnapsTo) {
   const VariedScene varied = varied_toggle();
   const std::string text = text_of(varied, toggle_path(varied), with_guide(varied));
   EXPECT_TRUE(contains(text, "stable    unstable")) << text;
-  EXPECT_TRUE(contains(text, "lands at guide = -0.6 m, stable, releases ")) << text;
+  EXPECT_TRUE(contains(text, "lands at travel.guide = -0.6 m, stable, releases ")) << text;
 }
 
 TEST(PathReport, SaysWhyASnapHasNoLanding) {
@@ -111,7 +104,7 @@ TEST(PathReport, CountsWhatIsNotProvedAndNamesTheFirst) {
   EXPECT_TRUE(contains(result.verdict.text, "2 of 112 points not proved")) << result.verdict.text;
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_TRUE(contains(result.warnings.front().text, "2 points are not proved, the first at load.P = "));
-  EXPECT_TRUE(contains(result.warnings.front().text, "guide = 0.45 m: no proof for a test"));
+  EXPECT_TRUE(contains(result.warnings.front().text, "travel.guide = 0.45 m: no proof for a test"));
   const json points = json::parse(json_text(result))["points"];
   EXPECT_EQ(points[5]["proof"], "failed");
   EXPECT_TRUE(points[5]["radius"].is_null());
@@ -199,11 +192,12 @@ TEST(PathReport, HasOneLineInCsvForEachPoint) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
   PathView view = with_guide(varied);
-  view.measures.push_back(quantity_called(varied.scene(), "apex.C.y"));
+  view.measures.push_back(find_quantity(varied.scene(), "apex.C.y"));
   const Result result = path_result(varied, path, view, {});
   ASSERT_NE(result.csv(), nullptr);
   const std::string lines = csv_text(*result.csv());
-  EXPECT_TRUE(lines.starts_with("branch,parameter,stability,proof,unstable_directions,energy,radius,guide,apex.C.y\n"))
+  EXPECT_TRUE(lines.starts_with(
+      "branch,parameter,stability,proof,unstable_directions,energy,radius,guide,travel.guide,y.apex.C\n"))
       << lines.substr(0, 200);
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 113);
 }
@@ -218,7 +212,7 @@ TEST(PathReport, HasEventsAndBranchesInJson) {
   EXPECT_EQ(answer["events"][0]["before"], "stable");
   EXPECT_EQ(answer["events"][0]["after"], "unstable");
   EXPECT_TRUE(answer["events"][0]["landing"].is_null());
-  EXPECT_NEAR(answer["events"][2]["landing"]["measures"]["guide"].get<double>(), -0.6, 1e-12);
+  EXPECT_NEAR(answer["events"][2]["landing"]["measures"]["travel.guide"].get<double>(), -0.6, 1e-12);
   EXPECT_GT(answer["events"][2]["energy_released"].get<double>(), 0.0);
   ASSERT_EQ(answer["branches"].size(), 1u);
   EXPECT_EQ(answer["branches"][0]["end"], "range");
@@ -232,7 +226,7 @@ TEST(PathPicture, MarksWhatIsInTheTableAndDrawsTheMechanismThere) {
   Path path = toggle_path(varied);
   const std::string svg = path_picture(varied, path, {}, "the verdict", true);
   EXPECT_EQ(app_tests::objection_to_xml(svg), "");
-  for (const char* part : {"the verdict", "load.P (N)", "guide (m), which changes most", "stable", "unstable",
+  for (const char* part : {"the verdict", "load.P (N)", "travel.guide (m), which changes most", "stable", "unstable",
                            "multiple5", "1, 3: fold, snap", "3′: landing"}) {
     EXPECT_TRUE(contains(svg, part)) << part;
   }
@@ -244,14 +238,14 @@ TEST(PathPicture, MarksWhatIsInTheTableAndDrawsTheMechanismThere) {
 TEST(PathChart, PutsTheLoadUpwardsAndBreaksTheLineAtFolds) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
-  const std::vector<SoughtQuantity> measures = {quantity_called(varied.scene(), "guide")};
+  const std::vector<SoughtQuantity> measures = {find_quantity(varied.scene(), "guide")};
   const std::vector<PathMark> marks = path_marks(varied, path);
   ASSERT_EQ(marks.size(), 5u) << "start, fold with snap, landing, fold, end";
   const std::vector<Panel> panels = path_panels(varied, path, measures, marks, "");
   ASSERT_EQ(panels.size(), 1u);
   const Panel& panel = panels.front();
   EXPECT_EQ(panel.y_label, "load.P (N)");
-  EXPECT_EQ(panel.x_label, "guide (m)");
+  EXPECT_EQ(panel.x_label, "travel.guide (m)");
   ASSERT_EQ(panel.curves.size(), 2u);
   EXPECT_EQ(panel.curves[0].style, Curve::Style::line);
   EXPECT_EQ(panel.curves[1].style, Curve::Style::dashed);

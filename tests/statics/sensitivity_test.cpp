@@ -59,13 +59,17 @@ std::vector<SoughtQuantity> quantities(const Scene& scene, const std::vector<std
   return out;
 }
 
-/// All quantities of a position of a scene; loads at folds belong to paths, and nothing is driven.
+/// The quantities of a position of a scene, those of points of the first point of each body; loads at folds belong to
+/// paths, and nothing is driven.
 std::vector<std::string> all_of(const Scene& scene) {
+  using Kind = SoughtQuantity::Kind;
   std::vector<std::string> out;
-  for (const std::string& name : quantity_names(scene)) {
-    const SoughtQuantity::Kind kind = find_quantity(scene, name).kind;
-    if (kind == SoughtQuantity::Kind::load_at_fold || kind == SoughtQuantity::Kind::drive_force) continue;
-    out.push_back(name);
+  for (const SoughtQuantity& one : all_quantities(scene)) {
+    const bool is_coordinate =
+        one.kind == Kind::measure && (one.on.kind == Measure::Kind::x || one.on.kind == Measure::Kind::y);
+    if (one.kind == Kind::load_at_fold || one.kind == Kind::drive_force) continue;
+    if ((is_coordinate && one.on.b.point > 0) || (one.kind == Kind::push && one.point.point > 0)) continue;
+    out.push_back(one.name);
   }
   return out;
 }
