@@ -677,6 +677,25 @@ class Reader {
     }
   }
 
+  /// Whether it changes with the pose alone, and not with what holds it.
+  bool has_rate(const SoughtQuantity& of) const {
+    switch (of.kind) {
+      case Kind::measure:
+      case Kind::energy:
+      case Kind::number:
+        return true;
+      case Kind::element_force:
+        return stores_energy(catalogue_.scene().elements[static_cast<std::size_t>(of.item)].law);
+      case Kind::sum:
+      case Kind::difference:
+      case Kind::product:
+      case Kind::quotient:
+        return std::all_of(of.of.begin(), of.of.end(), [this](const SoughtQuantity& one) { return has_rate(one); });
+      default:
+        return false;
+    }
+  }
+
   /// d(A)/d(B), or d(A)/dt of a motion.
   SoughtQuantity derivative() {
     const auto part = [&]() -> SoughtQuantity {
@@ -691,8 +710,9 @@ class Reader {
     if (rest_.starts_with("dt")) return by_time(std::move(a));
     SoughtQuantity b = part();
     for (const SoughtQuantity* one : {&a, &b}) {
-      if (one->kind == Kind::measure) continue;
-      fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", one->name));
+      if (has_rate(*one)) continue;
+      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
+                       one->name));
     }
     SoughtQuantity out{.name = fmt::format("d({})/d({})", a.name, b.name),
                        .kind = Kind::ratio,

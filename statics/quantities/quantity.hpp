@@ -27,7 +27,8 @@ struct SoughtQuantity {
     center,          ///< x or y in the world of the instant centre of body `item` relative to body `other`
     transmission,  ///< angle between the line `on` and the normal of the motion of body `item` at the end of that line
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
-    ratio,         ///< d(first)/d(second) of two measures along the one motion that the joints allow
+    ratio,         ///< d(first)/d(second) along the one motion that the joints allow: of measures, the energy, forces
+                   ///< of elements and expressions of these
     by_time,       ///< d(A)/dt of a motion, of one part
     stress,        ///< largest size of the stress in link `item`, which others find (RestingPlace::other)
     frequency,     ///< of vibration mode `item`, Hz, and its damping ratio: likewise
@@ -94,7 +95,7 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 ///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
 ///                         magnitude
 ///   NAME                  an output of the scene
-///   d(A)/d(B)             of two of the first two rows
+///   d(A)/d(B)             of measures (the first two rows), energy, force.ELEMENT, and expressions of these
 ///   max(Q), min(Q), mean(Q), span(Q)   over a branch of a path
 ///   work(Q)               of a force: integral of Q over the path of its point, or its measure
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and

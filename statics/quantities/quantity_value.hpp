@@ -113,8 +113,15 @@ class QuantityPlace {
   const std::vector<T>& motion();
   double speed();  // the size of its rates
   T along_motion(const std::vector<T>& gradient);
-  /// The rate of a quantity with this gradient along the motion; zero where it is rounding.
-  T rate_along_motion(const std::vector<T>& gradient);
+  /// How fast something changes along the motion, and the size of what that is the sum of.
+  struct Rate {
+    T value;
+    double size = 0.0;
+    bool is_zero() const { return std::abs(plain_value(value)) <= still * size; }
+  };
+  Rate rate_along_motion(const std::vector<T>& gradient);
+  /// Of a measure, the energy, the force of an element, or an expression of these.
+  Rate rate(const SoughtQuantity& of);
   /// Velocity in the motion of the point of a body that is at a place of the world, and rate of its angle.
   Planar<T> velocity(int body, const Planar<T>& at);
   T turning(int body) { return body == 0 ? T(0) : motion()[static_cast<std::size_t>(3 * (body - 1) + 2)]; }
@@ -170,11 +177,43 @@ T QuantityPlace<T>::along_motion(const std::vector<T>& gradient) {
 }
 
 template <class T>
-T QuantityPlace<T>::rate_along_motion(const std::vector<T>& gradient) {
-  const T rate = along_motion(gradient);
+auto QuantityPlace<T>::rate_along_motion(const std::vector<T>& gradient) -> Rate {
   double size = 0.0;
   for (const T& one : gradient) size += plain_value(one) * plain_value(one);
-  return std::abs(plain_value(rate)) <= still * std::sqrt(size) * speed() ? T(0) : rate;
+  return {along_motion(gradient), std::sqrt(size) * speed()};
+}
+
+template <class T>
+auto QuantityPlace<T>::rate(const SoughtQuantity& of) -> Rate {
+  using Kind = SoughtQuantity::Kind;
+  const auto size_of = [](const T& value) { return std::abs(plain_value(value)); };
+  switch (of.kind) {
+    case Kind::measure:
+      return rate_along_motion(equations_.measure_gradient(of.on, bodies(), placed_));
+    case Kind::energy: {
+      std::vector<T> applied(motion_.rates.size(), T(0));
+      equations_.push_applied(bodies(), placed_, applied.data());
+      Rate out = rate_along_motion(applied);
+      out.value = -out.value;
+      return out;
+    }
+    case Kind::element_force: {
+      const Measure& on = equations_.scene().elements[static_cast<std::size_t>(of.item)].on;
+      const Rate along = rate_along_motion(equations_.measure_gradient(on, bodies(), placed_));
+      const T slope = bodies().element_rate(of.item);
+      return {slope * along.value, size_of(slope) * along.size};
+    }
+    case Kind::number:
+      return {T(0), 0.0};
+    default:
+      break;
+  }
+  const Rate a = rate(of.of[0]), b = rate(of.of[1]);
+  if (of.kind == Kind::sum) return {a.value + b.value, a.size + b.size};
+  if (of.kind == Kind::difference) return {a.value - b.value, a.size + b.size};
+  const T x = part_of(of.of[0]), y = part_of(of.of[1]);
+  if (of.kind == Kind::product) return {a.value * y + x * b.value, a.size * size_of(y) + size_of(x) * b.size};
+  return {(a.value - x / y * b.value) / y, (a.size + size_of(x / y) * b.size) / size_of(y)};
 }
 
 template <class T>
@@ -238,17 +277,17 @@ T QuantityPlace<T>::push(const SoughtQuantity& of) {
   for (std::size_t i = 0; i < along.size(); ++i) {
     along[i] = T(of.direction.x) * along[i] + T(of.direction.y) * along_y[i];
   }
-  const T rate = rate_along_motion(along);
-  if (is_zero(rate)) return undefined("the point does not move along that direction here");
-  return -along_motion(applied) / rate;
+  const Rate moves = rate_along_motion(along);
+  if (moves.is_zero()) return undefined("the point does not move along that direction here");
+  return -along_motion(applied) / moves.value;
 }
 
 template <class T>
 T QuantityPlace<T>::ratio(const SoughtQuantity& of) {
   if (motion().empty()) return undefined("");
-  const T b = rate_along_motion(equations_.measure_gradient(of.of[1].on, bodies(), placed_));
-  if (is_zero(b)) return undefined(of.of[1].name + " stands still here");
-  return along_motion(equations_.measure_gradient(of.of[0].on, bodies(), placed_)) / b;
+  const Rate b = rate(of.of[1]);
+  if (b.is_zero()) return undefined(of.of[1].name + " stands still here");
+  return rate(of.of[0]).value / b.value;
 }
 
 // The point c of the world at which both bodies have one velocity:  u + w i c = 0,  with u the relative velocity of the
