@@ -48,9 +48,16 @@ void hold_at(Scene& scene, const std::string& name, const Measure& on, const std
   scene.stops.back().min = scene.stops.back().max = read_off(model, close_loops(model)).stops.back();
 }
 
+/// A scene with drives held by its last stops, so many.
+struct HeldScene {
+  Scene scene;
+  std::size_t drives = 0;
+};
+
 /// The scene with its drives held: those of the command line, or, for assemblies, its own.
-Scene held_scene(const EquilibriaRequest& request) {
+HeldScene held_scene(const EquilibriaRequest& request) {
   Scene scene = load_scene(request.common);
+  const std::size_t stops = scene.stops.size();
   const std::vector<Drive> own = scene.drives;
   std::set<std::string> held;
   for (const std::string& text : request.drives) {
@@ -72,12 +79,11 @@ Scene held_scene(const EquilibriaRequest& request) {
   if (request.assemblies && request.drives.empty()) {
     for (const Drive& drive : own) hold_at(scene, drive.name, drive.on, drive.start);
   }
-  return request.assemblies ? positions_alone(std::move(scene)) : scene;
-}
-
-/// How many stops behind those of the file hold drives.
-std::size_t held_drives(const Scene& held, const EquilibriaRequest& request) {
-  return held.stops.size() - load_scene(request.common).stops.size();
+  const std::size_t held_stops = scene.stops.size() - stops;
+  if (!request.assemblies) return {std::move(scene), held_stops};
+  // Outputs may be of what is left out.
+  scene.outputs.clear();
+  return {positions_alone(std::move(scene)), held_stops};
 }
 
 /// The scene by whose names quantities are asked for: what is held is a drive of it, and no stop.
@@ -125,8 +131,9 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
   AllEquilibriaOptions options = read_options(request);
   Progress progress;
   progress.now("reading the scene");
-  const StaticModel model(held_scene(request));
-  const std::size_t held = held_drives(model.scene(), request);
+  HeldScene given = held_scene(request);
+  const std::size_t held = given.drives;
+  const StaticModel model(std::move(given.scene));
   const EquilibriaView view{read_shown_in_position(request.show, named_scene(model.scene(), held)),
                             held == 0 ? -1 : static_cast<int>(model.scene().stops.size() - held)};
   OutputFiles files(request.common);
