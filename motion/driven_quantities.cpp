@@ -11,7 +11,7 @@ namespace poise {
 namespace {
 
 /// The size of a scene is that of its largest body: scales need no more.
-double size_of(const Scene& scene) {
+double size_of_bodies(const Scene& scene) {
   double largest = 0.0;
   for (const Body& body : scene.bodies) {
     for (const NamedPoint& point : body.points) largest = std::max(largest, norm(point.at));
@@ -23,7 +23,7 @@ double size_of(const Scene& scene) {
 RestingPlace place_of(Scene scene, const std::vector<Drive>& drives, const std::vector<BodyMotion>& bodies,
                       std::vector<int> active) {
   RestingPlace out;
-  out.scales = choose_scales(scene, size_of(scene));
+  out.scales = choose_scales(scene, size_of_bodies(scene));
   out.driven = static_cast<int>(scene.stops.size());
   for (const Drive& drive : drives) {
     active.push_back(static_cast<int>(scene.stops.size()));

@@ -525,8 +525,8 @@ Table& add_data(Group& group, const MotionModel& model, const ForcesAnswer& answ
 }
 
 /// Of each pose. What friction leaves without forces has none.
-std::vector<std::vector<QuantityValue>> shown_quantities(const Scene& scene, const ForcesAlong& found,
-                                                         const std::vector<SoughtQuantity>& show) {
+std::vector<std::vector<QuantityValue>> quantities_in_poses(const Scene& scene, const ForcesAlong& found,
+                                                            const std::vector<SoughtQuantity>& show) {
   if (show.empty()) return {};
   std::vector<std::vector<QuantityValue>> out;
   for (std::size_t k = 0; k < found.poses.size(); ++k) {
@@ -573,7 +573,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
   if (!found.complete && !found.stop) content.fact("range", found.why);
-  const std::vector<std::vector<QuantityValue>> shown = shown_quantities(model.scene(), found, show);
+  const std::vector<std::vector<QuantityValue>> shown = quantities_in_poses(model.scene(), found, show);
   add_quantity_columns(add_data(content, model, answer, courses, parallels), show, shown, model.scene().units, true,
                        false);
   if (found.poses.empty()) return out;

@@ -185,9 +185,9 @@ Table& add_samples(Group& group, const Scene& scene, const KinematicsResult& fou
 }
 
 /// Of each sample.
-std::vector<std::vector<QuantityValue>> shown_quantities(const Scene& scene, const KinematicsResult& found,
-                                                         const std::vector<DriveRange>& ranges,
-                                                         const std::vector<SoughtQuantity>& show) {
+std::vector<std::vector<QuantityValue>> quantities_in_samples(const Scene& scene, const KinematicsResult& found,
+                                                              const std::vector<DriveRange>& ranges,
+                                                              const std::vector<SoughtQuantity>& show) {
   if (show.empty()) return {};
   std::vector<Drive> held;
   for (const DriveRange& range : ranges) held.push_back(find_drive(scene, range.name));
@@ -290,7 +290,7 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
   add_singular(content, scene, found, ranges);
   if (view.points.empty()) add_drives(content, scene, drives);
   add_points(content, scene, view.points, points, drives.front());
-  const std::vector<std::vector<QuantityValue>> shown = shown_quantities(scene, found, ranges, view.show);
+  const std::vector<std::vector<QuantityValue>> shown = quantities_in_samples(scene, found, ranges, view.show);
   if (!view.show.empty()) {
     Table& table = course_table(content, "Quantities, at rest in each position", Verbosity::normal);
     add_drive(table, drives[pace], scene.units);
