@@ -99,7 +99,9 @@ class BranchCurve {
     const PathPoint &a = branch_.points[k], &b = branch_.points[k + 1];
     // Where the piece changes at one end, the stops of the other hold between.
     const PathPoint& inner = a.active_stops.size() <= b.active_stops.size() ? a : b;
-    for (const PathPoint* end : {&a, &b}) {
+    // Beside an event the other end tells which springs act.
+    const bool from_b = a.proof == PointProof::critical && b.proof != PointProof::critical;
+    for (const PathPoint* end : {from_b ? &b : &a, from_b ? &a : &b}) {
       spot_ = pieces_.spot(end->x, varied_.part_at(end->parameter), inner.active_stops, 1.0);
       if (spot_) return;
     }
