@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/motion_record.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
@@ -298,10 +299,11 @@ class MovingLoads {
                                  -body.inertia * motions[i].angular_acceleration});
     }
     for (std::size_t e = 0; e < scene.elements.size(); ++e) add_resistance(e);
-    for (const Joint& joint : scene.joints) {
+    for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+      const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
       if (!joint.friction) continue;
-      const Measure on = joint.has_travel() ? Measure::travel_of(static_cast<int>(&joint - scene.joints.data()))
-                                            : Measure::angle_between(joint.a.body, joint.b.body);
+      const Measure on =
+          joint.has_travel() ? Measure::travel_of(j) : Measure::angle_between(joint.a.body, joint.b.body);
       if (stands_still(on)) hold(on, -1);
     }
   }
@@ -315,6 +317,14 @@ class MovingLoads {
     return std::abs(rate_of(scene_, motions_, on)) <= no_rate * fastest_ * (on.is_angle() ? 1.0 : size_);
   }
 
+  /// Whether it stands for a joint's friction (resisted_by_joints()), which is found with the force in the joint.
+  bool is_of_joint(int element) const {
+    for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) {
+      if (friction_element(scene_, j) == element) return true;
+    }
+    return false;
+  }
+
   void hold(const Measure& on, int element) {
     additions.drives.push_back({.name = "friction", .on = on, .start = {}});
     held.push_back(element);
@@ -323,7 +333,7 @@ class MovingLoads {
   void add_resistance(std::size_t element) {
     const Element& of = scene_.elements[element];
     element_force.push_back(0.0);
-    if (!resists_motion(of.law)) return;
+    if (!resists_motion(of.law) || is_of_joint(static_cast<int>(element))) return;
     const auto* const friction = std::get_if<DryFriction>(&of.law);
     if (friction != nullptr && friction->width == 0.0 && stands_still(of.on)) {
       hold(of.on, static_cast<int>(element));
