@@ -29,6 +29,7 @@
 #include "motion/design.hpp"
 #include "motion/driven_quantities.hpp"
 #include "motion/dynamic_stability.hpp"
+#include "motion/fluctuation.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/forces_along.hpp"
 #include "motion/given_motion.hpp"
@@ -36,6 +37,7 @@
 #include "motion/kinematics.hpp"
 #include "motion/loads_in_motion.hpp"
 #include "motion/modes.hpp"
+#include "motion/quantities_along.hpp"
 #include "motion/release.hpp"
 #include "motion/simulate.hpp"
 

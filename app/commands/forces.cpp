@@ -26,7 +26,7 @@ struct ForcesRequest {
   std::vector<std::string> drives;
   std::string motion;
   int steps = 72;
-  std::optional<double> rate;
+  std::optional<double> rate, flywheel;
   std::vector<std::string> show;
 };
 
@@ -43,6 +43,10 @@ void check(const ForcesRequest& request) {
   }
   if (request.rate && ranges == 0) throw InputError("--rate: nothing is driven; expected --drive NAME=FROM..TO too");
   check_sweep(request.steps, request.rate);
+  if (!request.flywheel) return;
+  if (!request.rate) throw InputError("--flywheel: its size depends on the speed; expected --rate NUMBER too");
+  expect_number("--flywheel", *request.flywheel, *request.flywheel > 0 && *request.flywheel < 1,
+                "a coefficient of fluctuation between 0 and 1, (largest - least speed) / mean");
 }
 
 /// The scene with these drives in place of its own.
@@ -65,10 +69,18 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   options.steps = request.steps;
   options.interrupt = &watch_for_interrupt();
   if (request.rate) options.rate = *request.rate * unit_value(quantity, scene.units);
-  return {request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
-                                     unit_name(quantity, scene.units))
-                       : "held still in every pose",
-          forces_over(model, ranges, options, request.rate.has_value())};
+  ForcesAnswer out{request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
+                                              unit_name(quantity, scene.units))
+                                : "held still in every pose",
+                   forces_over(model, ranges, options, request.rate.has_value())};
+  if (!request.flywheel) return out;
+  try {
+    out.fluctuation = fluctuation_over(model, ranges.front(), options);
+  } catch (const InputError& error) {
+    throw InputError(std::string("--flywheel: ") + error.what());
+  }
+  out.coefficient = *request.flywheel;
+  return out;
 }
 
 ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
@@ -138,6 +150,9 @@ Command forces_command() {
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "pose)"});
+  command.add({"--flywheel", &request->flywheel, "NUMBER",
+               "Over whole turns at --rate: the fluctuation of the torque of the\ndrive, and the flywheel that holds "
+               "(largest - least speed) / mean\nto this number, say 0.02"});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--motion", &request->motion, "FILE",
                "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "

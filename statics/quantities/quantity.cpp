@@ -52,7 +52,7 @@ SoughtQuantity mode(int number, Kind kind) {
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
-  explicit Catalogue(const Scene& scene) : scene_(scene) {
+  Catalogue(const Scene& scene, AskedOf asked_of) : scene_(scene), asked_of_(asked_of) {
     add_quantities();
     add_outputs();
   }
@@ -77,6 +77,7 @@ class Catalogue {
   /// Names that two elements have.
   const std::map<std::string, std::vector<std::string>>& shared() const { return shared_; }
   const Scene& scene() const { return scene_; }
+  AskedOf asked_of() const { return asked_of_; }
 
  private:
   void add_outputs();
@@ -144,7 +145,8 @@ class Catalogue {
     const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
       for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
         const Element& of = scene_.elements[e];
-        if (!stores_energy(of.law)) continue;
+        const bool resists = asked_of_ == AskedOf::motion && kind == Kind::element_force;
+        if (!stores_energy(of.law) && !resists) continue;
         const auto [name, whole] = names_of(e);
         add({.name = prefix + (name.empty() ? whole : name),
              .kind = kind,
@@ -231,7 +233,11 @@ class Catalogue {
   void add_energy() {
     const bool follows =
         std::any_of(scene_.forces.begin(), scene_.forces.end(), [](const Force& force) { return force.follows >= 0; });
-    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque});
+    const std::vector<std::string> also =
+        asked_of_ == AskedOf::motion ? std::vector<std::string>{"energy.potential"} : std::vector<std::string>{};
+    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque}, also);
+    if (asked_of_ == AskedOf::rest) return;
+    add({.name = "energy.kinetic", .kind = Kind::kinetic_energy, .dimension = dimension::torque});
   }
 
   // Those relative to the ground; Reader reads the names of all pairs.
@@ -312,6 +318,7 @@ class Catalogue {
   }
 
   const Scene& scene_;
+  AskedOf asked_of_;
   std::vector<SoughtQuantity> all_;
   std::map<std::string, std::size_t> by_name_;
   std::map<std::string, std::vector<std::string>> shared_;
@@ -468,7 +475,7 @@ class Reader {
       return out;
     }
     skip_spaces();
-    if (rest_.starts_with("d(")) return ratio();
+    if (rest_.starts_with("d(")) return derivative();
     if (std::optional<SoughtQuantity> over = over_path()) return *std::move(over);
     if (const std::optional<SoughtQuantity> named = name()) return *named;
     return constant();
@@ -671,39 +678,57 @@ class Reader {
   }
 
   /// Whether it changes with the pose alone, and not with what holds it.
-  static bool has_rate(const SoughtQuantity& of) {
+  bool has_rate(const SoughtQuantity& of) const {
     switch (of.kind) {
       case Kind::measure:
       case Kind::energy:
-      case Kind::element_force:
       case Kind::number:
         return true;
+      case Kind::element_force:
+        return stores_energy(catalogue_.scene().elements[static_cast<std::size_t>(of.item)].law);
       case Kind::sum:
       case Kind::difference:
       case Kind::product:
       case Kind::quotient:
-        return std::all_of(of.of.begin(), of.of.end(), has_rate);
+        return std::all_of(of.of.begin(), of.of.end(), [this](const SoughtQuantity& one) { return has_rate(one); });
       default:
         return false;
     }
   }
 
-  SoughtQuantity ratio() {
+  /// d(A)/d(B), or d(A)/dt of a motion.
+  SoughtQuantity derivative() {
     const auto part = [&]() -> SoughtQuantity {
       if (!take("d(")) fail("expected d(A)/d(B)");
       SoughtQuantity out = sum();
       if (!take(")")) fail("expected a closing parenthesis in d(A)/d(B)");
-      if (has_rate(out)) return out;
-      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
-                       out.name));
+      return out;
     };
     SoughtQuantity a = part();
     if (!take("/")) fail("expected d(A)/d(B)");
+    skip_spaces();
+    if (rest_.starts_with("dt")) return by_time(std::move(a));
     SoughtQuantity b = part();
+    for (const SoughtQuantity* one : {&a, &b}) {
+      if (has_rate(*one)) continue;
+      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
+                       one->name));
+    }
     SoughtQuantity out{.name = fmt::format("d({})/d({})", a.name, b.name),
                        .kind = Kind::ratio,
                        .dimension = a.dimension * b.dimension.power(-1)};
     out.of = {std::move(a), std::move(b)};
+    return out;
+  }
+
+  SoughtQuantity by_time(SoughtQuantity a) {
+    rest_.remove_prefix(2);
+    const std::string name = fmt::format("d({})/dt", a.name);
+    if (catalogue_.asked_of() == AskedOf::rest) {
+      fail(name + ": nothing changes with time at rest; expected d(A)/d(B), or poise motion --show");
+    }
+    SoughtQuantity out{.name = name, .kind = Kind::by_time, .dimension = a.dimension * dimension::time.power(-1)};
+    out.of = {std::move(a)};
     return out;
   }
 
@@ -713,6 +738,11 @@ class Reader {
 };
 
 void Catalogue::add_outputs() {
+  if (asked_of_ == AskedOf::rest) {
+    // One that belongs to a motion is undefined at rest.
+    for (SoughtQuantity& one : outputs_of(scene_, AskedOf::motion)) add(std::move(one));
+    return;
+  }
   for (const SceneOutput& output : scene_.outputs) {
     const std::string where =
         (output.line > 0 ? fmt::format("{}:{}", scene_.file, output.line) : scene_.file) + ": outputs." + output.name;
@@ -774,22 +804,24 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives) {
   return scene;
 }
 
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
-  const Catalogue catalogue(scene);
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of) {
+  const Catalogue catalogue(scene, asked_of);
   return Reader(catalogue, name).read();
 }
 
-std::vector<SoughtQuantity> outputs_of(const Scene& scene) {
+std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of) {
   if (scene.outputs.empty()) return {};
-  const Catalogue catalogue(scene);
+  const Catalogue catalogue(scene, asked_of);
   return {catalogue.all().end() - static_cast<std::ptrdiff_t>(scene.outputs.size()), catalogue.all().end()};
 }
 
-std::vector<SoughtQuantity> all_quantities(const Scene& scene) { return Catalogue(scene).all(); }
+std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of) {
+  return Catalogue(scene, asked_of).all();
+}
 
-std::vector<std::string> quantity_names(const Scene& scene) {
+std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of) {
   std::vector<std::string> out;
-  for (const SoughtQuantity& one : all_quantities(scene)) out.push_back(one.name);
+  for (const SoughtQuantity& one : all_quantities(scene, asked_of)) out.push_back(one.name);
   return out;
 }
 

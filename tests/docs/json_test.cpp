@@ -465,6 +465,8 @@ TEST(JsonDocs, Motion) {
                 {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
                  {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
                  {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
+                 {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show",
+                   "force.oil,max(force.oil)"}},
                  {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
 }
 
@@ -510,7 +512,8 @@ TEST(JsonDocs, Forces) {
        {{"forces", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv},
        {{"forces", scene("offset_cam"), "--drive", "cam=30"}},
        {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
-       {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
+       {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}},
+       {{"forces", scene("toggle_press"), "--drive", "crank=0..360", "--rate", "360", "--flywheel", "0.02"}}});
 }
 
 TEST(JsonDocs, Loads) {
