@@ -15,6 +15,7 @@
 #include "statics/equilibrium/settle.hpp"
 #include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
+#include "statics/inverse/find_numbers.hpp"
 #include "statics/paths/fold_curve.hpp"
 #include "statics/paths/over_path.hpp"
 #include "statics/paths/path_measures.hpp"

@@ -16,6 +16,7 @@
 #include "app/result/numbers.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
+#include "statics/paths/path_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -43,6 +44,9 @@ WantedValue read_wanted(const std::string& text, const Scene& scene) {
   }
   const std::vector<SoughtQuantity> of = read_quantities("--for", {name}, scene);
   if (of.size() != 1) throw InputError(fmt::format("--for {}: expected one quantity, found {}", text, of.size()));
+  if (of[0].is_over_path() && of[0].kind != SoughtQuantity::Kind::load_at_fold) {
+    throw InputError(fmt::format("--for {}: it belongs to a path, not to a position; expected another quantity", text));
+  }
   if (of[0].has(SoughtQuantity::Kind::load_at_fold) && of[0].kind != SoughtQuantity::Kind::load_at_fold) {
     throw InputError(fmt::format("--for {}: expected a load at a fold alone, not in an expression", text));
   }
@@ -63,6 +67,12 @@ auto naming_vary(Make make) {
 
 NamedRange read_sought(const std::string& text) {
   return read_named_range("--vary", text, "NAME=FROM..TO, say load.P=0..5");
+}
+
+void refuse_fold(const WantedValue& wanted, bool is_refused, const std::string& where) {
+  if (!is_refused || wanted.of.kind != SoughtQuantity::Kind::load_at_fold) return;
+  throw InputError(fmt::format("--for {}: a load at a fold is not sought {}; expected one number of the scene",
+                               wanted.of.name, where));
 }
 
 FindOptions read_find_options(const FindRequest& request) {
@@ -106,14 +116,14 @@ int run_find(const FindRequest& request, const Palette& palette) {
   const auto read_conditions = [&](const Scene& varied) {
     for (const std::string& text : request.wanted) view.wanted.push_back(read_wanted(text, varied));
     for (const WantedValue& one : view.wanted) {
-      if (count == 2) refuse_folds("--for", {one.of});
+      refuse_fold(one, count == 2, "with two numbers");
     }
   };
   const NamedRange first = read_sought(request.vary[0]);
   if (count == 1) {
     const VariedScene varied = naming_vary([&] { return VariedScene(scene, first.name, first.from, first.to); });
-    read_conditions(varied.scene());
-    if (varied.is_driven()) refuse_folds("--for", {view.wanted[0].of});
+    read_conditions(named_scene(varied));
+    refuse_fold(view.wanted[0], varied.is_driven(), "of a driven measure");
     view.numbers = {&varied};
     OutputFiles files(request.common);
     options.path.progress = following(varied);
@@ -124,7 +134,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
   const VariedPair pair = naming_vary([&] {
     return VariedPair(scene, {first.name, first.from, first.to}, {second.name, second.from, second.to});
   });
-  read_conditions(pair.first().scene());
+  read_conditions(named_scene(pair.first()));
   view.numbers = {&pair.first(), &pair.second()};
   OutputFiles files(request.common);
   options.path.progress = following(pair.first());

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <ceres/jet.h>
@@ -30,7 +29,7 @@ ConditionedEquilibrium::Point ConditionedEquilibrium::begin(std::vector<double> 
   Point at{std::move(poses), std::move(s)};
   at.z.resize(static_cast<std::size_t>(rows), 0.0);
   equations_.count_turns(at.z.data());
-  const Derivatives here = differentiate(at);
+  const LeftSides here = differentiate(at);
   const Eigen::VectorXd efforts = solvers::minimum_norm_solution<double>(
       here.by.block(0, bodies, bodies, rows - bodies), -here.value.head(bodies), solvers::known_to::solution);
   std::copy(efforts.begin(), efforts.end(), at.z.begin() + bodies);
@@ -52,11 +51,11 @@ Eigen::VectorXd ConditionedEquilibrium::difference(const Point& from, const Poin
   return out;
 }
 
-ConditionedEquilibrium::Derivatives ConditionedEquilibrium::differentiate(const Point& at) const {
+LeftSides ConditionedEquilibrium::differentiate(const Point& at) const {
   const int n = equations_.unknowns(), all = size();
   const std::vector<double> p = numbers_->at(at.s);
   const UnknownNumbers::Slopes slopes = numbers_->slopes(p);
-  Derivatives out{Eigen::VectorXd(all), Eigen::MatrixXd(all, all)};
+  LeftSides out{Eigen::VectorXd(all), Eigen::MatrixXd(all, all)};
   std::vector<ConditionDual> dual_z(at.z.begin(), at.z.end()), dual_p(p.begin(), p.end()), values;
   // The derivatives of variable k, in the lane l, set or cleared.
   const auto seed = [&](int k, int l, bool is_set) {
@@ -81,63 +80,34 @@ ConditionedEquilibrium::Derivatives ConditionedEquilibrium::differentiate(const 
   return out;
 }
 
-// Newton's steps of least norm, so that joints that repeat others do not matter, halved while they do not help.
 template <class Replace>
 bool ConditionedEquilibrium::improve(Point& at, Replace replace) const {
-  constexpr int most_steps = 40, most_halvings = 8;
-  constexpr double converged = 1e-13, near_enough = 1e-9, longest = 0.5;
-  const int n = equations_.unknowns();
-  const auto moved = [&](const Eigen::VectorXd& by, double part) {
-    Point out = at;
-    for (int i = 0; i < n; ++i) out.z[static_cast<std::size_t>(i)] += part * by[i];
-    for (std::size_t k = 0; k < out.s.size(); ++k) out.s[k] += part * by[n + static_cast<Eigen::Index>(k)];
-    return out;
+  const Eigen::Index n = equations_.unknowns(), all = size();
+  Eigen::VectorXd u(all);
+  std::copy(at.z.begin(), at.z.end(), u.begin());
+  std::copy(at.s.begin(), at.s.end(), u.begin() + n);
+  const auto point_of = [&](const Eigen::VectorXd& from) {
+    return Point{{from.begin(), from.begin() + n}, {from.begin() + n, from.end()}};
   };
-  double last = std::numeric_limits<double>::infinity();
-  Derivatives here = differentiate(at);
-  replace(at, here);
-  for (int step = 0; step < most_steps; ++step) {
-    if (!here.value.allFinite() || !here.by.allFinite()) return false;
-    // Rows of one size, so that the rank does not depend on units.
-    Eigen::VectorXd weight(here.value.size());
-    for (Eigen::Index i = 0; i < weight.size(); ++i) weight[i] = 1.0 / std::max(here.by.row(i).norm(), 1e-300);
-    const Eigen::MatrixXd matrix = weight.asDiagonal() * here.by;
-    const Eigen::VectorXd right = -(weight.asDiagonal() * here.value);
-    const Eigen::VectorXd by = solvers::minimum_norm_solution<double>(matrix, right, solvers::known_to::solution);
-    if (!by.allFinite()) return false;
-    double length = 0.0, poses = 0.0;
-    for (Eigen::Index i = 0; i < by.size(); ++i) {
-      const bool is_effort = i >= equations_.poses() && i < n;
-      const double size = is_effort ? std::max(1.0, std::abs(at.z[static_cast<std::size_t>(i)])) : 1.0;
-      length = std::max(length, std::abs(by[i]) / size);
-      if (!is_effort) poses = std::max(poses, std::abs(by[i]));
-    }
-    double part = poses > longest ? longest / poses : 1.0;
-    const double before = right.norm();
-    bool is_better = false;
-    for (int k = 0; k < most_halvings && !is_better; ++k, part *= 0.5) {
-      const Point next = moved(by, part);
-      Derivatives there = differentiate(next);
-      replace(next, there);
-      const double after = (weight.asDiagonal() * there.value).norm();
-      is_better = after < before || length < near_enough;
-      if (!is_better || !std::isfinite(after)) continue;
-      at = next;
-      here = std::move(there);
-    }
-    if (!is_better) return false;
-    if (length < converged || (length < near_enough && length >= 0.5 * last)) return true;
-    last = length;
-  }
-  return false;
+  const bool converged = least_norm_newton(
+      u,
+      [&](const Eigen::VectorXd& from) {
+        const Point there = point_of(from);
+        LeftSides sides = differentiate(there);
+        replace(there, sides);
+        return sides;
+      },
+      [&](Eigen::Index i) { return i >= equations_.poses() && i < n; });
+  at = point_of(u);
+  return converged;
 }
 
 bool ConditionedEquilibrium::solve(Point& at) const {
-  return improve(at, [](const Point&, Derivatives&) {});
+  return improve(at, [](const Point&, LeftSides&) {});
 }
 
 bool ConditionedEquilibrium::solve_across(Point& at, const Point& through, const Eigen::VectorXd& along) const {
-  return improve(at, [&](const Point& here, Derivatives& derivatives) {
+  return improve(at, [&](const Point& here, LeftSides& derivatives) {
     const Eigen::Index last = derivatives.value.size() - 1;
     derivatives.value[last] = along.dot(difference(through, here));
     derivatives.by.row(last) = along.transpose();

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "solvers/ball.hpp"
+#include "statics/inverse/private/least_norm_newton.hpp"
 #include "statics/inverse/unknown_numbers.hpp"
 #include "statics/quantities/numbered_equations.hpp"
 #include "statics/quantities/quantity.hpp"
@@ -61,20 +61,14 @@ class ConditionedEquilibrium {
     int neutral = 0;             ///< directions in which the equations do not change, held where they are
     double reach = 0.0;          ///< no other solution has all unknowns, scaled, within this of the point's
   };
-  /// Krawczyk's operator in ball arithmetic: with C an inverse of the derivatives DH in the middle m of a box U,
-  ///   K(U) = m - C H(m) + (I - C DH(U)) (U - m)   inside U
-  /// proves that U has exactly one solution, and that it lies in K(U). Joints that repeat others are left out. It also
-  /// proves that stops that do not act are not overrun, and that those that act press.
+  /// Krawczyk's operator (solvers/krawczyk.hpp), without joints that repeat others. It is also proved that stops that
+  /// do not act are not overrun, and that those that act press.
   Proof prove(const Point& at) const;
 
  private:
   template <class T>
   void evaluate(const T* p, const T* z, std::vector<T>& out) const;
-  struct Derivatives {
-    Eigen::VectorXd value;
-    Eigen::MatrixXd by;
-  };
-  Derivatives differentiate(const Point& at) const;
+  LeftSides differentiate(const Point& at) const;
   template <class Replace>
   bool improve(Point& at, Replace replace) const;
   int size() const { return equations_.unknowns() + numbers_->count(); }

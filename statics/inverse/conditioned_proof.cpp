@@ -5,36 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "solvers/krawczyk.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/inverse/ball_dual.hpp"
 #include "statics/inverse/conditioned_impl.hpp"
+#include "statics/inverse/private/enclosing.hpp"
 
 namespace poise {
-namespace {
-
-constexpr const char* changes_piece = "it lies where a law of force or a measure changes its piece";
-constexpr int most_ball_unknowns = 160;  // whose dense matrices of balls are multiplied in seconds
-
-/// Whether a measure goes through a curve, whose enclosures have no derivatives.
-bool has_curves(const Scene& scene) {
-  const auto goes_through_curve = [](const auto& item) {
-    return std::any_of(item.on.terms.begin(), item.on.terms.end(),
-                       [](const Measure::Term& term) { return term.profile != nullptr; });
-  };
-  return std::any_of(scene.stops.begin(), scene.stops.end(), goes_through_curve) ||
-         std::any_of(scene.elements.begin(), scene.elements.end(), goes_through_curve);
-}
-
-/// As many columns as the rank, ascending.
-std::vector<int> independent_columns(const Eigen::MatrixXd& a) {
-  const solvers::PivotOrder order = solvers::pivot_order<double>(a, solvers::known_to::solution);
-  std::vector<int> out(order.columns.begin(), order.columns.begin() + order.rank);
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-}  // namespace
-
 /// The equations without those that repeat others, in balls.
 class ConditionedEquilibrium::Prover {
  public:
@@ -48,8 +25,6 @@ class ConditionedEquilibrium::Prover {
   /// Left sides, and where asked for their derivatives, at u, the kept unknowns. False where a comparison of balls is
   /// not decided, so that it is not known which piece of a law holds.
   bool evaluate(const std::vector<Ball>& u, std::vector<Ball>& values, std::vector<std::vector<Ball>>* by) const;
-  /// C v, of balls.
-  std::vector<Ball> by_inverse(const std::vector<Ball>& v) const;
   std::string check_stops(const std::vector<Ball>& u) const;
   bool is_held(const Measure& on, const NumberedEquations::Bodies<BallDual>& bodies,
                const std::vector<NumberedEquations::Placed<BallDual>>& placed) const;
@@ -68,7 +43,7 @@ class ConditionedEquilibrium::Prover {
 void ConditionedEquilibrium::Prover::choose_rows() {
   const NumberedEquations& equations = system_.equations_;
   const Eigen::Index bodies = equations.poses(), rows = equations.unknowns() - bodies;
-  const Derivatives here = system_.differentiate(at_);
+  const LeftSides here = system_.differentiate(at_);
   std::vector<int> all;
   for (int i = 0; i < bodies; ++i) all.push_back(i);
   if (rows > 0) {
@@ -87,10 +62,7 @@ void ConditionedEquilibrium::Prover::choose_rows() {
     if (!is_kept && here.by.row(k).norm() > nothing) ++neutral_;
   }
   if (rows_.size() != unknowns_.size()) return;
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(count(), count());
-  inverse_.resize(count(), count());
-  const solvers::LeastSquares<double> factors(here.by(rows_, unknowns_), solvers::known_to::rounding);
-  for (int k = 0; k < count(); ++k) inverse_.col(k) = factors.solve(identity.col(k));
+  inverse_ = inverse_of(here.by(rows_, unknowns_));
 }
 
 void ConditionedEquilibrium::Prover::expand(const std::vector<Ball>& u, std::vector<BallDual>& z,
@@ -128,16 +100,6 @@ bool ConditionedEquilibrium::Prover::evaluate(const std::vector<Ball>& u, std::v
     }
   }
   return !undecided.any();
-}
-
-std::vector<Ball> ConditionedEquilibrium::Prover::by_inverse(const std::vector<Ball>& v) const {
-  std::vector<Ball> out(v.size());
-  for (int i = 0; i < count(); ++i) {
-    for (int j = 0; j < count(); ++j) {
-      out[static_cast<std::size_t>(i)] += Ball(inverse_(i, j)) * v[static_cast<std::size_t>(j)];
-    }
-  }
-  return out;
 }
 
 /// Whether joints and stops that act let a measure change, to rounding. What they hold is as it is in the certificate.
@@ -185,18 +147,8 @@ std::string ConditionedEquilibrium::Prover::check_stops(const std::vector<Ball>&
 ConditionedEquilibrium::Proof ConditionedEquilibrium::Prover::run() {
   Proof out;
   out.radius.assign(at_.s.size(), std::numeric_limits<double>::infinity());
-  if (!system_.numbers().is_linear()) {
-    out.why = "what follows from the number by an expression is not enclosed";
-    return out;
-  }
-  if (has_curves(system_.equations_.scene())) {
-    out.why = "curves of couplings are not enclosed with their derivatives";
-    return out;
-  }
-  if (count() > most_ball_unknowns) {
-    out.why = fmt::format("{} unknowns are more than the {} that are enclosed", count(), most_ball_unknowns);
-    return out;
-  }
+  out.why = why_not_enclosed(system_.numbers(), system_.equations_.scene(), count());
+  if (!out.why.empty()) return out;
   const int numbers = system_.numbers().count(), first_number = system_.equations_.unknowns();
   const auto has_all_numbers = [&](const std::vector<int>& of) {
     return std::count_if(of.begin(), of.end(), [&](int i) { return i >= first_number; }) == numbers;
@@ -206,64 +158,23 @@ ConditionedEquilibrium::Proof ConditionedEquilibrium::Prover::run() {
     out.why = "the equations are singular there, as where the quantity turns or the equilibrium is at a fold";
     return out;
   }
-  std::vector<Ball> middle;
+  std::vector<Ball> point;
   for (const int i : unknowns_) {
     const auto k = static_cast<std::size_t>(i);
-    middle.push_back(Ball(k < at_.z.size() ? at_.z[k] : at_.s[k - at_.z.size()]));
+    point.push_back(Ball(k < at_.z.size() ? at_.z[k] : at_.s[k - at_.z.size()]));
   }
-  constexpr int refinements = 3;
-  std::vector<Ball> values, step;
-  for (int k = 0; k <= refinements; ++k) {
-    if (!evaluate(middle, values, nullptr)) {
-      out.why = changes_piece;
-      return out;
-    }
-    step = by_inverse(values);
-    if (k == refinements) break;
-    for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = (middle[i] - step[i]).midpoint();
-  }
-  out.why = "the enclosure of the equations is not proved to have a solution";
-  for (const double reach : {1e-12, 1e-10, 1e-8}) {
-    std::vector<Ball> box, away;
-    for (const Ball& m : middle) {
-      const double r = reach * std::max(1.0, std::abs(m.middle()));
-      box.push_back(m.widened(r));
-      away.push_back(Ball(0).widened(r));
-    }
-    std::vector<std::vector<Ball>> by;
-    if (!evaluate(box, values, &by)) {
-      out.why = changes_piece;
-      return out;
-    }
-    // (I - C DH(U)) (U - m), row by row.
-    bool inside = true;
-    std::vector<Ball> solution = middle;
-    const auto n = static_cast<std::size_t>(count());
-    for (std::size_t i = 0; i < n && inside; ++i) {
-      Ball spread(0);
-      for (std::size_t j = 0; j < n; ++j) {
-        Ball entry(i == j ? 1 : 0);
-        for (std::size_t k = 0; k < n; ++k) {
-          const double c = inverse_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-          if (c != 0.0) entry -= Ball(c) * by[k][j];
-        }
-        spread += entry * away[j];
-      }
-      const Ball change = spread - step[i];
-      inside = change.is_finite() && change.greatest() < away[i].radius();
-      solution[i] = middle[i] + change;
-    }
-    if (!inside) continue;
-    out.why = check_stops(solution);
-    if (!out.why.empty()) return out;
-    out.proved = true;
-    out.neutral = neutral_;
-    out.reach = reach;
-    for (std::size_t k = 0; k < at_.s.size(); ++k) {
-      const Ball& part = solution[n - at_.s.size() + k];
-      out.radius[k] = (part - Ball(at_.s[k])).greatest();
-    }
-    return out;
+  const solvers::KrawczykProof proof = solvers::krawczyk(
+      std::move(point), inverse_, [&](const auto& u, auto& values, auto* by) { return evaluate(u, values, by); });
+  out.why = proof.undecided ? "it lies where a law of force or a measure changes its piece"
+            : !proof.proved ? "the enclosure of the equations is not proved to have a solution"
+                            : check_stops(proof.solution);
+  if (!out.why.empty()) return out;
+  out.proved = true;
+  out.neutral = neutral_;
+  out.reach = proof.reach;
+  for (std::size_t k = 0; k < at_.s.size(); ++k) {
+    const Ball& part = proof.solution[proof.solution.size() - at_.s.size() + k];
+    out.radius[k] = (part - Ball(at_.s[k])).greatest();
   }
   return out;
 }

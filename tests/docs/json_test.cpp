@@ -365,6 +365,16 @@ TEST(JsonDocs, Hold) {
                          {{"hold", scene("friction/ladder"), "--vary", "slide.floor.friction.coefficient=0..0.1"}}});
 }
 
+TEST(JsonDocs, Find) {
+  const std::string stiffness = "spring.rubber.stiffness=200..800";
+  check_section("find",
+                {{{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "force.rubber = -700"}, with_csv},
+                 {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30"}},
+                 {{"find", scene("toggle_clamp"), "--vary", "load.P=20..25", "--for", "travel.none = 1"}, 2},
+                 {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}, 1},
+                 {{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "fold.load.P = 40"}}});
+}
+
 TEST(JsonDocs, Equilibria) {
   check_section("equilibria",
                 {{{"equilibria", scene("von_mises_toggle"), "--starts", "100", "--show",
