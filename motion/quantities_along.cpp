@@ -15,7 +15,8 @@
 
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
-#include "motion/motion_record.hpp"
+#include "motion/motion_input.hpp"
+#include "motion/reduced_motion.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -500,13 +501,57 @@ const SoughtQuantity& force_in(const SoughtQuantity& of) {
 
 }  // namespace
 
+/// The equations of motion at single states.
+class QuantitiesAlong::Equations {
+ public:
+  /// `start`: scaled coordinates at which the motion began.
+  Equations(const MotionModel& model, const std::vector<double>& start)
+      : reduced_(model.scaled_scene(), model.mechanism(), model.inertia()) {
+    reduced_.set_inputs(model.scaled_scene(), scaled(inputs_of(model.scene()), model.scene(), model.scales()));
+    reduced_.start_drives(start.data());
+  }
+
+  /// Sets the accelerations at scaled coordinates and rates, of which the dependent ones are closed; false where they
+  /// are not known.
+  bool accelerate(double t, std::vector<double>& x, std::vector<double>& v, std::vector<double>& a) {
+    using Evaluated = ReducedMotion<double>::Status;
+    if (reduced_.choose(t, x.data(), true) != Evaluated::ok) return false;
+    reduced_.expect(x.data());
+    std::vector<double> z, w;
+    for (const int i : reduced_.independent()) {
+      z.push_back(x[static_cast<std::size_t>(i)]);
+      w.push_back(v[static_cast<std::size_t>(i)]);
+    }
+    constexpr double least_pivot = 1e-3;
+    if (reduced_.evaluate(t, z.data(), w.data()) != Evaluated::ok || reduced_.pivot() < least_pivot) return false;
+    x.assign(reduced_.q(), reduced_.q() + x.size());
+    v.assign(reduced_.v(), reduced_.v() + v.size());
+    a.assign(reduced_.a(), reduced_.a() + a.size());
+    return true;
+  }
+
+ private:
+  ReducedMotion<double> reduced_;
+};
+
+QuantitiesAlong::~QuantitiesAlong() = default;
+
 QuantitiesAlong::QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion)
     : scene_(scene),
       model_(model),
       path_(motion.trajectory),
       quantities_(scene, model),
       reader_(path_, all_coordinates(path_)),
-      at_(undefined) {}
+      at_(undefined) {
+  const std::vector<Element>& elements = model.scene().elements;
+  const bool sticks = std::any_of(elements.begin(), elements.end(), [](const Element& one) {
+    const auto* const friction = std::get_if<DryFriction>(&one.law);
+    return friction != nullptr && friction->width == 0.0;
+  });
+  if (sticks) return;
+  const std::vector<double> start(path_.q.begin(), path_.q.begin() + path_.coordinates);
+  equations_ = std::make_unique<Equations>(model, model.from_si(start));
+}
 
 const Forces& QuantitiesAlong::state(double t, bool with_forces) {
   if (t == at_ && (has_forces_ || !with_forces)) return forces_;
@@ -518,7 +563,8 @@ const Forces& QuantitiesAlong::state(double t, bool with_forces) {
     v[i] = reader_.v(i);
     a[i] = reader_.a(i);
   }
-  const std::vector<double> x = model_.from_si(q), w = model_.from_si(v), b = model_.from_si(a);
+  std::vector<double> x = model_.from_si(q), w = model_.from_si(v), b = model_.from_si(a);
+  if (equations_) equations_->accelerate(t, x, w, b);
   at_ = t;
   has_forces_ = with_forces;
   if (!with_forces) {

@@ -75,13 +75,15 @@ struct QuantityRange {
   double mean = 0.0;
 };
 
-/// Quantities as functions of time along a simulated motion. Between the steps of the integrator coordinates are those
-/// of TrajectoryReader. One object per thread: it holds the last state.
+/// Quantities as functions of time along a simulated motion. Between the steps of the integrator coordinates and rates
+/// are those of TrajectoryReader; accelerations are those of the equations of motion there, or, near singular poses and
+/// where something in the scene can stick, of its polynomials. One object per thread: it holds the last state.
 class QuantitiesAlong {
  public:
   /// `scene` is the one before resisted_by_joints(), in which the quantities are found. All must outlive this; the
   /// motion has two nodes at least.
   QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion);
+  ~QuantitiesAlong();
 
   /// At a time of the motion, where something jumps after the jump; SI. Rates d(A)/dt of what is no measure are those
   /// of the polynomial of degree 11 through the values of A at Chebyshev's points of the integrator's step.
@@ -99,6 +101,7 @@ class QuantitiesAlong {
   double imbalance() const { return imbalance_; }
 
  private:
+  class Equations;
   struct Polynomial {
     std::string of;
     std::size_t interval = 0;
@@ -119,6 +122,7 @@ class QuantitiesAlong {
   const Trajectory& path_;
   MovingQuantities quantities_;
   TrajectoryReader reader_;
+  std::unique_ptr<Equations> equations_;  // none where something can stick
   double at_;
   std::optional<Scene> then_;
   double then_at_ = 0.0;

@@ -39,7 +39,7 @@ QuantityValue mode_of(const SoughtQuantity& of, const StaticModel& statics, cons
     const Modes modes = modes_of(motion, motion_coordinates(motion, statics, x));
     if (!modes.known) return none(modes.why);
     if (of.item >= static_cast<int>(modes.vibrations.size())) {
-      return none("there are " + count(static_cast<int>(modes.vibrations.size()), "mode", "modes"));
+      return none("the mechanism has " + count(static_cast<int>(modes.vibrations.size()), "mode", "modes"));
     }
     const Vibration& one = modes.vibrations[static_cast<std::size_t>(of.item)];
     return {of.kind == SoughtQuantity::Kind::frequency ? one.frequency : one.damping_ratio, ""};
