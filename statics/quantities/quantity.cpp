@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "model/named_measures.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
@@ -23,6 +24,8 @@ namespace {
 
 using Kind = SoughtQuantity::Kind;
 using Part = SoughtQuantity::Part;
+
+constexpr std::string_view separators = " +-*/()";
 
 SoughtQuantity measured(std::string name, const Measure& on) {
   return {.name = std::move(name), .on = on, .dimension = on.dimension()};
@@ -42,15 +45,20 @@ class Catalogue {
   /// In their order.
   const std::vector<SoughtQuantity>& all() const { return all_; }
 
-  /// The quantity whose name begins the text, the longest; null without one.
-  const SoughtQuantity* longest(std::string_view text, std::size_t& length) const {
+  /// The quantity whose name begins the text, the longest; none without one.
+  std::optional<SoughtQuantity> longest(std::string_view text, std::size_t& length) const {
     const SoughtQuantity* found = nullptr;
     for (const auto& [name, index] : by_name_) {
       if (!text.starts_with(name) || (found != nullptr && name.size() <= length)) continue;
       found = &all_[index];
       length = name.size();
     }
-    return found;
+    const std::optional<NamedMeasure> composed = composed_measure(scene_, text, separators);
+    if (composed && (found == nullptr || composed->name.size() > length)) {
+      length = composed->name.size();
+      return measured(composed->name, composed->on);
+    }
+    return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
   std::vector<std::string> known() const {
@@ -75,47 +83,19 @@ class Catalogue {
   }
 
   void add_measures() {
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      const std::string& name = scene_.bodies[i].name;
-      add(measured("angle." + name, Measure::angle_between(0, static_cast<int>(i))), {name});
-    }
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-      const std::string& name = scene_.joints[j].name;
-      if (scene_.joints[j].has_travel())
-        add(measured("travel." + name, Measure::travel_of(static_cast<int>(j))), {name});
-    }
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      for (std::size_t p = 0; p < scene_.bodies[i].points.size(); ++p) {
-        const PointRef point{static_cast<int>(i), static_cast<int>(p)};
-        const std::string name = scene_.name_of(point);
-        add(measured("x." + name, Measure::x_of(point)), {name + ".x"});
-        add(measured("y." + name, Measure::y_of(point)), {name + ".y"});
-      }
-    }
+    for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const auto [name, whole] = names_of(e);
-      std::vector<std::string> also{"length." + whole, whole};
-      if (!name.empty()) also.push_back(name);
-      add(measured("length." + (name.empty() ? whole : name), scene_.elements[e].on), also);
+      const auto [own, whole] = name_of_element(scene_, e);
+      if (own.empty()) shared_[scene_.elements[e].name].push_back(whole);
     }
-  }
-
-  /// The name of an element, empty where another has it too, and that with its table.
-  std::pair<std::string, std::string> names_of(std::size_t element) {
-    const Element& of = scene_.elements[element];
-    std::string whole = of.table + "." + of.name;
-    const auto shares = [&](const Element& other) { return other.name == of.name; };
-    if (std::count_if(scene_.elements.begin(), scene_.elements.end(), shares) == 1) return {of.name, whole};
-    shared_[of.name].push_back(whole);
-    return {"", whole};
   }
 
   void add_forces() {
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
       const Element& of = scene_.elements[e];
       if (!stores_energy(of.law)) continue;
-      const auto [name, whole] = names_of(e);
-      add({.name = "force." + (name.empty() ? whole : name),
+      const auto [own, whole] = name_of_element(scene_, e);
+      add({.name = "force." + (own.empty() ? whole : own),
            .kind = Kind::element_force,
            .item = static_cast<int>(e),
            .dimension = of.on.effort_dimension()},
@@ -189,22 +169,15 @@ class Catalogue {
   std::map<std::string, std::vector<std::string>> shared_;
 };
 
-constexpr std::string_view separators = " +-*/()";
-
 /// What a name begins with, and what follows.
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 10> families{{{"angle.", "body"},
-                                           {"travel.", "slide or pin in a slot"},
-                                           {"x.", "point, BODY.POINT,"},
-                                           {"y.", "point, BODY.POINT,"},
-                                           {"length.", "force element"},
-                                           {"force.", "force element"},
-                                           {"reaction.", "joint"},
-                                           {"stop.", "stop"},
-                                           {"fold.load.", "load"},
-                                           {"load_at_fold.", "load"}}};
+constexpr std::array<Family, 5> families{{{"force.", "a force element"},
+                                          {"reaction.", "a joint"},
+                                          {"stop.", "a stop"},
+                                          {"fold.load.", "a load"},
+                                          {"load_at_fold.", "a load"}}};
 
 /// Reads a quantity, or an expression of several, from a text. A name may have spaces, hyphens and points in it, so
 /// that the longest name of the scene is taken; where none is, the longest word is what the error is about.
@@ -332,19 +305,21 @@ class Reader {
     // The whole rest may be a name with spaces that is misspelt.
     const std::string whole(rest_);
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
+    if (const std::string why = why_no_measure(scene, whole); !why.empty()) fail(why);
     for (const auto& [prefix, item] : families) {
       if (!whole.starts_with(prefix)) continue;
       std::vector<std::string> known;
       for (const std::string& one : catalogue_.known()) {
         if (one.starts_with(prefix)) known.push_back(one.substr(prefix.size()));
       }
-      fail(fmt::format("expected the name of a {}{}", item, did_you_mean_or_list(whole.substr(prefix.size()), known)));
+      fail(fmt::format("expected the name of {}{}", item, did_you_mean_or_list(whole.substr(prefix.size()), known)));
     }
-    throw InputError(
-        fmt::format("{}: expected the name of a quantity{}; or angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
-                    "length.ELEMENT, force.ELEMENT, reaction.JOINT, stop.NAME, push.BODY.POINT.x, energy, "
-                    "fold.load.LOAD, d(A)/d(B)",
-                    text_, did_you_mean_or_list(whole, catalogue_.known())));
+    throw InputError(fmt::format(
+        "{}: expected the name of a quantity{}; or angle.BODY, angle.BODY.OTHER, travel.JOINT, x.BODY.POINT, "
+        "y.BODY.POINT, along.BODY.POINT.DEGREES, length.ELEMENT, force.ELEMENT, reaction.JOINT, stop.NAME, "
+        "push.BODY.POINT.x, energy, "
+        "fold.load.LOAD, d(A)/d(B)",
+        text_, did_you_mean_or_list(whole, catalogue_.known())));
   }
 
   /// Why a name is none although the scene has its item; empty where it has not.
@@ -373,14 +348,14 @@ class Reader {
 
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
-    const SoughtQuantity* const found = catalogue_.longest(rest_, length);
+    std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
     std::optional<SoughtQuantity> along = push(length);
     if (along) return along;
-    if (found == nullptr) return std::nullopt;
+    if (!found) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
     rest_.remove_prefix(length);
-    return *found;
+    return found;
   }
 
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.
@@ -410,9 +385,9 @@ class Reader {
       if (!take("d(")) fail("expected d(A)/d(B)");
       skip_spaces();
       std::size_t length = 0;
-      const SoughtQuantity* const found = catalogue_.longest(rest_, length);
+      const std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
       const std::size_t end = rest_.find(')');
-      if (found == nullptr) refuse(std::string(rest_.substr(0, end)));
+      if (!found) refuse(std::string(rest_.substr(0, end)));
       if (found->kind != Kind::measure) {
         fail(fmt::format("expected angles, travels, places or lengths in d(A)/d(B), found {}", found->name));
       }

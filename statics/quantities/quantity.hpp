@@ -47,22 +47,22 @@ struct SoughtQuantity {
 };
 
 /// The quantity so called:
-///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
-///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
+///   angle.BODY, angle.BODY.OTHER, travel.JOINT, x.BODY.POINT, y.BODY.POINT, along.BODY.POINT.DEGREES, length.ELEMENT
+///                         measures (model/named_measures.hpp)
 ///   force.ELEMENT
 ///   reaction.JOINT        size of the force, of a bar its tension; reaction.JOINT.x, .y, .moment, .axial, .size
 ///   stop.NAME             with which a stop pushes
 ///   push.BODY.POINT.DIRECTION   DIRECTION is x, y or an angle in degrees from x
 ///   energy
-///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
-///   magnitude d(A)/d(B)             of two of the first two rows
+///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing size
+///   d(A)/d(B)             of two measures
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
 /// load_at_fold.LOAD are read too: the quantity has the name above. Throws InputError with the nearest names where
 /// there is none, and where units do not fit.
 SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
 
 /// The names of a scene's quantities, in the order of the rows above; of pushes those along x and y, no ratios and no
-/// expressions.
+/// expressions, no measures of families that have too many members for a list.
 std::vector<std::string> quantity_names(const Scene& scene);
 
 }  // namespace poise
