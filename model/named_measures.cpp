@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -80,12 +82,14 @@ std::optional<NamedMeasure> component_of(const Scene& scene, std::string_view te
 
 }  // namespace
 
-ElementName name_of_element(const Scene& scene, std::size_t element) {
-  const Element& of = scene.elements[element];
-  std::string whole = of.table + "." + of.name;
-  const auto shares = [&](const Element& other) { return other.name == of.name; };
-  const bool is_alone = std::count_if(scene.elements.begin(), scene.elements.end(), shares) == 1;
-  return {is_alone ? of.name : "", std::move(whole)};
+std::vector<ElementName> names_of_elements(const Scene& scene) {
+  std::map<std::string_view, int> count;
+  for (const Element& of : scene.elements) ++count[of.name];
+  std::vector<ElementName> out;
+  for (const Element& of : scene.elements) {
+    out.push_back({count[of.name] == 1 ? of.name : "", of.table + "." + of.name});
+  }
+  return out;
 }
 
 std::vector<NamedMeasure> named_measures(const Scene& scene) {
@@ -113,8 +117,9 @@ std::vector<NamedMeasure> named_measures(const Scene& scene) {
       out.push_back({.name = "y." + name, .on = Measure::y_of(point), .words = "y of " + name, .also = {name + ".y"}});
     }
   }
+  const std::vector<ElementName> elements = names_of_elements(scene);
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
-    const auto [own, whole] = name_of_element(scene, e);
+    const auto& [own, whole] = elements[e];
     const Measure& on = scene.elements[e].on;
     NamedMeasure one{.name = "length." + (own.empty() ? whole : own),
                      .on = on,

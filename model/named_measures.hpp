@@ -3,7 +3,6 @@
 // Measures of the pose by their names, for what users drive, vary and ask for (docs/quantities.md).
 
 #include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,7 +36,7 @@ inline constexpr std::array<MeasureFamily, 6> measure_families{{{"angle.", "a bo
 struct ElementName {
   std::string own, whole;  ///< "buffer", "spring.buffer"
 };
-ElementName name_of_element(const Scene& scene, std::size_t element);
+std::vector<ElementName> names_of_elements(const Scene& scene);
 
 /// The measures of a scene that are listed, in this order, with older spellings:
 ///   angle.BODY            of a body in the world           BODY

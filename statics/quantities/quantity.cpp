@@ -84,17 +84,19 @@ class Catalogue {
 
   void add_measures() {
     for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
-    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const auto [own, whole] = name_of_element(scene_, e);
+    const std::vector<ElementName> names = names_of_elements(scene_);
+    for (std::size_t e = 0; e < names.size(); ++e) {
+      const auto& [own, whole] = names[e];
       if (own.empty()) shared_[scene_.elements[e].name].push_back(whole);
     }
   }
 
   void add_forces() {
+    const std::vector<ElementName> names = names_of_elements(scene_);
     for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
       const Element& of = scene_.elements[e];
       if (!stores_energy(of.law)) continue;
-      const auto [own, whole] = name_of_element(scene_, e);
+      const auto& [own, whole] = names[e];
       add({.name = "force." + (own.empty() ? whole : own),
            .kind = Kind::element_force,
            .item = static_cast<int>(e),
