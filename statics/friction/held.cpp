@@ -643,7 +643,9 @@ class Varied {
     const std::string_view key = row.path.parts[3];
     switch (row.place.owner) {
       case Owner::force:
-        if (norm(scene.forces[item].vector) == 0.0) fail("expected a force with a direction, its vector is [0, 0]");
+        if (scene.forces[item].line_of_action() == Vec2{}) {
+          fail("expected a force with a direction, its vector is [0, 0]");
+        }
         is_force_ = true;
         [[fallthrough]];
       case Owner::torque:

@@ -70,9 +70,10 @@ void blend(Scene& scene, const Scene& other, const ParameterPlace& place, double
   const auto between = [&](double a, double b) { return s == 0.0 ? a : s == 1.0 ? b : (1.0 - s) * a + s * b; };
   const auto item = static_cast<std::size_t>(place.item);
   if (place.owner == Owner::force) {
-    Vec2& F = scene.forces[item].vector;
-    const Vec2& G = other.forces[item].vector;
-    F = {between(F.x, G.x), between(F.y, G.y)};
+    Force& F = scene.forces[item];
+    const Force& G = other.forces[item];
+    F.vector = {between(F.vector.x, G.vector.x), between(F.vector.y, G.vector.y)};
+    if (!(F.along == G.along)) F.along = s == 0.0 ? F.along : s == 1.0 ? G.along : Vec2{};
   } else if (place.owner == Owner::stop) {
     // Both limits at once: one alone might pass the other on the way.
     Stop& stop = scene.stops[item];
@@ -123,8 +124,8 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     dimension_ = row.dimension;
     // A force may be reversed.
     range = row.place.owner == Owner::force ? Range::finite : row.range;
-    if (row.place.owner == Owner::force && norm(scene_.forces[row.place.item].vector) == 0.0) {
-      fail("expected a force with a direction, its vector is [0, 0]; give another vector");
+    if (row.place.owner == Owner::force && scene_.forces[row.place.item].line_of_action() == Vec2{}) {
+      fail("expected a force with a direction, its vector is [0, 0]; give it a direction and a size");
     }
   }
   for (const ParameterPlace& place : places_) whole_.push_back(poise::value_at(scene_, place).value_or(0.0));
@@ -276,7 +277,12 @@ Scene VariedScene::scene_at(double value) const {
     const bool is_factor = name_ == "loads";
     if (place.owner == Owner::force) {
       // Reversed where the value is negative.
-      Vec2& F = scene.forces[place.item].vector;
+      Force& force = scene.forces[place.item];
+      if (!is_factor && force.has_direction_of_its_own()) {
+        force.vector = value * force.along;
+        continue;
+      }
+      Vec2& F = force.vector;
       const double size = is_factor ? 1.0 : norm(F);
       F = {F.x / size * value, F.y / size * value};
     } else {
