@@ -12,6 +12,7 @@ namespace poise::app {
 struct ForcesAnswer {
   std::string how;  ///< in words: "standing still in every pose", "driven, crank at 1 rad/s", ...
   ForcesAlong found;
+  std::vector<std::string> drives{};  ///< what the drives of the command line are: "upper: angle of upper in the world"
 };
 
 /// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the
