@@ -184,7 +184,7 @@ void DrivenPath::measure(PathPose& pose, const MatrixXd& jacobian) const {
   const solvers::SingularValues svd = solvers::singular_value_decomposition(closure_.free_columns(jacobian));
   const Eigen::Index last = svd.values.size() - 1;
   pose.smallest = svd.values[last];
-  pose.closeness = svd.values[last] / svd.values[0];
+  pose.closeness = svd.values[last] / std::max(svd.values[0], closure_.least_scale());
   pose.left = svd.left.col(last);
   pose.right = svd.right.col(last);
 }

@@ -28,6 +28,9 @@ class SplitClosure {
   const std::vector<int>& couplings() const { return couplings_; }
   /// Drives that have a row each behind these.
   const std::vector<int>& measured() const { return measured_; }
+  /// Singular values of the free columns count against the largest of them, but against this at least: slopes of
+  /// measures by rad and mechanism sizes are of order one, and one alone vanishes against nothing else.
+  double least_scale() const { return measured_.empty() ? 0.0 : 1.0; }
   /// Whether some measure of these drives is the same in every pose; its place in measured(), or -1.
   int constant_measure() const;
   /// x of the coordinates q.
@@ -65,7 +68,7 @@ struct PathPose {
   double at = 0.0;              ///< the parameter
   Eigen::VectorXd x, v, a;      ///< scaled coordinates, dx/d at, d2x/d at2
   double smallest = 1.0;        ///< smallest singular value of the free columns
-  double closeness = 1.0;       ///< smallest / largest of them; 1 if nothing is free
+  double closeness = 1.0;       ///< smallest / largest of them (least_scale()); 1 if nothing is free
   Eigen::VectorXd left, right;  ///< singular vectors of the smallest: closure rows, free coordinates
 };
 

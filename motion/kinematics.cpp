@@ -102,16 +102,18 @@ VectorXd assembled(const MotionModel& model) {
   return Eigen::Map<const VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-Eigen::Index rank_of(const MatrixXd& matrix) {
+Eigen::Index rank_of(const SplitClosure& closure, const MatrixXd& matrix) {
   if (matrix.size() == 0) return 0;
-  return solvers::singular_value_decomposition(matrix).rank(DrivenPath::singular_below);
+  const VectorXd values = solvers::singular_value_decomposition(matrix).values;
+  const double largest = std::max(values[0], closure.least_scale());
+  return (values.array() >= DrivenPath::singular_below * largest && values.array() > 0.0).count();
 }
 
 // Whether closures that lose rank at x have a higher rank in a pose close by.
 bool is_singular(const SplitClosure& closure, const VectorXd& x) {
   const EquilibriumProblem problem(closure.model().mechanism());
   solvers::Newton newton(problem);
-  const Eigen::Index rank = rank_of(closure.jacobian(x));
+  const Eigen::Index rank = rank_of(closure, closure.jacobian(x));
   for (int k = 1; k <= 4; ++k) {
     VectorXd beside = x;
     for (Eigen::Index i = 0; i < x.size(); ++i) beside[i] += 0.03 * std::sin(k + 2.0 * k * static_cast<double>(i));
@@ -119,7 +121,7 @@ bool is_singular(const SplitClosure& closure, const VectorXd& x) {
     const solvers::NewtonResult& closed = newton.close(q);
     if (closed.end != solvers::NewtonEnd::converged) continue;
     const Eigen::Map<const VectorXd> pose(closed.x.data(), static_cast<Eigen::Index>(closed.x.size()));
-    if (rank_of(closure.jacobian(closure.with_measures(pose))) > rank) return true;
+    if (rank_of(closure, closure.jacobian(closure.with_measures(pose))) > rank) return true;
   }
   return false;
 }
@@ -129,9 +131,9 @@ void expect_driven(const SplitClosure& closure, const std::vector<DrivenCoordina
   const Scene& scene = closure.model().scene();
   const MatrixXd jacobian = closure.jacobian(x);
   const MatrixXd of_free = closure.free_columns(jacobian);
-  const Eigen::Index freedoms = x.size() - rank_of(jacobian);
+  const Eigen::Index freedoms = x.size() - rank_of(closure, jacobian);
   const Eigen::Index drives = static_cast<Eigen::Index>(closure.driven().size());
-  const Eigen::Index left = of_free.cols() - rank_of(of_free);
+  const Eigen::Index left = of_free.cols() - rank_of(closure, of_free);
   const auto name_of = [&](int coordinate) { return closure.model().layout().coordinates[coordinate].name; };
   if (left == 0) {
     if (drives <= freedoms) return;
