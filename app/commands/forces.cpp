@@ -14,7 +14,9 @@
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/motion_pictures.hpp"
+#include "app/result/each.hpp"
 #include "app/result/numbers.hpp"
+#include "app/results/motion/kinematics.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/experiment/motion_import.hpp"
 
@@ -121,9 +123,10 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
-  const ForcesAnswer answer = driven                   ? over_range(model, request)
-                              : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
-                                                       : along_motion(model, request.motion);
+  ForcesAnswer answer = driven                   ? over_range(model, request)
+                        : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
+                                                 : along_motion(model, request.motion);
+  if (!request.drives.empty()) answer.drives = drives_in_words(scene, each(scene.drives, &Drive::name));
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, show, request.common.settings);
   const bool any = !found.poses.empty();
@@ -144,9 +147,9 @@ Command forces_command() {
   Command command{"forces", "Find drive efforts and joint forces, in a pose or along a motion"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
-               "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
-               "there; crank=0..360: over\na range, as far as stops allow. Takes the place of the scene's\ndrives; "
-               "several times"});
+               "crank: drives the angle of a body in the world, the travel of a\njoint or a measure (length.SPRING, "
+               "x.BODY.POINT,\nangle.BODY.OTHER) from where it stands; crank=30: put there;\ncrank=0..360: over a "
+               "range, as far as stops allow. Takes the\nplace of the scene's drives; several times"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "pose)"});

@@ -674,7 +674,9 @@ class Varied {
     const std::string_view key = row.path.parts[3];
     switch (row.place.owner) {
       case Owner::force:
-        if (norm(scene_.forces[item].vector) == 0.0) fail("expected a force with a direction, its vector is [0, 0]");
+        if (scene_.forces[item].line_of_action() == Vec2{}) {
+          fail("expected a force with a direction, its vector is [0, 0]");
+        }
         return {.is_load = true, .is_force = true};
       case Owner::torque:
       case Owner::scene:

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "model/named_measures.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
@@ -26,6 +27,8 @@ namespace {
 
 using Kind = SoughtQuantity::Kind;
 using Part = SoughtQuantity::Part;
+
+constexpr std::string_view separators = " +-*/()";
 
 SoughtQuantity measured(std::string name, const Measure& on) {
   return {.name = std::move(name), .on = on, .dimension = on.dimension()};
@@ -60,15 +63,20 @@ class Catalogue {
   /// In their order, outputs last.
   const std::vector<SoughtQuantity>& all() const { return all_; }
 
-  /// The quantity whose name begins the text, the longest; null without one.
-  const SoughtQuantity* longest(std::string_view text, std::size_t& length) const {
+  /// The quantity whose name begins the text, the longest; none without one.
+  std::optional<SoughtQuantity> longest(std::string_view text, std::size_t& length) const {
     const SoughtQuantity* found = nullptr;
     for (const auto& [name, index] : by_name_) {
       if (!text.starts_with(name) || (found != nullptr && name.size() <= length)) continue;
       found = &all_[index];
       length = name.size();
     }
-    return found;
+    const std::optional<NamedMeasure> composed = composed_measure(scene_, text, separators);
+    if (composed && (found == nullptr || composed->name.size() > length)) {
+      length = composed->name.size();
+      return measured(composed->name, composed->on);
+    }
+    return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
   /// What quantities may be called, and their names.
@@ -106,49 +114,23 @@ class Catalogue {
   }
 
   void add_measures() {
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      const std::string& name = scene_.bodies[i].name;
-      add(measured("angle." + name, Measure::angle_between(0, static_cast<int>(i))), {name});
+    for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
+    const std::vector<ElementName> names = names_of_elements(scene_);
+    for (std::size_t e = 0; e < names.size(); ++e) {
+      const auto& [own, whole] = names[e];
+      if (own.empty()) shared_[scene_.elements[e].name].push_back(whole);
     }
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-      const std::string& name = scene_.joints[j].name;
-      if (scene_.joints[j].has_travel())
-        add(measured("travel." + name, Measure::travel_of(static_cast<int>(j))), {name});
-    }
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      for (std::size_t p = 0; p < scene_.bodies[i].points.size(); ++p) {
-        const PointRef point{static_cast<int>(i), static_cast<int>(p)};
-        const std::string name = scene_.name_of(point);
-        add(measured("x." + name, Measure::x_of(point)), {name + ".x"});
-        add(measured("y." + name, Measure::y_of(point)), {name + ".y"});
-      }
-    }
-    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const auto [name, whole] = names_of(e);
-      std::vector<std::string> also{"length." + whole, whole};
-      if (!name.empty()) also.push_back(name);
-      add(measured("length." + (name.empty() ? whole : name), scene_.elements[e].on), also);
-    }
-  }
-
-  /// The name of an element, empty where another has it too, and that with its table.
-  std::pair<std::string, std::string> names_of(std::size_t element) {
-    const Element& of = scene_.elements[element];
-    std::string whole = of.table + "." + of.name;
-    const auto shares = [&](const Element& other) { return other.name == of.name; };
-    if (std::count_if(scene_.elements.begin(), scene_.elements.end(), shares) == 1) return {of.name, whole};
-    shared_[of.name].push_back(whole);
-    return {"", whole};
   }
 
   void add_element_forces() {
+    const std::vector<ElementName> names = names_of_elements(scene_);
     const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
       for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
         const Element& of = scene_.elements[e];
         const bool resists = asked_of_ == AskedOf::motion && kind == Kind::element_force;
         if (!stores_energy(of.law) && !resists) continue;
-        const auto [name, whole] = names_of(e);
-        add({.name = prefix + (name.empty() ? whole : name),
+        const auto& [own, whole] = names[e];
+        add({.name = prefix + (own.empty() ? whole : own),
              .kind = kind,
              .item = static_cast<int>(e),
              .dimension = dimension(of.on)},
@@ -324,26 +306,19 @@ class Catalogue {
   std::map<std::string, std::vector<std::string>> shared_;
 };
 
-constexpr std::string_view separators = " +-*/()";
-
 /// What a name begins with, and what follows.
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 14> families{{{"angle.", "body"},
-                                           {"travel.", "slide or pin in a slot"},
-                                           {"x.", "point, BODY.POINT,"},
-                                           {"y.", "point, BODY.POINT,"},
-                                           {"length.", "force element"},
-                                           {"force.", "force element or drive"},
-                                           {"rate.", "force element"},
-                                           {"reaction.", "joint"},
-                                           {"stop.", "stop"},
-                                           {"center.", "body and another, BODY.BODY.x,"},
-                                           {"stress.", "link with a section"},
-                                           {"transmission.", "link with two joints and one of these"},
-                                           {"fold.load.", "load"},
-                                           {"load_at_fold.", "load"}}};
+constexpr std::array<Family, 9> families{{{"force.", "a force element or drive"},
+                                          {"rate.", "a force element"},
+                                          {"reaction.", "a joint"},
+                                          {"stop.", "a stop"},
+                                          {"center.", "a body and another, BODY.BODY.x,"},
+                                          {"stress.", "a link with a section"},
+                                          {"transmission.", "a link with two joints and one of these"},
+                                          {"fold.load.", "a load"},
+                                          {"load_at_fold.", "a load"}}};
 
 /// The tail of a message that names the three quantities nearest to a word, or to all that follows, for a name may have
 /// spaces: `; did you mean "a", "b" or "c"?`. Of those only that may be called something with this prefix.
@@ -516,9 +491,13 @@ class Reader {
     // The whole rest may be a name with spaces that is misspelt.
     const std::string whole(rest_);
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
+    for (const auto& [prefix, item] : measure_families) {
+      if (!whole.starts_with(prefix)) continue;
+      fail(fmt::format("expected the name of {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
+    }
     for (const auto& [prefix, item] : families) {
       if (!whole.starts_with(prefix)) continue;
-      fail(fmt::format("expected the name of a {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
+      fail(fmt::format("expected the name of {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
     }
     fail("expected the name of a quantity" + nearest_three(catalogue_, "", word, whole));
   }
@@ -551,15 +530,15 @@ class Reader {
 
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
-    const SoughtQuantity* const found = catalogue_.longest(rest_, length);
+    const std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
     if (std::optional<SoughtQuantity> along = push(length)) return along;
     if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
     if (std::optional<SoughtQuantity> of_mode = mode_of_vibration()) return of_mode;
-    if (found == nullptr) return std::nullopt;
+    if (!found) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
     rest_.remove_prefix(length);
-    return *found;
+    return found;
   }
 
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.

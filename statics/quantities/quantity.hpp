@@ -78,8 +78,8 @@ bool is_same(const Measure& a, const Measure& b);
 Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 
 /// The quantity so called:
-///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
-///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
+///   angle.BODY, angle.BODY.OTHER, travel.JOINT, x.BODY.POINT, y.BODY.POINT, along.BODY.POINT.DEGREES, length.ELEMENT
+///                         measures (model/named_measures.hpp)
 ///   force.ELEMENT, rate.ELEMENT
 ///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where all drive one
 ///                         measure
@@ -92,10 +92,9 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 ///   transmission.LINK.JOINT, transmission.BAR.BODY
 ///   stress.LINK           of a link with a section
 ///   mode.N.frequency, mode.N.damping
-///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
-///                         magnitude
+///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing size
 ///   NAME                  an output of the scene
-///   d(A)/d(B)             of measures (the first two rows), energy, force.ELEMENT, and expressions of these
+///   d(A)/d(B)             of measures, energy, force.ELEMENT, and expressions of these
 ///   max(Q), min(Q), mean(Q), span(Q)   over a branch of a path
 ///   work(Q)               of a force: integral of Q over the path of its point, or its measure
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
@@ -110,7 +109,7 @@ SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedO
 std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 /// The quantities of a scene that are not made of others, in the order of the rows above; of pushes those along x and
-/// y, of instant centres those relative to the ground.
+/// y, of instant centres those relative to the ground, no measures of families that have too many members for a list.
 std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 /// Their names.
 std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of = AskedOf::rest);

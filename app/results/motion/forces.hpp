@@ -17,6 +17,7 @@ struct ForcesAnswer {
   ForcesAlong found;
   std::optional<Fluctuation> fluctuation{};  ///< where a flywheel was asked for
   double coefficient = 0.0;                  ///< of fluctuation of the speed, that it is to hold
+  std::vector<std::string> drives{};  ///< what the drives of the command line are: "upper: angle of upper in the world"
 };
 
 /// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the
