@@ -293,6 +293,10 @@ double Expression::bend(std::span<const double> numbers, std::span<const double>
   return evaluate(numbers, slopes, bends).bend;
 }
 
+std::string_view Expression::name_of_function(int index) { return functions[static_cast<std::size_t>(index)].name; }
+
+int Expression::arguments_of_function(int index) { return functions[static_cast<std::size_t>(index)].arguments; }
+
 int Expression::degree(std::span<const int> of_names) const {
   constexpr int more = 2;
   std::array<int, stack_size> stack{};

@@ -5,50 +5,61 @@
 #include "model/dependent_number.hpp"
 
 namespace poise {
+namespace {
+
+/// Forces of which a component follows from a sought number, and not their size alone is sought.
+std::vector<int> forces_that_turn(const Scene& scene, const std::vector<const VariedScene*>& ranges) {
+  std::vector<int> out, sized;
+  for (const VariedScene* range : ranges) {
+    for (const VariedScene::Course& course : range->courses()) {
+      if (course.place.owner == Owner::force) sized.push_back(course.place.item);
+      if (course.place.owner != Owner::number || !scene.dependents) continue;
+      const std::vector<int> degrees = dependent_degrees(scene, course.place.item);
+      for (std::size_t k = 0; k < degrees.size(); ++k) {
+        const DependentPlace& of = (*scene.dependents)[k].at;
+        if (degrees[k] > 0 && of.of == DependentPlace::Of::force) out.push_back(of.place.item);
+      }
+    }
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  std::erase_if(out, [&](int force) { return std::find(sized.begin(), sized.end(), force) != sized.end(); });
+  return out;
+}
+
+}  // namespace
 
 UnknownNumbers::UnknownNumbers(const Scene& scene, const Scales& scales, const std::vector<const VariedScene*>& ranges)
-    : ranges_(ranges.size()), scales_(scales), list_(std::make_shared<const NumberList>(scaled(scene, scales))) {
+    : ranges_(ranges.size()),
+      scales_(scales),
+      list_(std::make_shared<const NumberList>(scaled(scene, scales), forces_that_turn(scene, ranges))),
+      named_(named_values(list_->scene())) {
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     for (const VariedScene::Course& course : ranges[k]->courses()) {
       const int row = list_->row(course.place);
       const double unit = list_->rows()[static_cast<std::size_t>(row)].dimension.per_scale(scales);
-      rows_.push_back({row, static_cast<int>(k), unit * course.from, unit * course.to});
+      const int named = course.place.owner == Owner::number ? course.place.item : -1;
+      rows_.push_back({row, static_cast<int>(k), unit * course.from, unit * course.to, named});
     }
   }
-  find_followers();
+  is_enclosed_ = may_be_enclosed();
 }
 
-void UnknownNumbers::find_followers() {
-  std::vector<int> led;
+bool UnknownNumbers::may_be_enclosed() const {
+  const Scene& scene = list_->scene();
   for (const Row& row : rows_) {
-    const ParameterPlace& place = list_->rows()[static_cast<std::size_t>(row.at)].place;
-    const auto followers = list_->followers(row.at, list_->values());
-    if (followers.empty()) continue;
-    // A force has its size and its components in p, and the springs of a link follow from two numbers.
-    const auto is_affine = [&] {
-      if (place.owner != Owner::number) return false;
-      const std::vector<int> degrees = dependent_degrees(list_->scene(), place.item);
-      for (std::size_t k = 0; k < degrees.size(); ++k) {
-        const DependentPlace& of = (*list_->scene().dependents)[k].at;
-        const bool is_special = of.of == DependentPlace::Of::force || of.place.owner == Owner::section;
-        if (degrees[k] > 1 || (degrees[k] == 1 && is_special)) return false;
-      }
-      return true;
-    };
-    is_linear_ = is_linear_ && is_affine();
-    if (!is_linear_) return;
-    std::vector<double> s(ranges_, 0.0);
-    const std::vector<double> from = at(s);
-    s[static_cast<std::size_t>(row.range)] = 1.0;
-    const std::vector<double> to = at(s);
-    for (const auto& follower : followers) {
-      const int number = follower.first;
-      if (std::find(led.begin(), led.end(), number) != led.end()) is_linear_ = false;
-      led.push_back(number);
-      followers_.push_back(
-          {number, row.range, from[static_cast<std::size_t>(number)], to[static_cast<std::size_t>(number)]});
+    // The springs of a flexible link follow from its section.
+    if (row.named < 0 && !list_->followers(row.at, list_->values()).empty()) return false;
+    if (row.named < 0 || !scene.dependents) continue;
+    const std::vector<int> degrees = dependent_degrees(scene, row.named);
+    for (std::size_t k = 0; k < degrees.size(); ++k) {
+      const DependentNumber& one = (*scene.dependents)[k];
+      if (degrees[k] == 0) continue;
+      const bool has_size = one.at.of == DependentPlace::Of::force && !list_->vector_of(one.at.place.item).are_whole;
+      if (one.factor || one.at.place.owner == Owner::section || has_size) return false;
     }
   }
+  return true;
 }
 
 std::vector<double> UnknownNumbers::at(const std::vector<double>& s) const {

@@ -24,7 +24,7 @@ bool has_curves(const Scene& scene) {
 }  // namespace
 
 std::string why_not_enclosed(const UnknownNumbers& numbers, const Scene& scene, int unknowns) {
-  if (!numbers.is_linear()) return "what follows from the number by an expression is not enclosed";
+  if (!numbers.is_enclosed()) return "what follows from the number is not enclosed: a section, or a load in time";
   if (has_curves(scene)) return "curves of couplings are not enclosed with their derivatives";
   if (unknowns <= most_ball_unknowns) return "";
   return fmt::format("{} unknowns are more than the {} that are enclosed", unknowns, most_ball_unknowns);
