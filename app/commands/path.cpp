@@ -60,9 +60,9 @@ VariedPair read_pair(const PathRequest& request) {
     if (given) throw InputError(fmt::format("{}: not with --curve fold, where it has no meaning", option));
   }
   const NamedRange first = read_vary_range(request.vary[0]), second = read_vary_range(request.vary[1]);
+  const Scene scene = load_scene(request.common);
   return naming_vary([&] {
-    return VariedPair(load_scene(request.common), {first.name, first.from, first.to},
-                      {second.name, second.from, second.to});
+    return VariedPair(scene, {first.name, first.from, first.to}, {second.name, second.from, second.to});
   });
 }
 

@@ -1,5 +1,7 @@
 #include "app/commands/vary.hpp"
 
+#include <utility>
+
 #include "app/commands/session.hpp"
 
 namespace poise::app {
@@ -9,7 +11,8 @@ NamedRange read_vary_range(const std::string& text) {
 }
 
 VariedScene load_varied_scene(const Request& request, const NamedRange& range) {
-  return naming_vary([&] { return VariedScene(load_scene(request), range.name, range.from, range.to); });
+  Scene scene = load_scene(request);
+  return naming_vary([&] { return VariedScene(std::move(scene), range.name, range.from, range.to); });
 }
 
 }  // namespace poise::app
