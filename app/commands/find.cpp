@@ -13,7 +13,9 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/vary.hpp"
 #include "app/result/numbers.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
 #include "statics/paths/path_measures.hpp"
@@ -23,7 +25,7 @@ namespace {
 
 struct FindRequest {
   Request common;
-  std::vector<std::string> vary, wanted;
+  std::vector<std::string> vary, wanted, show;
   std::string from = "settle";
   bool all = false;
   std::optional<double> proof_seconds;
@@ -53,22 +55,6 @@ WantedValue read_wanted(const std::string& text, const Scene& scene) {
   return {of[0], *value * of[0].dimension.unit(scene.units)};
 }
 
-/// Names the option in what make() says of bad input.
-template <class Make>
-auto naming_vary(Make make) {
-  try {
-    return make();
-  } catch (const AssemblyError&) {
-    throw;
-  } catch (const InputError& error) {
-    throw InputError(std::string("--vary ") + error.what());
-  }
-}
-
-NamedRange read_sought(const std::string& text) {
-  return read_named_range("--vary", text, "NAME=FROM..TO, say load.P=0..5");
-}
-
 void refuse_fold(const WantedValue& wanted, bool is_refused, const std::string& where) {
   if (!is_refused || wanted.of.kind != SoughtQuantity::Kind::load_at_fold) return;
   throw InputError(fmt::format("--for {}: a load at a fold is not sought {}; expected one number of the scene",
@@ -82,6 +68,7 @@ FindOptions read_find_options(const FindRequest& request) {
   options.path.certificate = read_proof(request.proof_seconds);
   options.path.interrupt = &watch_for_interrupt();
   options.all = request.all;
+  options.others = other_quantity;
   return options;
 }
 
@@ -114,12 +101,13 @@ int run_find(const FindRequest& request, const Palette& palette) {
   };
   FindView view{.all = request.all};
   const auto read_conditions = [&](const Scene& varied) {
+    view.shown = read_shown_in_position(request.show, varied);
     for (const std::string& text : request.wanted) view.wanted.push_back(read_wanted(text, varied));
     for (const WantedValue& one : view.wanted) {
       refuse_fold(one, count == 2, "with two numbers");
     }
   };
-  const NamedRange first = read_sought(request.vary[0]);
+  const NamedRange first = read_vary_range(request.vary[0]);
   if (count == 1) {
     const VariedScene varied = naming_vary([&] { return VariedScene(scene, first.name, first.from, first.to); });
     read_conditions(named_scene(varied));
@@ -130,7 +118,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
     progress.now("following the curve of equilibria");
     return finish_find(request, view, find_numbers(varied, view.wanted[0], options), files, progress, palette);
   }
-  const NamedRange second = read_sought(request.vary[1]);
+  const NamedRange second = read_vary_range(request.vary[1]);
   const VariedPair pair = naming_vary([&] {
     return VariedPair(scene, {first.name, first.from, first.to}, {second.name, second.from, second.to});
   });
@@ -162,6 +150,7 @@ Command find_command() {
       {"--from", &request->from, "WHAT",
        "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "
        "one nearest to the start"});
+  add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common, {.csv = "Write the values, one line each, to FILE"});
   command.run = [request](const Palette& palette) { return run_find(*request, palette); };

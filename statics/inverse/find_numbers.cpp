@@ -51,6 +51,7 @@ class NumberFinder {
     return sought.see(point, *varied.model_at(point.parameter), {varied.part_at(point.parameter)});
   }
   bool between(const SoughtNumbers& sought, const CurvePoint& a, const CurvePoint& b, double part, bool changes_sign);
+  bool between_by_values(const VariedScene& varied, const PathPoint& a, const PathPoint& b);
   bool take(const SoughtNumbers& sought, const ConditionedEquilibrium& system, const Point& at, const CurvePoint& a,
             const CurvePoint& b);
   void note_nearest(const PathPoint& point, double excess);
@@ -176,7 +177,7 @@ void NumberFinder::note_nearest(const PathPoint& point, double excess) {
 
 void NumberFinder::search(const VariedScene& varied, const Path& path) {
   const SoughtNumbers sought({&varied}, wanted_);
-  PathReader reader(varied);
+  PathReader reader(varied, options_.others);
   for (const PathBranch& branch : path.branches) {
     std::vector<double> excess;
     for (const PathPoint& point : branch.points) {
@@ -268,10 +269,50 @@ bool NumberFinder::take(const SoughtNumbers& sought, const ConditionedEquilibriu
   return true;
 }
 
+/// The place between two points of a curve at which a quantity without derivatives has the value, by secants.
+bool NumberFinder::between_by_values(const VariedScene& varied, const PathPoint& a, const PathPoint& b) {
+  Certificate at;
+  double number = 0.0;
+  const double scale = wanted_[0].value == 0.0 ? 1.0 : std::abs(wanted_[0].value);
+  const auto excess = [&](double part) -> std::optional<double> {
+    number = a.parameter + part * (b.parameter - a.parameter);
+    const auto model = varied.model_at(number);
+    std::vector<double> x = a.x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += part * (b.x[i] - a.x[i]);
+    at = certify(*model, x, options_.path.certificate);
+    if (!at.confirmed()) return std::nullopt;
+    const int driven = varied.is_driven() ? static_cast<int>(model->scene().stops.size()) - 1 : -1;
+    const RestingPlace place = resting_place(*model, at.x, at.active_stops, driven, options_.others);
+    const double value = quantity_values(place, {wanted_[0].of})[0].value;
+    if (!std::isfinite(value)) return std::nullopt;
+    return (value - wanted_[0].value) / scale;
+  };
+  const std::optional<double> from = excess(0.0), to = excess(1.0);
+  if (!from || !to || *from * *to > 0.0) return false;
+  const std::optional<double> part = solvers::root_by_secants(excess, {0.0, 1.0}, *from, *to, 1e-15);
+  if (!part) return false;
+  const std::optional<double> left = excess(*part);
+  if (!left) return false;
+  FoundNumbers found;
+  found.numbers = {number};
+  found.radii = {not_known};
+  found.values = {wanted_[0].value + *left * scale};
+  found.at = a;
+  found.at.parameter = number;
+  found.at.x = at.x;
+  found.at.stability = at.stability;
+  found.at.unstable_directions = at.unstable_directions;
+  found.at.proof = PointProof::failed;
+  found.at.statement = "the quantity has no derivatives, so that the number is not enclosed; the equilibrium is proved";
+  solutions_.push_back({std::move(found), {}});
+  return true;
+}
+
 // Newton's method from the straight line; where that leads elsewhere, halves of the piece of curve between, on which
 // the quantity changes its sign.
 bool NumberFinder::between(const SoughtNumbers& sought, const CurvePoint& a, const CurvePoint& b, double part,
                            bool changes_sign) {
+  if (is_found_by_others(wanted_[0].of)) return changes_sign && between_by_values(sought.range(0), *a.at, *b.at);
   for (const CurvePoint* side : {&a, &b}) {
     ConditionedEquilibrium system = sought.equations(side->stops);
     Point from = system.begin(a.poses, a.s), to = system.begin(b.poses, b.s);

@@ -9,7 +9,7 @@
 #include "statics/model/varied_scene.hpp"
 #include "statics/paths/path.hpp"
 #include "statics/paths/varied_pair.hpp"
-#include "statics/quantities/quantity.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise {
 
@@ -34,6 +34,8 @@ struct FindOptions {
   PathOptions path{};
   /// Also along the curves through all equilibria that are found at both ends of the range and in its middle.
   bool all = false;
+  /// Finds stresses and modes; without it they have no value.
+  OtherQuantities others{};
   /// Values of the second number, evenly spaced, from whose curves is begun where two are sought.
   int slices = 5;
 };
@@ -69,6 +71,8 @@ struct FoundSet {
 ///   R(z, p(s)) = 0,   Q(z, p(s)) = value
 ///
 /// and each solution is proved (statics/inverse/conditioned_equilibrium.hpp), with the certificate of its equilibrium.
+/// A quantity that others find has no derivatives: its value is met by secants along the curve, and is not proved.
+///
 /// A load at a fold has the value where the fold of the path over that load, from the scene's own equilibrium on, is
 /// at it: `wanted.of` is then compared at values of the number, and a solution is not proved.
 FoundSet find_numbers(const VariedScene& varied, const WantedValue& wanted, const FindOptions& options = {});

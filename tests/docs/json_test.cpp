@@ -369,7 +369,8 @@ TEST(JsonDocs, Find) {
   const std::string stiffness = "spring.rubber.stiffness=200..800";
   check_section("find",
                 {{{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "force.rubber = -700"}, with_csv},
-                 {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30"}},
+                 {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30", "--show",
+                   "transmission.lower.wrist"}},
                  {{"find", scene("toggle_clamp"), "--vary", "load.P=20..25", "--for", "travel.none = 1"}, 2},
                  {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}, 1},
                  {{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "fold.load.P = 40"}}});

@@ -162,6 +162,40 @@ TEST(Find, TwoNumbersForTwoConditions) {
   EXPECT_NEAR(found.values[0].numbers[1], 5.0 * 0.3 * std::cos(0.4) / 0.4, 1e-12);
 }
 
+TEST(Find, NumbersFollowFromTheOneThatIsSoughtByAnyExpression) {
+  // The spring has the stiffness c^2 / 2, and P leans by one part in c:  k a = P L cos(a) + (P / c) L sin(a).
+  const Scene scene = parse_scene(R"(
+title = "lever"
+source = "ours"
+[numbers]
+c = 1.5
+[ground]
+points = { O = [0, 0] }
+[body.lever]
+points = { O = [0, 0], B = [0.3, 0] }
+[[pin]]
+name = "O"
+points = ["ground.O", "lever.O"]
+[[torsion_spring]]
+name = "coil"
+bodies = ["ground", "lever"]
+stiffness = "c^2/2"
+free_angle = 0.0
+[[force]]
+name = "P"
+at = "lever.B"
+vector = ["-4/c", 4]
+)",
+                                  "lever.toml");
+  const FoundSet found = find(scene, "numbers.c", 1.0, 3.0, "angle.lever", 0.5);
+  double low = 1.0, high = 3.0;
+  const auto excess = [](double c) {
+    return 0.5 * c * c * 0.5 - 4.0 * 0.3 * std::cos(0.5) - 4.0 / c * 0.3 * std::sin(0.5);
+  };
+  for (int k = 0; k < 100; ++k) (excess(0.5 * (low + high)) > 0.0 ? high : low) = 0.5 * (low + high);
+  expect_one(found, low);
+}
+
 TEST(Find, AStopThatHoldsIsPartOfTheAnswer) {
   // The stop holds at 0.3 rad; the load for which it presses with 1 N m:  P L cos(0.3) = k 0.3 + 1.
   const Scene scene = sprung_lever("[[stop]]\nname = \"high\"\nbodies = [\"ground\", \"lever\"]\nmax = 0.3\n");

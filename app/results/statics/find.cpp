@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/statics/quantities.hpp"
 #include "statics/model/pose_values.hpp"
 #include "statics/paths/path_words.hpp"
 
@@ -94,6 +96,21 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
   }
 }
 
+/// What else is shown where a value was found.
+std::vector<QuantityValue> shown_at(const FindView& view, const FoundNumbers& one) {
+  const bool is_known = !one.at.x.empty() && !is_fold(one);
+  std::vector<QuantityValue> out(view.shown.size(), {std::numeric_limits<double>::quiet_NaN(), "no equilibrium"});
+  if (!is_known || view.shown.empty()) return out;
+  const VariedScene& first = *view.numbers.front();
+  const VariedScene held =
+      view.numbers.size() == 2 ? first.in(view.numbers[1]->scene_at(one.numbers[1]), first) : first;
+  const auto model = held.model_at(one.numbers[0]);
+  std::vector<int> active = one.at.active_stops;
+  const int driven = first.is_driven() ? static_cast<int>(model->scene().stops.size()) - 1 : -1;
+  if (driven >= 0) active.push_back(driven);
+  return quantity_values(resting_place(*model, one.at.x, active, driven, other_quantity), view.shown);
+}
+
 void add_found_data(Group& group, const FindView& view, const FoundNumbers& one, const Units& units) {
   std::vector<double> numbers, quantities;
   for (std::size_t k = 0; k < view.numbers.size(); ++k) numbers.push_back(one.numbers[k] / view.numbers[k]->unit());
@@ -104,7 +121,7 @@ void add_found_data(Group& group, const FindView& view, const FoundNumbers& one,
   std::vector<double> radii;
   for (std::size_t k = 0; k < view.numbers.size(); ++k) radii.push_back(one.radii[k] / view.numbers[k]->unit());
   group.data("radii", one.proved ? Value(radii) : Value());
-  group.data("quantities", quantities);
+  group.data("reached", quantities);
   group.data("proved", one.proved);
   group.data("statement", one.at.statement);
   group.data("stability", to_string(one.at.stability));
@@ -112,6 +129,7 @@ void add_found_data(Group& group, const FindView& view, const FoundNumbers& one,
   const VariedScene& first = *view.numbers.front();
   group.data("active_stops", each(one.at.active_stops,
                                   [&](int stop) { return first.scene().stops[static_cast<std::size_t>(stop)].name; }));
+  add_quantities(group, view.shown, shown_at(view, one), units);
   if (one.at.x.empty() || view.numbers.size() != 1) return;
   const auto model = first.model_at(one.numbers[0]);
   const Readings readings = read_off(*model, one.at.x);
@@ -140,6 +158,9 @@ void add_table(Group& content, const FindView& view, const FoundSet& found, cons
                   each(found.values, [&](const FoundNumbers& one) { return one.values[k] / of.dimension.unit(units); }),
                   {.style = Format::Style::significant, .digits = digits_of_found});
   }
+  std::vector<std::vector<QuantityValue>> shown;
+  for (const FoundNumbers& one : found.values) shown.push_back(shown_at(view, one));
+  add_quantity_columns(table, view.shown, shown, units);
   table.words("stability", "stability", each(found.values, [](const FoundNumbers& one) {
                 return is_fold(one) ? std::string("fold") : to_string(one.at.stability);
               }));

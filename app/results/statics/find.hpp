@@ -13,6 +13,7 @@ struct FindView {
   std::vector<const VariedScene*> numbers{};
   std::vector<WantedValue> wanted{};
   bool all = false;
+  std::vector<SoughtQuantity> shown{};  ///< with each value that is found
 };
 
 /// What `poise find` shows: the values with their radii, what the quantities are there, and what is proved;
