@@ -11,6 +11,7 @@
 #include "solvers/root.hpp"
 #include "statics/all_equilibria/all_equilibria.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/inverse/fold_equations.hpp"
 #include "statics/inverse/private/sought_numbers.hpp"
 #include "statics/paths/path_measures.hpp"
 #include "statics/quantities/linear_response.hpp"
@@ -379,6 +380,7 @@ class FoldFinder {
     double excess = 0.0, slope = 0.0;  // by the part of the range
   };
   std::optional<AtFold> fold_at(double part);
+  void prove(FoundNumbers& found) const;
 
   const VariedScene& varied_;
   const WantedValue& wanted_;
@@ -408,6 +410,50 @@ std::optional<FoldFinder::AtFold> FoldFinder::fold_at(double part) {
   return out;
 }
 
+/// The fold with the wanted load, from that of the path over the load at the number that was found.
+void FoldFinder::prove(FoundNumbers& found) const {
+  found.at.statement = "the fold is found by a path over the load at this number; it is not enclosed";
+  const Scene there = varied_.scene_at(found.numbers[0]);
+  const double unit = wanted_.of.dimension.unit(there.units), wanted = wanted_.value / unit;
+  const double own = get_value(there, wanted_.of.load), beyond = wanted + 0.25 * (wanted - own);
+  if (own == wanted) return;
+  const VariedScene over_load(there, wanted_.of.load, own, beyond);
+  PathOptions options = options_.path;
+  options.certify = false;
+  options.at.clear();
+  const Path followed = path(over_load, options);
+  const auto fold = std::find_if(followed.events.begin(), followed.events.end(),
+                                 [](const PathEvent& event) { return event.kind == PathEvent::Kind::fold; });
+  if (fold == followed.events.end()) return;
+  Scene loaded = varied_.scene();
+  set_value(loaded, wanted_.of.load, wanted);
+  const VariedScene over_number(loaded, varied_.name(), varied_.from() / varied_.unit(), varied_.to() / varied_.unit());
+  const auto model = over_load.model_at(fold->at.parameter);
+  std::vector<double> poses = poses_of(*model, fold->at.x);
+  const double length = over_load.scales().length / over_number.scales().length;
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : length;
+  const UnknownNumbers numbers(over_number.reference_scene(), over_number.scales(), {&over_number});
+  FoldEquations equations(numbers, acting_at(numbers.list()->scene(), poses, fold->at.active_stops));
+  FoldEquations::Point at;
+  const double part = varied_.part_at(found.numbers[0]);
+  constexpr double near = 1e-6;
+  if (!equations.solve(poses, part, at) || !(std::abs(at.s - part) < near)) return;
+  const FoldEquations::Proof proof = equations.prove(at);
+  if (!proof.proved) {
+    found.at.statement = proof.why;
+    return;
+  }
+  found.proved = true;
+  found.numbers = {varied_.value_at(at.s)};
+  found.values = {wanted_.value};
+  found.at.parameter = found.numbers[0];
+  found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius +
+                 std::abs(found.numbers[0]) * std::numeric_limits<double>::epsilon()};
+  found.at.statement =
+      "exactly one fold with that load is near this number; that the path over the load meets it first is "
+      "found, not proved";
+}
+
 FoundSet FoldFinder::run() {
   using Status = FoundSet::Status;
   constexpr int slices = 8;
@@ -435,7 +481,7 @@ FoundSet FoldFinder::run() {
     found.values = {wanted_.value + excess};
     found.at.parameter = found.numbers[0];
     found.at.proof = PointProof::critical;
-    found.at.statement = "the fold is found by a path over the load at this number; it is not enclosed";
+    prove(found);
     out_.values.push_back(std::move(found));
   }
   out_.curves = static_cast<int>(at.size());

@@ -74,7 +74,8 @@ struct FoundSet {
 /// A quantity that others find has no derivatives: its value is met by secants along the curve, and is not proved.
 ///
 /// A load at a fold has the value where the fold of the path over that load, from the scene's own equilibrium on, is
-/// at it: `wanted.of` is then compared at values of the number, and a solution is not proved.
+/// at it: `wanted.of` is then compared at values of the number. That a fold with that load is there is proved
+/// (statics/inverse/fold_equations.hpp), not that it is the first.
 FoundSet find_numbers(const VariedScene& varied, const WantedValue& wanted, const FindOptions& options = {});
 
 /// Two numbers for two conditions, from the places on some curves at which they are closest to holding.

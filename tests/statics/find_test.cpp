@@ -209,6 +209,8 @@ TEST(Find, TheStiffnessForWhichAClampSnapsOpen) {
   const FoundSet found = find(clamp, "spring.rubber.stiffness", 100.0, 900.0, "fold.load.P", 40.0);
   ASSERT_EQ(found.status, Status::found) << found.why;
   ASSERT_EQ(found.values.size(), 1u);
+  EXPECT_TRUE(found.values[0].proved) << found.values[0].at.statement;
+  EXPECT_LT(found.values[0].radii[0], 1e-9);
   // The path over the load with that stiffness has its fold at 40 N.
   Scene there = clamp;
   set_value(there, "spring.rubber.stiffness", found.values[0].numbers[0] / 1000.0);

@@ -81,7 +81,10 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
                                         ? std::string(unproved == 1 ? "it is" : "they are")
                                         : count(static_cast<int>(unproved), "is", "are")));
       }
-      return good(fmt::format("{}{} {}.", what, folds ? "" : ", proved,", searched_in_words(view, found)));
+      const bool all_proved =
+          std::all_of(found.values.begin(), found.values.end(), [](const FoundNumbers& one) { return one.proved; });
+      return good(
+          fmt::format("{}{} {}.", what, folds && !all_proved ? "" : ", proved,", searched_in_words(view, found)));
     }
     case Status::none:
       return bad(fmt::format("None in the range {}; the nearest is {} at {}.", searched_in_words(view, found),
