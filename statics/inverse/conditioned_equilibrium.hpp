@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "statics/inverse/private/enclosing.hpp"
 #include "statics/inverse/private/least_norm_newton.hpp"
 #include "statics/inverse/unknown_numbers.hpp"
 #include "statics/quantities/numbered_equations.hpp"
@@ -53,17 +54,9 @@ class ConditionedEquilibrium {
   bool solve_across(Point& at, const Point& through, const Eigen::VectorXd& along) const;
   Eigen::VectorXd difference(const Point& from, const Point& to) const;
 
-  /// That a solution exists near `at`, proved.
-  struct Proof {
-    bool proved = false;
-    std::string why;             ///< one sentence, where it is not
-    std::vector<double> radius;  ///< of each part: the exact one is this close to that of the point
-    int neutral = 0;             ///< directions in which the equations do not change, held where they are
-    double reach = 0.0;          ///< no other solution has all unknowns, scaled, within this of the point's
-  };
   /// Krawczyk's operator (solvers/krawczyk.hpp), without joints that repeat others. It is also proved that stops that
   /// do not act are not overrun, and that those that act press.
-  Proof prove(const Point& at) const;
+  SolutionProof prove(const Point& at) const;
 
  private:
   template <class T>

@@ -9,7 +9,6 @@
 #include "solvers/linear_algebra.hpp"
 #include "statics/inverse/ball_dual.hpp"
 #include "statics/inverse/conditioned_impl.hpp"
-#include "statics/inverse/private/enclosing.hpp"
 
 namespace poise {
 /// The equations without those that repeat others, in balls.
@@ -17,7 +16,7 @@ class ConditionedEquilibrium::Prover {
  public:
   Prover(const ConditionedEquilibrium& system, const Point& at) : system_(system), at_(at) { choose_rows(); }
 
-  Proof run();
+  SolutionProof run();
 
  private:
   void choose_rows();
@@ -26,6 +25,11 @@ class ConditionedEquilibrium::Prover {
   /// not decided, so that it is not known which piece of a law holds.
   bool evaluate(const std::vector<Ball>& u, std::vector<Ball>& values, std::vector<std::vector<Ball>>* by) const;
   std::string check_stops(const std::vector<Ball>& u) const;
+  bool has_given_force(int stop) const {
+    return std::any_of(system_.conditions_.begin(), system_.conditions_.end(), [&](const Condition& one) {
+      return one.of.kind == SoughtQuantity::Kind::stop_reaction && one.of.item == stop;
+    });
+  }
   bool is_held(const Measure& on, const NumberedEquations::Bodies<BallDual>& bodies,
                const std::vector<NumberedEquations::Placed<BallDual>>& placed) const;
   void expand(const std::vector<Ball>& u, std::vector<BallDual>& z, std::vector<BallDual>& s) const;
@@ -130,7 +134,7 @@ std::string ConditionedEquilibrium::Prover::check_stops(const std::vector<Ball>&
                                      [&](const ActingStop& one) { return one.stop == stop; });
     if (acting != equations.acting().end()) {
       const int place = static_cast<int>(acting - equations.acting().begin());
-      if (place == system_.acting().driven) continue;
+      if (place == system_.acting().driven || has_given_force(stop)) continue;
       const Ball& effort = z[static_cast<std::size_t>(equations.multiplier_of_stop(place))].a;
       const bool presses = acting->upper ? effort < Ball(0) : effort > Ball(0);
       if (!presses) return fmt::format("stop \"{}\" is not proved to press", of.name);
@@ -144,8 +148,8 @@ std::string ConditionedEquilibrium::Prover::check_stops(const std::vector<Ball>&
   return "";
 }
 
-ConditionedEquilibrium::Proof ConditionedEquilibrium::Prover::run() {
-  Proof out;
+SolutionProof ConditionedEquilibrium::Prover::run() {
+  SolutionProof out;
   out.radius.assign(at_.s.size(), std::numeric_limits<double>::infinity());
   out.why = why_not_enclosed(system_.numbers(), system_.equations_.scene(), count());
   if (!out.why.empty()) return out;
@@ -179,6 +183,6 @@ ConditionedEquilibrium::Proof ConditionedEquilibrium::Prover::run() {
   return out;
 }
 
-ConditionedEquilibrium::Proof ConditionedEquilibrium::prove(const Point& at) const { return Prover(*this, at).run(); }
+SolutionProof ConditionedEquilibrium::prove(const Point& at) const { return Prover(*this, at).run(); }
 
 }  // namespace poise

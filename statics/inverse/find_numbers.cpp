@@ -432,26 +432,51 @@ void FoldFinder::prove(FoundNumbers& found) const {
   std::vector<double> poses = poses_of(*model, fold->at.x);
   const double length = over_load.scales().length / over_number.scales().length;
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : length;
-  const UnknownNumbers numbers(over_number.reference_scene(), over_number.scales(), {&over_number});
-  FoldEquations equations(numbers, acting_at(numbers.list()->scene(), poses, fold->at.active_stops));
-  FoldEquations::Point at;
-  const double part = varied_.part_at(found.numbers[0]);
+  // Where a stop comes off the curve turns in a corner: its force is zero there.
+  const auto stop = std::find_if(followed.events.begin(), followed.events.end(), [&](const PathEvent& event) {
+    constexpr double same = 1e-9;
+    return event.kind == PathEvent::Kind::stop &&
+           std::abs(event.at.parameter - fold->at.parameter) <= same * std::abs(fold->at.parameter);
+  });
+  std::vector<int> active = fold->at.active_stops;
+  double part = varied_.part_at(found.numbers[0]);
+  const double given = part;
+  SolutionProof proof;
+  if (stop != followed.events.end()) {
+    SoughtQuantity force;
+    force.kind = SoughtQuantity::Kind::stop_reaction;
+    force.item = stop->item;
+    force.dimension = over_number.scene().stops[static_cast<std::size_t>(stop->item)].on.effort_dimension();
+    const SoughtNumbers sought({&over_number}, {{force, 0.0}});
+    if (std::find(active.begin(), active.end(), stop->item) == active.end()) active.push_back(stop->item);
+    ConditionedEquilibrium equations = sought.equations(acting_at(sought.scaled_scene(), poses, active));
+    Point at = equations.begin(poses, {part});
+    if (!equations.solve(at)) return;
+    part = at.s[0];
+    proof = equations.prove(at);
+  } else {
+    const UnknownNumbers numbers(over_number.reference_scene(), over_number.scales(), {&over_number});
+    FoldEquations equations(numbers, acting_at(numbers.list()->scene(), poses, active));
+    FoldEquations::Point at;
+    if (!equations.solve(poses, part, at)) return;
+    part = at.s;
+    proof = equations.prove(at);
+  }
   constexpr double near = 1e-6;
-  if (!equations.solve(poses, part, at) || !(std::abs(at.s - part) < near)) return;
-  const FoldEquations::Proof proof = equations.prove(at);
+  if (!(std::abs(part - given) < near)) return;
   if (!proof.proved) {
     found.at.statement = proof.why;
     return;
   }
   found.proved = true;
-  found.numbers = {varied_.value_at(at.s)};
+  found.numbers = {varied_.value_at(part)};
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
-  found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius +
+  found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius[0] +
                  std::abs(found.numbers[0]) * std::numeric_limits<double>::epsilon()};
   found.at.statement =
-      "exactly one fold with that load is near this number; that the path over the load meets it first is "
-      "found, not proved";
+      "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
+      "proved";
 }
 
 FoundSet FoldFinder::run() {

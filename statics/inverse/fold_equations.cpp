@@ -8,7 +8,6 @@
 #include "solvers/krawczyk.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/inverse/along_dual.hpp"
-#include "statics/inverse/private/enclosing.hpp"
 
 namespace poise {
 
@@ -139,9 +138,9 @@ bool FoldEquations::solve(std::vector<double> poses, double s, Point& out) {
   return converged;
 }
 
-FoldEquations::Proof FoldEquations::prove(const Point& at) const {
+SolutionProof FoldEquations::prove(const Point& at) const {
   const int n = unknowns(), bodies = equations_.poses();
-  Proof out;
+  SolutionProof out;
   const LeftSides here = differentiate(at);
   // The rows of joints that repeat others are left out, with their efforts and the changes of these.
   std::vector<int> kept;
@@ -173,7 +172,8 @@ FoldEquations::Proof FoldEquations::prove(const Point& at) const {
     return out;
   }
   out.proved = true;
-  out.radius = (proof.solution.back() - Ball(at.s)).greatest();
+  out.radius = {(proof.solution.back() - Ball(at.s)).greatest()};
+  out.reach = proof.reach;
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "solvers/ball.hpp"
+#include "statics/inverse/private/enclosing.hpp"
 #include "statics/inverse/private/least_norm_newton.hpp"
 #include "statics/inverse/unknown_numbers.hpp"
 #include "statics/quantities/numbered_equations.hpp"
@@ -32,13 +33,8 @@ class FoldEquations {
   /// converge.
   bool solve(std::vector<double> poses, double s, Point& out);
 
-  struct Proof {
-    bool proved = false;
-    std::string why;      ///< one sentence, where it is not
-    double radius = 0.0;  ///< the exact part is this close to that of the point
-  };
   /// That exactly one fold is near, in ball arithmetic, without joints that repeat others.
-  Proof prove(const Point& at) const;
+  SolutionProof prove(const Point& at) const;
 
  private:
   /// R(z, p) with its derivatives.

@@ -9,6 +9,15 @@
 
 namespace poise {
 
+/// That exactly one solution of equations with sought numbers lies near a point, in ball arithmetic.
+struct SolutionProof {
+  bool proved = false;
+  std::string why;             ///< one sentence, where it is not
+  std::vector<double> radius;  ///< of each sought part: the exact one is this close to that of the point
+  int neutral = 0;             ///< directions in which the equations do not change, held where they are
+  double reach = 0.0;          ///< no other solution has all unknowns, scaled, within this of the point's
+};
+
 /// Why so many unknowns of the equations of a scene are not enclosed; empty where they may be.
 std::string why_not_enclosed(const UnknownNumbers& numbers, const Scene& scene, int unknowns);
 

@@ -37,7 +37,7 @@ FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const 
   constexpr double same_pose = 1e-7;    // rad or mechanism sizes
   constexpr double from_a_line = 1e-2;  // how far a curve is from a straight line between two of its points
   FoundNumbers out;
-  const ConditionedEquilibrium::Proof proof = system.prove(at);
+  const SolutionProof proof = system.prove(at);
   for (std::size_t k = 0; k < count(); ++k) {
     out.numbers.push_back(range(k).value_at(at.s[k]));
     const double rounding = std::abs(out.numbers.back()) * std::numeric_limits<double>::epsilon();

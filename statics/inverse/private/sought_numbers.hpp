@@ -25,6 +25,7 @@ class SoughtNumbers {
   CurvePoint see(const PathPoint& point, const StaticModel& model, std::vector<double> s) const;
   /// The equations where these stops act, a driven measure last.
   ConditionedEquilibrium equations(const std::vector<ActingStop>& stops) const;
+  const Scene& scaled_scene() const { return numbers_.list()->scene(); }
   const VariedScene& range(std::size_t k) const { return *ranges_[k]; }
   std::size_t count() const { return ranges_.size(); }
   /// A solution with its proof, and with the certificate of the equilibrium of `model`, the scene with these numbers,
