@@ -139,24 +139,26 @@ void NumberFinder::follow_own() {
 }
 
 void NumberFinder::follow_sets() {
-  const double middle = 0.5 * (varied_.from() + varied_.to());
-  const double unit = varied_.unit();
+  const double middle = 0.5 * (varied_.from() + varied_.to()), unit = varied_.unit();
+  Scene scene = varied_.scene();
+  if (varied_.is_driven()) scene.stops.pop_back();
   Claim claim = Claim::complete;
-  for (const auto& [from, to] : {std::pair(varied_.from(), varied_.to()), std::pair(varied_.to(), varied_.from()),
-                                 std::pair(middle, varied_.to()), std::pair(middle, varied_.from())}) {
-    if (is_interrupted()) return;
-    Scene scene = varied_.scene();
-    if (varied_.is_driven()) scene.stops.pop_back();
-    const VariedScene part(std::move(scene), varied_.name(), from / unit, to / unit);
-    const auto model = part.model_at(from);
+  for (const double value : {varied_.from(), varied_.to(), middle}) {
+    const auto model = varied_.model_at(value);
     AllEquilibriaOptions options;
     options.settling = false;
+    options.certificate = options_.path.certificate;
     options.interrupt = options_.path.interrupt;
     const EquilibriumSet set = all_equilibria(*model, options);
     claim = std::max(claim, set.claim);
     for (const Equilibrium& one : set.equilibria) {
       if (is_interrupted()) return;
-      if (!is_on_curves(*model, one.x, from)) follow(part, PathOptions::From::given, one.x);
+      if (is_on_curves(*model, one.x, value)) continue;
+      for (const double end : {varied_.from(), varied_.to()}) {
+        if (end == value) continue;
+        const VariedScene part = VariedScene(scene, varied_.name(), value / unit, end / unit).in(scene, varied_);
+        follow(part, PathOptions::From::given, one.x);
+      }
     }
   }
   out_.sets = claim == Claim::complete

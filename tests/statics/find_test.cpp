@@ -196,6 +196,43 @@ vector = ["-4/c", 4]
   expect_one(found, low);
 }
 
+// Of the two angles at which a pendulum hangs and stands under a force sideways one is on the curve of the other.
+TEST(Find, AllBeginsFromAllEquilibria) {
+  const Scene scene = parse_scene(R"(
+title = "pendulum"
+source = "ours"
+gravity = [0, -10]
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0], B = [1, 0] }
+mass = 1
+center = [1, 0]
+[[pin]]
+name = "O"
+points = ["ground.O", "arm.O"]
+[[force]]
+name = "P"
+at = "arm.B"
+vector = [1, 0]
+)",
+                                  "pendulum.toml");
+  // Hanging and standing  tan(a) = -10 / P;  the pin carries hypot(10, P) in both.
+  const double load = 4.0;
+  const FoundSet own = find(scene, "load.P", 1.0, 20.0, "reaction.O", std::hypot(10.0, load));
+  expect_one(own, load);
+  FindOptions options;
+  options.all = true;
+  const FoundSet all = find(scene, "load.P", 1.0, 20.0, "reaction.O", std::hypot(10.0, load), options);
+  ASSERT_EQ(all.values.size(), 2u);
+  for (const FoundNumbers& one : all.values) {
+    EXPECT_TRUE(one.proved);
+    EXPECT_NEAR(one.numbers[0], load, 1e-12);
+  }
+  EXPECT_NE(all.values[0].at.stability, all.values[1].at.stability);
+  EXPECT_NE(all.sets.find("complete, proved"), std::string::npos) << all.sets;
+}
+
 TEST(Find, AStopThatHoldsIsPartOfTheAnswer) {
   // The stop holds at 0.3 rad; the load for which it presses with 1 N m:  P L cos(0.3) = k 0.3 + 1.
   const Scene scene = sprung_lever("[[stop]]\nname = \"high\"\nbodies = [\"ground\", \"lever\"]\nmax = 0.3\n");
