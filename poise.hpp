@@ -5,6 +5,7 @@
 
 // Scenes, from files and in code
 #include "model/joint_friction.hpp"
+#include "model/named_measures.hpp"
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 
@@ -16,6 +17,7 @@
 #include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/paths/fold_curve.hpp"
+#include "statics/paths/loads_along.hpp"
 #include "statics/paths/path_measures.hpp"
 #include "statics/proof/certificate.hpp"
 #include "statics/proof/enclosed_values.hpp"
