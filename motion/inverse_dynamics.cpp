@@ -192,11 +192,19 @@ class InverseDynamics {
       const Reaction& found = first_drive[static_cast<std::ptrdiff_t>(k)];
       DriveEffort effort{drive.name, drive.on.is_angle(), 0.0, rate_of(scene_, motions_, drive.on),
                          0.0,        found.determined};
-      effort.value = effort.is_angle ? found.moment : -found.axial;
+      effort.value = effort.is_angle ? found.moment / first_moment(drive.on) : -found.axial;
       effort.power = effort.value * effort.rate;
       out.push_back(std::move(effort));
     }
     return out;
+  }
+
+  // The moment of a unit effort on an angle: 1, or of a sum that of its first term, which the reaction shows.
+  double first_moment(const Measure& angle) const {
+    for (const UnitEffort& unit : unit_efforts(scene_, angle, poses_of(motions_))) {
+      if (unit.moment != 0.0) return unit.moment;
+    }
+    return 1.0;
   }
 
   void balance_bodies() {

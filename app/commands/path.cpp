@@ -208,10 +208,9 @@ std::vector<SceneBeside> read_scenes(const PathRequest& request) {
   for (auto& [label, one] : requests_beside(request)) {
     try {
       SceneBeside scene{.label = label, .settings = one.settings, .varied = load_varied_scene(one, given)};
-      scene.measures = read_quantities("--measure", request.measures, scene.varied.scene());
-      for (SoughtQuantity& shown : read_quantities("--show", request.show, scene.varied.scene())) {
-        scene.measures.push_back(std::move(shown));
-      }
+      std::vector<std::string> names = request.measures;
+      names.insert(names.end(), request.show.begin(), request.show.end());
+      scene.measures = read_shown_in_position(names, named_scene(scene.varied));
       out.push_back(std::move(scene));
     } catch (const AssemblyError&) {
       throw;
@@ -226,7 +225,6 @@ std::vector<SceneBeside> read_scenes(const PathRequest& request) {
                       one.scene, request.common.scene));
     }
   }
-  refuse_folds("--show", out.front().measures);
   return out;
 }
 
@@ -251,7 +249,7 @@ int run_beside(const PathRequest& request, const Palette& palette) {
   const bool any = std::any_of(scenes.begin(), scenes.end(), has_points);
   if (has_points(scenes.front()) && scenes.front().measures.empty() && !scenes.front().varied.is_driven()) {
     const std::string name = most_changing(scenes.front().varied, scenes.front().found).name;
-    for (SceneBeside& scene : scenes) scene.measures = read_quantities("--show", {name}, scene.varied.scene());
+    for (SceneBeside& scene : scenes) scene.measures = read_of_position("--show", {name}, scene.varied.scene());
   }
   const Result result = beside_result(scenes, options.at);
   const bool proved = std::all_of(scenes.begin(), scenes.end(), [](const SceneBeside& one) { return one.is_proved(); });

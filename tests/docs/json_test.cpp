@@ -405,6 +405,49 @@ TEST(JsonDocs, Path) {
                 Shared::all);
 }
 
+TEST(JsonDocs, PathBeside) {
+  check_section("path --beside",
+                {{{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--at", "10,39", "--show", "y.arm.T",
+                   "--variant", "soft: spring.rubber.stiffness=200", "--variant", "stiff: spring.rubber.stiffness=900"},
+                  with_csv},
+                 {{"path", scene("toggle_press"), "--vary", "angle.crank=120..150", "--at", "130", "--beside",
+                   scene("toggle_press")},
+                  with_csv}});
+}
+
+constexpr const char* hung_by_a_bar = R"([ground]
+points = { O = [0, 0], A = [2, 1] }
+[body.arm]
+points = { O = [0, 0], B = [1, 0] }
+[body.weight]
+points = { at = [0, 0] }
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[bar]]
+points = ["arm.B", "weight.at"]
+length = 1
+[[spring]]
+points = ["ground.A", "arm.B"]
+stiffness = 50
+free_length = 1
+[[force]]
+name = "W"
+at = "weight.at"
+direction = [0, -1]
+size = 0
+[start.position]
+weight = [1, -1]
+)";
+
+TEST(JsonDocs, LoadsOverARange) {
+  const TempFolder folder;
+  check_section("loads --vary",
+                {{{"loads", scene("structures/three_hinged_portal"), "--vary", "load.wind=0..20"}, with_csv},
+                 {{"loads", scene("toggle_press"), "--vary", "angle.crank=110..150"}, with_csv},
+                 {{"loads", folder.write("hung.toml", hung_by_a_bar), "--vary", "load.W=1..20"}, with_csv},
+                 {{"loads", scene("redundant_parallelogram"), "--vary", "load.W=1..2"}}});
+}
+
 TEST(JsonDocs, PathCurveOfFolds) {
   check_section("path --curve fold",
                 {{{"path", scene("hard/imperfect_pendulum"), "--vary", "torsion_spring.spring.stiffness=0.9..1.1",

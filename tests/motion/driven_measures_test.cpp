@@ -16,7 +16,9 @@
 #include "motion/simulate.hpp"
 #include "statics/bodies/body_measures.hpp"
 #include "statics/paths/path.hpp"
+#include "tests/support/every_measure.hpp"
 #include "tests/support/known_answers.hpp"
+#include "tests/support/motions.hpp"
 #include "tests/support/random_linkages.hpp"
 #include "tests/support/seed.hpp"
 
@@ -349,6 +351,55 @@ TEST(DrivenMeasures, HaveThePosesOfThePathOnWhichTheyVary) {
     }
   }
   EXPECT_GT(compared, 40);
+}
+
+// A [[drive]] on each kind of measure, sums, components, ropes and profiles too: it keeps its course in a motion, by
+// the effort that free bodies need with the inertia of that motion.
+TEST(DrivenMeasures, OfEveryKindMoveMechanismsInTime) {
+  int compared = 0;
+  for (std::uint64_t seed = test::seed(1); seed < test::seed(16); ++seed) {
+    Scene scene = test::random_linkage("four_bar", seed, {});
+    test::Random random(seed);
+    const auto measures = test::measures_of(scene, random, true);
+    const double angle = scene.start.angle[1].value_or(0.0);
+    const KinematicsResult here = sweep(scene, {{scene.bodies[1].name, angle, angle}});
+    const KinematicsResult around = sweep(scene, {{scene.bodies[1].name, angle - 0.02, angle + 0.02}}, {.steps = 8});
+    if (here.samples.empty() || !around.complete) continue;
+    const std::vector<BodyPose<double>> poses = poses_of(here.samples[0].bodies);
+    for (const auto& [name, on] : measures) {
+      const auto has_profile = [](const Measure::Term& term) { return term.profile != nullptr; };
+      if (std::any_of(on.terms.begin(), on.terms.end(), has_profile)) continue;
+      const double value = value_of(scene, on, poses), rate = rate_of(scene, here.samples[0].bodies, on);
+      // Away from its dead centres, where nothing drives it on.
+      const auto is_steady = [&, &of = on](const KinematicSample& sample) {
+        return rate_of(scene, sample.bodies, of) / rate > 0.7;
+      };
+      const bool moves = std::all_of(around.samples.begin(), around.samples.end(), is_steady);
+      if (!(std::abs(rate) > 0.2) || !std::isfinite(value) || !moves) continue;
+      Scene driven = scene;
+      Drive drive;
+      drive.name = "motor";
+      drive.on = on;
+      drive.rate = 0.05 * rate;
+      driven.drives = {drive};
+      const MotionModel model(driven);
+      MotionOptions options;
+      options.duration = 0.05;
+      const Motion motion = simulate(model, start_motion(model, {}), options);
+      ASSERT_TRUE(motion.completed()) << name << seed << motion.why;
+      ++compared;
+      for (std::size_t node = 0; node < motion.trajectory.nodes(); ++node) {
+        const auto n = static_cast<std::ptrdiff_t>(motion.trajectory.coordinates);
+        const auto a = motion.trajectory.a.begin() + static_cast<std::ptrdiff_t>(node) * n;
+        const std::vector<double> q = model.from_si(test::q_at(motion, node));
+        EXPECT_NEAR(value_of(driven, on, model.poses(q)), value + drive.rate * motion.trajectory.t[node], 1e-8) << name;
+        const Forces forces =
+            forces_of(model, q, model.from_si(test::v_at(motion, node)), model.from_si({a, a + n}), driven.drives);
+        EXPECT_NEAR(motion.drive_force[0][node], forces.drives[0].value, 1e-8 * (1 + forces.largest_force)) << name;
+      }
+    }
+  }
+  EXPECT_GT(compared, 20);
 }
 
 }  // namespace
