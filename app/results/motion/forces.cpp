@@ -406,7 +406,7 @@ void add_fluctuation(Group& group, const MotionModel& model, const Fluctuation& 
   const double error = found.flywheel_error(coefficient) / inertia_unit;
   data.entry("flywheel", "flywheel", inertia, dimension::inertia.unit_name(units),
              {.style = Format::Style::significant, .digits = force_digits, .radius = error},
-             fmt::format("holds the speed within {} of its mean", coefficient));
+             fmt::format("holds (largest - least speed) / mean at {}", coefficient));
   data.data("flywheel_error", error);
   data.data("poses", found.poses);
   data.fact("accuracy",
