@@ -680,6 +680,8 @@ std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuant
   });
   for (std::size_t k = 0; k < of.size(); ++k) {
     out[k].mean /= path_.t.back() - path_.t.front();
+    const auto is_none = [](double value) { return std::isnan(value); };
+    if (std::any_of(values[k].begin(), values[k].end(), is_none)) out[k].mean = undefined;
     out[k].least = extreme(of[k], times, values[k], 1.0);
     out[k].greatest = extreme(of[k], times, values[k], -1.0);
   }
