@@ -573,7 +573,8 @@ const Forces& QuantitiesAlong::state(double t, bool with_forces) {
     return forces_;
   }
   forces_ = forces_in_motion(then(t), model_, x, w, b);
-  if (forces_.largest_force > 0.0) imbalance_ = std::max(imbalance_, forces_.imbalance / forces_.largest_force);
+  imbalance_ = std::max(imbalance_, forces_.imbalance);
+  largest_force_ = std::max(largest_force_, forces_.largest_force);
   return forces_;
 }
 
