@@ -54,6 +54,9 @@ class BranchCurve {
       : varied_(varied), branch_(branch), reader_(varied, others), pieces_(varied) {}
 
   std::size_t size() const { return branch_.points.size(); }
+  /// Size of the varied number's range, and what a quantity of the mechanism is measured in, SI.
+  double range() const { return std::abs(varied_.to() - varied_.from()); }
+  double scale_of(const SoughtQuantity& of) const { return 1.0 / of.dimension.per_scale(varied_.scales()); }
   const PathPoint& operator[](std::size_t k) const { return branch_.points[k]; }
 
   /// At the part t of the way from a point to the next one; empty where the curve cannot be followed there.
@@ -212,6 +215,9 @@ class Integral {
   /// `path`: m; the varied number where it has no measures, and then over |dm|.
   Integral(BranchCurve& curve, const SoughtQuantity& of, const WorkPath& path) : curve_(curve), path_(path), of_{of} {
     of_.insert(of_.end(), path.measures.begin(), path.measures.end());
+    constexpr double rounding = 1e-13;
+    const double length = path.measures.empty() ? curve.range() : curve.scale_of(path.measures.front());
+    nothing_ = rounding * curve.scale_of(of) * length;
   }
 
   struct Sum {
@@ -223,7 +229,7 @@ class Integral {
       const Node a = node(curve_[k]), b = node(curve_[k + 1]);
       const std::optional<Node> middle = node_at(k, 0.5);
       if (!why_.empty()) return std::nullopt;
-      constexpr int deepest = 12;
+      constexpr int deepest = 8;
       const double part = middle ? halved(k, 0.0, 1.0, a, *middle, b, deepest) : 0.5 * (a.q + b.q) * (b.m - a.m);
       if (!why_.empty()) return std::nullopt;
       const bool backwards = path_.measures.empty() && b.m < a.m;
@@ -266,7 +272,8 @@ class Integral {
     const double change = left + right - whole;
     const double size = std::max({largest_, std::abs(left) + std::abs(right), std::numeric_limits<double>::min()});
     // Of the order 4: what is left is a fifteenth of the change.
-    if (deepest == 0 || std::abs(change) <= 15 * 0.01 * accuracy * size) return left + right + change / 15;
+    if (deepest == 0 || std::abs(change) <= std::max(15 * 0.01 * accuracy * size, nothing_))
+      return left + right + change / 15;
     return halved(k, from, middle, a, *d, c, deepest - 1) + halved(k, middle, to, c, *e, b, deepest - 1);
   }
 
@@ -275,6 +282,7 @@ class Integral {
   std::vector<SoughtQuantity> of_;
   std::string why_;
   double largest_ = 0.0;
+  double nothing_ = 0.0;  // rounding of an integral
 };
 
 OverPathValue integral_of(BranchCurve& curve, const Scene& scene, const SoughtQuantity& of) {
