@@ -132,6 +132,8 @@ class Extremes {
 
   OverPathValue find(double sense) {
     if (!why_.empty()) return none(why_);
+    const auto [least, most] = std::minmax_element(samples_.begin(), samples_.end());
+    if (*most - *least <= accuracy * size_) return {samples_.front(), "", {curve_[0].parameter}, false};
     struct Found {
       double value, at;
     };
@@ -142,7 +144,7 @@ class Extremes {
       if (!rises || !falls) continue;
       Found one{samples_[k], curve_[k].parameter};
       for (const std::size_t piece : {k - 1, k}) {
-        if (piece + 1 >= samples_.size()) continue;  // also that before the first
+        if (piece >= samples_.size() - 1) continue;  // also that before the first, the largest number
         refine(piece, sense, one.value, one.at);
       }
       found.push_back(one);
@@ -159,9 +161,6 @@ class Extremes {
       const bool is_new = std::none_of(out.at.begin(), out.at.end(), [&](double at) { return at == one.at; });
       if (is_new) out.at.push_back(one.at);
     }
-    // A quantity that does not change is not said to be extreme everywhere.
-    const auto [least, most] = std::minmax_element(samples_.begin(), samples_.end());
-    if (*most - *least <= accuracy * size_) out.at.resize(1);
     out.is_attained_twice = out.at.size() > 1;
     return out;
   }
