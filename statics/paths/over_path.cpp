@@ -158,7 +158,10 @@ class Extremes {
     OverPathValue out{best->value, "", {}, false};
     for (const Found& one : found) {
       if (std::abs(one.value - best->value) > accuracy * size_) continue;
-      const bool is_new = std::none_of(out.at.begin(), out.at.end(), [&](double at) { return at == one.at; });
+      // Where an extreme is flat, its place is known to the root of rounding.
+      constexpr double same_place = 1e-5;
+      const bool is_new = std::none_of(out.at.begin(), out.at.end(),
+                                       [&](double at) { return std::abs(at - one.at) <= same_place * curve_.range(); });
       if (is_new) out.at.push_back(one.at);
     }
     out.is_attained_twice = out.at.size() > 1;
