@@ -92,6 +92,8 @@ TEST(Quantities, WithoutANameAreRefusedInOneLine) {
   EXPECT_NE(refusal(clamp, "d(reaction.B)/d(angle.handle)").find("expected angles"), std::string::npos);
   EXPECT_NE(refusal(clamp, "(force.rubber").find("closing parenthesis"), std::string::npos);
   EXPECT_NE(refusal(clamp, "force.rubber 2").find("expected + - * /"), std::string::npos);
+  EXPECT_NE(refusal(clamp, std::string(100, '(') + "energy").find("inside each other"), std::string::npos);
+  EXPECT_NE(refusal(clamp, std::string(3000, 'a')).find("at most 2000 characters"), std::string::npos);
   for (const char* empty : {"", " ", "+", "force.rubber *", "d()/d()", "d(angle.handle)", "1e999", "nan"}) {
     EXPECT_NE(refusal(clamp, empty), "") << empty;
   }
