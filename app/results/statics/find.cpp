@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -173,6 +175,34 @@ void add_table(Group& content, const FindView& view, const FoundSet& found, cons
 }
 
 }  // namespace
+
+std::vector<Panel> find_panels(const FindView& view, const FoundSet& found) {
+  if (view.numbers.size() != 1 || found.courses.empty()) return {};
+  const VariedScene& number = *view.numbers.front();
+  const WantedValue& wanted = view.wanted.front();
+  const Units& units = number.scene().units;
+  const double unit = wanted.of.dimension.unit(units);
+  const auto label = [](const std::string& name, const std::string& unit_name) {
+    return unit_name.empty() ? name : name + " (" + unit_name + ")";
+  };
+  Panel panel{.title = wanted.of.name + " over " + number.name(),
+              .x_label = label(number.name(), number.unit_name()),
+              .y_label = label(wanted.of.name, wanted.of.dimension.unit_name(units))};
+  for (const QuantityCourse& course : found.courses) {
+    Curve curve{.colour = 0};
+    for (std::size_t k = 0; k < course.numbers.size(); ++k) {
+      curve.x.push_back(course.numbers[k] / number.unit());
+      curve.y.push_back(course.values[k] / unit);
+    }
+    panel.curves.push_back(std::move(curve));
+  }
+  panel.levels.push_back({wanted.value / unit, "wanted"});
+  for (std::size_t k = 0; k < found.values.size(); ++k) {
+    panel.marks.push_back(
+        {found.values[k].numbers[0] / number.unit(), found.values[k].values[0] / unit, std::to_string(k + 1)});
+  }
+  return {panel};
+}
 
 bool is_settled(const FoundSet& found) {
   return found.status == FoundSet::Status::found && found.all_along.empty() &&
