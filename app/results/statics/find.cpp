@@ -189,7 +189,8 @@ std::vector<Panel> find_panels(const FindView& view, const FoundSet& found) {
               .x_label = label(number.name(), number.unit_name()),
               .y_label = label(wanted.of.name, wanted.of.dimension.unit_name(units))};
   for (const QuantityCourse& course : found.courses) {
-    Curve curve{.colour = 0};
+    Curve curve;
+    curve.colour = 0;
     for (std::size_t k = 0; k < course.numbers.size(); ++k) {
       curve.x.push_back(course.numbers[k] / number.unit());
       curve.y.push_back(course.values[k] / unit);
