@@ -191,8 +191,6 @@ void NumberFinder::search(const VariedScene& varied, const Path& path) {
       if (std::isfinite(excess.back())) {
         has_value_ = true;
         note_nearest(point, excess.back());
-        out_.least = std::min(out_.least, wanted_[0].value + excess.back());
-        out_.most = std::max(out_.most, wanted_[0].value + excess.back());
       }
     }
     search(sought, varied, branch.points, excess);
@@ -474,7 +472,7 @@ void FoldFinder::prove(FoundNumbers& found) const {
     return;
   }
   found.proved = true;
-  found.numbers = {varied_.value_at(part)};
+  found.numbers = {varied_.value_at(proof.part[0])};
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
   found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius[0] +

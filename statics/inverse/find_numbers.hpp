@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -61,8 +60,6 @@ struct FoundSet {
   /// where a stop holds it, say. Nothing is proved of these.
   std::vector<std::pair<double, double>> all_along;
   std::optional<FoundNumbers> nearest;  ///< where none is found
-  /// Of one quantity: its least and its largest value at points of the curves, SI.
-  double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
   std::vector<QuantityCourse> courses;  ///< of one number, in the order of the curves
   int curves = 0;                       ///< that were followed
   bool whole = true;                    ///< each of them to an end of the range, or closed

@@ -68,6 +68,23 @@ std::string searched_in_words(const FindView& view, const FoundSet& found) {
   return fmt::format("on {} of equilibria", count(found.curves, "curve", "curves"));
 }
 
+/// ", where it is between 1 N and 2 N", at the points of the curves.
+std::string reach_in_words(const FindView& view, const FoundSet& found, const Units& units) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const QuantityCourse& course : found.courses) {
+    for (const double value : course.values) {
+      if (!std::isfinite(value)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  if (!(least < most)) return "";
+  const Dimension& of = view.wanted[0].of.dimension;
+  constexpr int digits = 6;
+  return fmt::format(", where it is between {} and {}", significant(least / of.unit(units), digits),
+                     with_unit_of(most / of.unit(units), of.unit_name(units), digits));
+}
+
 Line verdict_of(const FindView& view, const FoundSet& found, const Units& units) {
   using Status = FoundSet::Status;
   switch (found.status) {
@@ -89,8 +106,9 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
           fmt::format("{}{} {}.", what, folds && !all_proved ? "" : ", proved,", searched_in_words(view, found)));
     }
     case Status::none:
-      return bad(fmt::format("None in the range {}; the nearest is {} at {}.", searched_in_words(view, found),
-                             quantities_in_words(view, *found.nearest, units), numbers_in_words(view, *found.nearest)));
+      return bad(fmt::format("None in the range {}{}; the nearest is {} at {}.", searched_in_words(view, found),
+                             reach_in_words(view, found, units), quantities_in_words(view, *found.nearest, units),
+                             numbers_in_words(view, *found.nearest)));
     case Status::no_start:
       return bad("No equilibrium to begin from: " + found.why + ".");
     case Status::undefined:

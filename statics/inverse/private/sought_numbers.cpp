@@ -39,7 +39,7 @@ FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const 
   FoundNumbers out;
   const SolutionProof proof = system.prove(at);
   for (std::size_t k = 0; k < count(); ++k) {
-    out.numbers.push_back(range(k).value_at(at.s[k]));
+    out.numbers.push_back(range(k).value_at(proof.part[k]));
     const double rounding = std::abs(out.numbers.back()) * std::numeric_limits<double>::epsilon();
     const double length = std::abs(range(k).to() - range(k).from());
     out.radii.push_back(proof.proved ? length * proof.radius[k] + rounding : infinity);
