@@ -475,8 +475,9 @@ void FoldFinder::prove(FoundNumbers& found) const {
   found.numbers = {varied_.value_at(proof.part[0])};
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
-  found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius[0] +
-                 std::abs(found.numbers[0]) * std::numeric_limits<double>::epsilon()};
+  const double length = std::abs(varied_.to() - varied_.from());
+  found.radii = {length * proof.radius[0] +
+                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + length)};
   found.at.statement =
       "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
       "proved";

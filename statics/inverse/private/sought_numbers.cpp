@@ -40,8 +40,8 @@ FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const 
   const SolutionProof proof = system.prove(at);
   for (std::size_t k = 0; k < count(); ++k) {
     out.numbers.push_back(range(k).value_at(proof.part[k]));
-    const double rounding = std::abs(out.numbers.back()) * std::numeric_limits<double>::epsilon();
     const double length = std::abs(range(k).to() - range(k).from());
+    const double rounding = std::numeric_limits<double>::epsilon() * (std::abs(range(k).from()) + length);
     out.radii.push_back(proof.proved ? length * proof.radius[k] + rounding : infinity);
   }
   const Eigen::VectorXd excess = system.excess(at);
