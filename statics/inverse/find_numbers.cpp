@@ -475,9 +475,9 @@ void FoldFinder::prove(FoundNumbers& found) const {
   found.numbers = {varied_.value_at(proof.part[0])};
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
-  const double length = std::abs(varied_.to() - varied_.from());
-  found.radii = {length * proof.radius[0] +
-                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + length)};
+  const double range = std::abs(varied_.to() - varied_.from());
+  found.radii = {range * proof.radius[0] +
+                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
   found.at.statement =
       "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
       "proved";
