@@ -360,7 +360,11 @@ TEST(DrivenMeasures, OfEveryKindMoveMechanismsInTime) {
   for (std::uint64_t seed = test::seed(1); seed < test::seed(16); ++seed) {
     Scene scene = test::random_linkage("four_bar", seed, {});
     test::Random random(seed);
-    const auto measures = test::measures_of(scene, random, true);
+    auto measures = test::measures_of(scene, random, true);
+    for (auto& one : measures) {
+      // A random rope may come off its pulleys on the way.
+      for (RopeContact& contact : one.measure.contacts) contact.radius = 0.0;
+    }
     const double angle = scene.start.angle[1].value_or(0.0);
     const KinematicsResult here = sweep(scene, {{scene.bodies[1].name, angle, angle}});
     const KinematicsResult around = sweep(scene, {{scene.bodies[1].name, angle - 0.02, angle + 0.02}}, {.steps = 8});
