@@ -573,7 +573,8 @@ const Forces& QuantitiesAlong::state(double t, bool with_forces) {
     return forces_;
   }
   forces_ = forces_in_motion(then(t), model_, x, w, b);
-  if (forces_.largest_force > 0.0) imbalance_ = std::max(imbalance_, forces_.imbalance / forces_.largest_force);
+  imbalance_ = std::max(imbalance_, forces_.imbalance);
+  largest_force_ = std::max(largest_force_, forces_.largest_force);
   return forces_;
 }
 
@@ -680,6 +681,8 @@ std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuant
   });
   for (std::size_t k = 0; k < of.size(); ++k) {
     out[k].mean /= path_.t.back() - path_.t.front();
+    const auto is_none = [](double value) { return std::isnan(value); };
+    if (std::any_of(values[k].begin(), values[k].end(), is_none)) out[k].mean = undefined;
     out[k].least = extreme(of[k], times, values[k], 1.0);
     out[k].greatest = extreme(of[k], times, values[k], -1.0);
   }

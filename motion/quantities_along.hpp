@@ -96,9 +96,9 @@ class QuantitiesAlong {
   /// Gauss's rule of five points in each step.
   std::vector<QuantityRange> ranges(const std::vector<SoughtQuantity>& of);
 
-  /// The largest imbalance of a body over the largest force then, of all states yet whose forces were asked for: how
-  /// well accelerations between the steps are known.
-  double imbalance() const { return imbalance_; }
+  /// The largest imbalance of a body over the largest force, of all states yet whose forces were asked for: how well
+  /// accelerations between the steps are known.
+  double imbalance() const { return largest_force_ > 0.0 ? imbalance_ / largest_force_ : 0.0; }
 
  private:
   class Equations;
@@ -128,7 +128,7 @@ class QuantitiesAlong {
   double then_at_ = 0.0;
   bool has_forces_ = false;
   Forces forces_;
-  double imbalance_ = 0.0;
+  double imbalance_ = 0.0, largest_force_ = 0.0;  // N
   std::vector<Polynomial> polynomials_;
   std::vector<std::pair<std::string, double>> over_motion_;  // max(Q) and the like that are known
 };

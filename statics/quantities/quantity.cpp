@@ -715,7 +715,7 @@ class Reader {
     rest_.remove_prefix(2);
     const std::string name = fmt::format("d({})/dt", a.name);
     if (catalogue_.asked_of() == AskedOf::rest) {
-      fail(name + ": nothing changes with time at rest; expected d(A)/d(B), or poise motion --show");
+      fail("nothing changes with time at rest; expected d(A)/d(B), or poise motion --show");
     }
     SoughtQuantity out{.name = name, .kind = Kind::by_time, .dimension = a.dimension * dimension::time.power(-1)};
     out.of = {std::move(a)};

@@ -220,7 +220,7 @@ points = ["ground.O", "bar.O"]
   EXPECT_NEAR(found["energy_swing"].get<double>(), 30.0, 1e-8);
   EXPECT_NEAR(found["slowest_at"].get<double>(), 90.0, 1e-4) << "above";
   EXPECT_NEAR(found["flywheel"].get<double>(), 30.0 / (0.1 * M_PI * M_PI / 4), 1e-7);
-  EXPECT_NE(run.out.find("holds the speed within 0.1 of its mean"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("holds (largest - least speed) / mean at 0.1"), std::string::npos) << run.out;
   for (const auto& [words, says] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--drive", "bar=0..360", "--flywheel", "0.1"}, "--flywheel: its size depends on the speed"},
            {{"--drive", "bar=0..90", "--rate", "90", "--flywheel", "0.1"}, "expected a range of whole turns"},

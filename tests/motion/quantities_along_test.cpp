@@ -75,7 +75,7 @@ points = ["ground.O", "bar.A"]
 [[damper]]
 name = "idle"
 points = ["ground.O", "bar.B"]
-damping = 3
+coefficient = 3
 )",
                                  -g, l, m, d, inertia),
                      "pendulum.toml");
@@ -186,11 +186,12 @@ at = "block.C"
 vector = [{}, 0]
 [[damper]]
 name = "oil"
-travel = "rail"
-damping = {}
+slide = "rail"
+coefficient = {}
 [[drive]]
 name = "motor"
 bodies = ["ground", "crank"]
+start = 0.3
 rate = {}
 [start]
 crank = 0.3
@@ -342,7 +343,7 @@ points = ["ground.O", "block.P"]
 axis = [1, 0]
 [[friction]]
 name = "rub"
-travel = "rail"
+slide = "rail"
 force = 5
 [[force]]
 name = "pull"

@@ -5,16 +5,25 @@
 #include <utility>
 
 namespace poise::app {
+namespace {
+
+/// Energies and torques have one unit, and other sizes.
+bool is_energy(const SoughtQuantity& of) {
+  return of.kind == SoughtQuantity::Kind::energy || of.kind == SoughtQuantity::Kind::kinetic_energy;
+}
+
+}  // namespace
 
 std::vector<Panel> quantity_panels(const std::vector<SoughtQuantity>& of, const std::vector<std::vector<double>>& value,
                                    const Units& units, const std::vector<double>& x, const std::string& x_label) {
   std::vector<Panel> out;
-  std::vector<Dimension> dimensions;
+  std::vector<std::pair<Dimension, bool>> axes;
   for (std::size_t k = 0; k < of.size(); ++k) {
-    const auto same = std::find(dimensions.begin(), dimensions.end(), of[k].dimension);
-    const auto place = static_cast<std::size_t>(same - dimensions.begin());
-    if (same == dimensions.end()) {
-      dimensions.push_back(of[k].dimension);
+    const std::pair axis{of[k].dimension, is_energy(of[k])};
+    const auto same = std::find(axes.begin(), axes.end(), axis);
+    const auto place = static_cast<std::size_t>(same - axes.begin());
+    if (same == axes.end()) {
+      axes.push_back(axis);
       const std::string unit = of[k].dimension.unit_name(units);
       out.push_back({.title = of[k].name, .y_label = unit.empty() ? "1" : unit});
     } else {

@@ -380,33 +380,32 @@ void add_fluctuation(Group& group, const MotionModel& model, const Fluctuation& 
     return fmt::format("{} at {} {}", with_unit(model, place.value, Quantity::moment),
                        significant(place.angle / angle_unit, force_digits), angle_name);
   };
-  Group& data = group.group("fluctuation", "Fluctuation and flywheel");
+  Group& data = group.group("fluctuation", "Fluctuation of the torque, and flywheel");
   data.data("drive", found.drive);
   data.data("speed", found.speed / angle_unit);
   data.data("coefficient", coefficient);
-  for (const auto& [key, label, place] : {std::tuple("greatest_torque", "greatest torque", &found.greatest),
-                                          std::tuple("least_torque", "least torque", &found.least)}) {
+  for (const auto& [key, label, place] : {std::tuple("greatest_torque", "greatest", &found.greatest),
+                                          std::tuple("least_torque", "least", &found.least)}) {
     data.data(key, in_unit(place->value, Quantity::moment, units));
     data.data(std::string(key) + "_at", place->angle / angle_unit);
     data.fact(label, at(*place));
   }
   data.data("mean_torque", in_unit(found.mean, Quantity::moment, units));
   data.data("mean_torque_error", in_unit(found.mean_error, Quantity::moment, units));
-  data.fact("mean torque", with_unit(model, found.mean, Quantity::moment, force_digits, found.mean_error));
+  data.fact("mean", with_unit(model, found.mean, Quantity::moment, force_digits, found.mean_error));
   data.data("energy_swing", in_unit(found.swing, Quantity::energy, units));
   data.data("energy_swing_error", in_unit(found.swing_error, Quantity::energy, units));
   data.data("fastest_at", found.fastest_at / angle_unit);
   data.data("slowest_at", found.slowest_at / angle_unit);
-  data.fact("energy swing",
-            fmt::format("{}: a flywheel is fastest at {} {}, slowest at {} {}",
-                        with_unit(model, found.swing, Quantity::energy, force_digits, found.swing_error),
-                        significant(found.fastest_at / angle_unit, 4), angle_name,
-                        significant(found.slowest_at / angle_unit, 4), angle_name));
+  data.fact("energy", fmt::format("swings by {}; a flywheel is fastest at {} {}, slowest at {} {}",
+                                  with_unit(model, found.swing, Quantity::energy, force_digits, found.swing_error),
+                                  significant(found.fastest_at / angle_unit, 4), angle_name,
+                                  significant(found.slowest_at / angle_unit, 4), angle_name));
   const double inertia = found.flywheel(coefficient) / inertia_unit;
   const double error = found.flywheel_error(coefficient) / inertia_unit;
   data.entry("flywheel", "flywheel", inertia, dimension::inertia.unit_name(units),
              {.style = Format::Style::significant, .digits = force_digits, .radius = error},
-             fmt::format("holds the speed within {} of its mean", coefficient));
+             fmt::format("holds (largest - least speed) / mean at {}", coefficient));
   data.data("flywheel_error", error);
   data.data("poses", found.poses);
   data.fact("accuracy",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -94,12 +95,13 @@ void add_ranges(Group& group, const QuantitiesInTime& found, const ScaledModel& 
 
 void add_once(Group& group, const QuantitiesInTime& found, const ScaledModel& model, const Known& known) {
   std::vector<std::string> names, texts, of_units;
-  std::vector<double> values;
-  for (const auto& [of, value] : found.once) {
+  std::vector<double> values, times;
+  for (const auto& [of, value, at] : found.once) {
     names.push_back(of.name);
     const Written as = written(of, std::abs(value), model, found.time.back(), known);
     values.push_back(value / as.unit);
     texts.push_back(as.text(value));
+    times.push_back(at);
     of_units.push_back(of.dimension.unit_name(model.scene().units));
   }
   Table& table = group.table("", "Quantities of the whole motion", Rows::list);
@@ -107,16 +109,19 @@ void add_once(Group& group, const QuantitiesInTime& found, const ScaledModel& mo
   table.words("quantity", "quantity", std::move(names));
   table.numbers("value", "value", "", std::move(values)).texts = std::move(texts);
   table.words("unit", "unit", std::move(of_units));
+  const bool any = std::any_of(times.begin(), times.end(), [](double at) { return std::isfinite(at); });
+  if (any) table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 
 void add_quantity_data(Group& group, const QuantitiesInTime& found, const Units& units) {
   group.data("quantity_times", found.time);
   Branch& quantities = group.array("quantities");
-  for (const auto& [of, value] : found.once) {
+  for (const auto& [of, value, at] : found.once) {
     Group& one = quantities.parts.emplace_back();
     one.data("name", of.name);
     one.data("unit", of.dimension.unit_name(units));
     one.data("value", value / of.dimension.unit(units));
+    one.data("at", at);
   }
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const SoughtQuantity& of = found.of[k];
@@ -134,6 +139,14 @@ void add_quantity_data(Group& group, const QuantitiesInTime& found, const Units&
   }
 }
 
+/// When an extreme is reached.
+double time_of(const SoughtQuantity& of, QuantitiesAlong& along) {
+  const bool is_greatest = of.kind == SoughtQuantity::Kind::maximum;
+  if (!is_greatest && of.kind != SoughtQuantity::Kind::minimum) return std::numeric_limits<double>::quiet_NaN();
+  const QuantityRange range = along.ranges(of.of).front();
+  return is_greatest ? range.greatest.time : range.least.time;
+}
+
 }  // namespace
 
 QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const std::vector<double>& time,
@@ -144,7 +157,7 @@ QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const
     if (!is_constant_in_time(one))
       changing.push_back(one);
     else
-      out.once.push_back({one, along.value(one, time.front())});
+      out.once.push_back({one, along.value(one, time.front()), time_of(one, along)});
   }
   out.of = std::move(changing);
   out.value.resize(out.of.size());
@@ -164,6 +177,7 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const S
   add_once(group, found, model, known);
   for (const std::string& why : found.left_out) group.fact("left out", why, Tone::doubtful);
   if (found.of.empty()) return;
+  add_ranges(group, found, model, known);
   Table& table = group.table("", "Quantities over time", Rows::columns);
   table.csv = found.are_all;
   table.shown = Table::Shown::spread;
@@ -176,7 +190,6 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const S
                   {.digits = most_digits, .zero_below = as.nothing, .radius = as.radius});
   }
   table.footnotes = undefined_in_words(found);
-  add_ranges(group, found, model, known);
 }
 
 }  // namespace poise::app

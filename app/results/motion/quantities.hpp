@@ -15,6 +15,7 @@ struct QuantitiesInTime {
   struct Once {
     SoughtQuantity of;
     double value = 0.0;
+    double at = 0.0;  ///< when, of max(Q) and min(Q); not a number of all else
   };
   bool are_all = false;                 ///< nothing else of the motion was asked for
   std::vector<std::string> left_out{};  ///< outputs of the scene that have no meaning in a motion, and why
