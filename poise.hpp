@@ -18,11 +18,8 @@
 #include "statics/model/mobility.hpp"
 #include "statics/inverse/find_numbers.hpp"
 #include "statics/paths/fold_curve.hpp"
-<<<<<<< HEAD
 #include "statics/paths/over_path.hpp"
-=======
 #include "statics/paths/loads_along.hpp"
->>>>>>> h2
 #include "statics/paths/path_measures.hpp"
 #include "statics/proof/certificate.hpp"
 #include "statics/proof/enclosed_values.hpp"

@@ -116,7 +116,7 @@ VectorXd SplitClosure::gap(const VectorXd& x) const {
 }
 
 MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
-  const MatrixXd of_closures = DensePoint<double>(model_.mechanism(), coordinates(x), rows_).jacobian;
+  MatrixXd of_closures = DensePoint<double>(model_.mechanism(), coordinates(x), rows_).jacobian;
   const Eigen::Index closures = of_closures.rows(), measures = static_cast<Eigen::Index>(measures_.size());
   if (measures == 0) return of_closures;
   MatrixXd out = MatrixXd::Zero(closures + measures, coordinates_ + measures);

@@ -109,11 +109,12 @@ Eigen::Index rank_of(const SplitClosure& closure, const MatrixXd& matrix) {
   return (values.array() >= DrivenPath::singular_below * largest && values.array() > 0.0).count();
 }
 
-// Whether closures that lose rank at x have a higher rank in a pose close by.
-bool is_singular(const SplitClosure& closure, const VectorXd& x) {
+// Whether columns of the closures, `of` their Jacobian, have a higher rank in a pose close by than at x.
+template <class Of>
+bool gains_rank_beside(const SplitClosure& closure, const VectorXd& x, Of of) {
   const EquilibriumProblem problem(closure.model().mechanism());
   solvers::Newton newton(problem);
-  const Eigen::Index rank = rank_of(closure, closure.jacobian(x));
+  const Eigen::Index rank = rank_of(closure, of(closure.jacobian(x)));
   for (int k = 1; k <= 4; ++k) {
     VectorXd beside = x;
     for (Eigen::Index i = 0; i < x.size(); ++i) beside[i] += 0.03 * std::sin(k + 2.0 * k * static_cast<double>(i));
@@ -121,7 +122,7 @@ bool is_singular(const SplitClosure& closure, const VectorXd& x) {
     const solvers::NewtonResult& closed = newton.close(q);
     if (closed.end != solvers::NewtonEnd::converged) continue;
     const Eigen::Map<const VectorXd> pose(closed.x.data(), static_cast<Eigen::Index>(closed.x.size()));
-    if (rank_of(closure, closure.jacobian(closure.with_measures(pose))) > rank) return true;
+    if (rank_of(closure, of(closure.jacobian(closure.with_measures(pose)))) > rank) return true;
   }
   return false;
 }
@@ -142,7 +143,15 @@ void expect_driven(const SplitClosure& closure, const std::vector<DrivenCoordina
                     "out the others",
                     where(scene), freedoms, drives));
   }
-  if (freedoms <= drives || is_singular(closure, x)) {
+  const auto all_columns = [](const MatrixXd& of_all) { return of_all; };
+  const auto free_columns = [&](const MatrixXd& of_all) { return closure.free_columns(of_all); };
+  if (freedoms <= drives && !closure.measured().empty() && !gains_rank_beside(closure, x, free_columns)) {
+    throw InputError(fmt::format(
+        "{}drive \"{}\": expected a measure that changes as the mechanism moves, in every pose near it stays "
+        "the same, or follows from other drives; drive another",
+        where(scene), scene.drives[static_cast<std::size_t>(closure.measured().front())].name));
+  }
+  if (freedoms <= drives || gains_rank_beside(closure, x, all_columns)) {
     const std::string& start = driven.front().start;
     throw InputError(fmt::format(
         "{}drive \"{}\": the start is a singular pose, where it does not determine the motion; expected a regular one; "
@@ -401,10 +410,6 @@ class Sweep {
   bool standing_ = false;
   KinematicsResult result_;
 };
-
-}  // namespace
-
-namespace {
 
 NamedMeasure driven_measure_of(const Scene& scene, const std::string& name) {
   if (std::optional<NamedMeasure> found = find_measure(scene, name)) return *found;

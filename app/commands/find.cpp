@@ -75,7 +75,11 @@ FindOptions read_find_options(const FindRequest& request) {
 int finish_find(const FindRequest& request, const FindView& view, const FoundSet& found, OutputFiles& files,
                 Progress& progress, const Palette& palette) {
   const Result result = find_result(view, found, request.common.settings);
-  return finish(request.common, result, &files, {}, is_settled(found), progress, palette);
+  Pictures pictures;
+  const std::vector<Panel> panels = find_panels(view, found);
+  if (!panels.empty() && files.wants_svg()) pictures.svg = draw_plot(panels);
+  if (!panels.empty() && files.wants_html()) pictures.figures = chart_figures("What was sought", panels);
+  return finish(request.common, result, &files, pictures, is_settled(found), progress, palette);
 }
 
 int run_find(const FindRequest& request, const Palette& palette) {
@@ -88,6 +92,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
         count, request.wanted.size()));
   }
   if (count == 2 && request.all) throw InputError("--all: expected one --vary, found two");
+  if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
   const Scene scene = load_scene(request.common);
@@ -152,7 +157,9 @@ Command find_command() {
        "one nearest to the start"});
   add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);
-  add_output_options(command, request->common, {.csv = "Write the values, one line each, to FILE"});
+  add_output_options(command, request->common,
+                     {.svg = "Draw the quantity over the number, with the values found, into FILE",
+                      .csv = "Write the values, one line each, to FILE"});
   command.run = [request](const Palette& palette) { return run_find(*request, palette); };
   return command;
 }

@@ -150,6 +150,7 @@ std::string ConditionedEquilibrium::Prover::check_stops(const std::vector<Ball>&
 
 SolutionProof ConditionedEquilibrium::Prover::run() {
   SolutionProof out;
+  out.part = at_.s;
   out.radius.assign(at_.s.size(), std::numeric_limits<double>::infinity());
   out.why = why_not_enclosed(system_.numbers(), system_.equations_.scene(), count());
   if (!out.why.empty()) return out;
@@ -178,7 +179,8 @@ SolutionProof ConditionedEquilibrium::Prover::run() {
   out.reach = proof.reach;
   for (std::size_t k = 0; k < at_.s.size(); ++k) {
     const Ball& part = proof.solution[proof.solution.size() - at_.s.size() + k];
-    out.radius[k] = (part - Ball(at_.s[k])).greatest();
+    out.part[k] = part.middle();
+    out.radius[k] = (part - Ball(out.part[k])).greatest();
   }
   return out;
 }

@@ -183,13 +183,14 @@ void NumberFinder::search(const VariedScene& varied, const Path& path) {
   PathReader reader(varied, options_.others);
   for (const PathBranch& branch : path.branches) {
     std::vector<double> excess;
+    QuantityCourse& course = out_.courses.emplace_back();
     for (const PathPoint& point : branch.points) {
-      excess.push_back(reader.value(wanted_[0].of, point) - wanted_[0].value);
+      course.numbers.push_back(point.parameter);
+      course.values.push_back(reader.value(wanted_[0].of, point));
+      excess.push_back(course.values.back() - wanted_[0].value);
       if (std::isfinite(excess.back())) {
         has_value_ = true;
         note_nearest(point, excess.back());
-        out_.least = std::min(out_.least, wanted_[0].value + excess.back());
-        out_.most = std::max(out_.most, wanted_[0].value + excess.back());
       }
     }
     search(sought, varied, branch.points, excess);
@@ -471,11 +472,12 @@ void FoldFinder::prove(FoundNumbers& found) const {
     return;
   }
   found.proved = true;
-  found.numbers = {varied_.value_at(part)};
+  found.numbers = {varied_.value_at(proof.part[0])};
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
-  found.radii = {std::abs(varied_.to() - varied_.from()) * proof.radius[0] +
-                 std::abs(found.numbers[0]) * std::numeric_limits<double>::epsilon()};
+  const double range = std::abs(varied_.to() - varied_.from());
+  found.radii = {range * proof.radius[0] +
+                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
   found.at.statement =
       "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
       "proved";
@@ -486,7 +488,13 @@ FoundSet FoldFinder::run() {
   constexpr int slices = 8;
   std::vector<std::optional<AtFold>> at;
   const auto is_interrupted = [&] { return options_.path.interrupt != nullptr && *options_.path.interrupt; };
-  for (int k = 0; k <= slices && !is_interrupted(); ++k) at.push_back(fold_at(static_cast<double>(k) / slices));
+  QuantityCourse& course = out_.courses.emplace_back();
+  for (int k = 0; k <= slices && !is_interrupted(); ++k) {
+    const double part = static_cast<double>(k) / slices;
+    at.push_back(fold_at(part));
+    course.numbers.push_back(varied_.value_at(part));
+    course.values.push_back(at.back() ? at.back()->excess + wanted_.value : std::numeric_limits<double>::quiet_NaN());
+  }
   for (std::size_t k = 0; k + 1 < at.size() && !is_interrupted(); ++k) {
     if (!at[k] || !at[k + 1] || !(at[k]->excess * at[k + 1]->excess <= 0.0)) continue;
     const double from = static_cast<double>(k) / slices, to = static_cast<double>(k + 1) / slices;

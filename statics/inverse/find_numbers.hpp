@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,6 +39,11 @@ struct FindOptions {
   int slices = 5;
 };
 
+/// The quantity over the one number that is sought, along a branch of a curve, SI; not a number where it is undefined.
+struct QuantityCourse {
+  std::vector<double> numbers, values;
+};
+
 struct FoundSet {
   enum class Status {
     not_started,
@@ -56,12 +60,11 @@ struct FoundSet {
   /// where a stop holds it, say. Nothing is proved of these.
   std::vector<std::pair<double, double>> all_along;
   std::optional<FoundNumbers> nearest;  ///< where none is found
-  /// Of one quantity: its least and its largest value at points of the curves, SI.
-  double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
-  int curves = 0;     ///< that were followed
-  bool whole = true;  ///< each of them to an end of the range, or closed
-  std::string sets;   ///< with `all`: what is known of the sets that were begun from
-  int paths = 0;      ///< curves followed for it, of all kinds
+  std::vector<QuantityCourse> courses;  ///< of one number, in the order of the curves
+  int curves = 0;                       ///< that were followed
+  bool whole = true;                    ///< each of them to an end of the range, or closed
+  std::string sets;                     ///< with `all`: what is known of the sets that were begun from
+  int paths = 0;                        ///< curves followed for it, of all kinds
 };
 
 /// The values in its range of a number for which a quantity has the wanted value in equilibrium: along the curve of

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "model/input_error.hpp"
 #include "statics/inverse/find_numbers.hpp"
 #include "statics/inverse/private/sought_numbers.hpp"
 #include "statics/paths/path_measures.hpp"
@@ -62,7 +63,13 @@ void PairFinder::follow_slices() {
     options.certify = false;
     options.at.clear();
     ++out_.paths;
-    slice.path = path(*slice.varied, options);
+    try {
+      slice.path = path(*slice.varied, options);
+    } catch (const InputError& error) {
+      // It cannot be assembled there, or does not depend on the first number there.
+      slice.path.status = Path::Status::no_start;
+      slice.path.why = error.what();
+    }
     if (slice.path.status == Path::Status::no_start) {
       out_.why = slice.path.why;
       continue;

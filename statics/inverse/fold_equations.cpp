@@ -172,7 +172,8 @@ SolutionProof FoldEquations::prove(const Point& at) const {
     return out;
   }
   out.proved = true;
-  out.radius = {(proof.solution.back() - Ball(at.s)).greatest()};
+  out.part = {proof.solution.back().middle()};
+  out.radius = {(proof.solution.back() - Ball(out.part[0])).greatest()};
   out.reach = proof.reach;
   return out;
 }

@@ -54,6 +54,9 @@ class BranchCurve {
       : varied_(varied), branch_(branch), reader_(varied, others), pieces_(varied) {}
 
   std::size_t size() const { return branch_.points.size(); }
+  /// Size of the varied number's range, and what a quantity of the mechanism is measured in, SI.
+  double range() const { return std::abs(varied_.to() - varied_.from()); }
+  double scale_of(const SoughtQuantity& of) const { return 1.0 / of.dimension.per_scale(varied_.scales()); }
   const PathPoint& operator[](std::size_t k) const { return branch_.points[k]; }
 
   /// At the part t of the way from a point to the next one; empty where the curve cannot be followed there.
@@ -129,6 +132,8 @@ class Extremes {
 
   OverPathValue find(double sense) {
     if (!why_.empty()) return none(why_);
+    const auto [least, most] = std::minmax_element(samples_.begin(), samples_.end());
+    if (*most - *least <= accuracy * size_) return {samples_.front(), "", {curve_[0].parameter}, false};
     struct Found {
       double value, at;
     };
@@ -139,7 +144,7 @@ class Extremes {
       if (!rises || !falls) continue;
       Found one{samples_[k], curve_[k].parameter};
       for (const std::size_t piece : {k - 1, k}) {
-        if (piece + 1 >= samples_.size()) continue;  // also that before the first
+        if (piece >= samples_.size() - 1) continue;  // also that before the first, the largest number
         refine(piece, sense, one.value, one.at);
       }
       found.push_back(one);
@@ -153,12 +158,12 @@ class Extremes {
     OverPathValue out{best->value, "", {}, false};
     for (const Found& one : found) {
       if (std::abs(one.value - best->value) > accuracy * size_) continue;
-      const bool is_new = std::none_of(out.at.begin(), out.at.end(), [&](double at) { return at == one.at; });
+      // Where an extreme is flat, its place is known to the root of rounding.
+      constexpr double same_place = 1e-5;
+      const bool is_new = std::none_of(out.at.begin(), out.at.end(),
+                                       [&](double at) { return std::abs(at - one.at) <= same_place * curve_.range(); });
       if (is_new) out.at.push_back(one.at);
     }
-    // A quantity that does not change is not said to be extreme everywhere.
-    const auto [least, most] = std::minmax_element(samples_.begin(), samples_.end());
-    if (*most - *least <= accuracy * size_) out.at.resize(1);
     out.is_attained_twice = out.at.size() > 1;
     return out;
   }
@@ -212,6 +217,9 @@ class Integral {
   /// `path`: m; the varied number where it has no measures, and then over |dm|.
   Integral(BranchCurve& curve, const SoughtQuantity& of, const WorkPath& path) : curve_(curve), path_(path), of_{of} {
     of_.insert(of_.end(), path.measures.begin(), path.measures.end());
+    constexpr double rounding = 1e-13;
+    const double length = path.measures.empty() ? curve.range() : curve.scale_of(path.measures.front());
+    nothing_ = rounding * curve.scale_of(of) * length;
   }
 
   struct Sum {
@@ -223,7 +231,7 @@ class Integral {
       const Node a = node(curve_[k]), b = node(curve_[k + 1]);
       const std::optional<Node> middle = node_at(k, 0.5);
       if (!why_.empty()) return std::nullopt;
-      constexpr int deepest = 12;
+      constexpr int deepest = 8;
       const double part = middle ? halved(k, 0.0, 1.0, a, *middle, b, deepest) : 0.5 * (a.q + b.q) * (b.m - a.m);
       if (!why_.empty()) return std::nullopt;
       const bool backwards = path_.measures.empty() && b.m < a.m;
@@ -266,7 +274,8 @@ class Integral {
     const double change = left + right - whole;
     const double size = std::max({largest_, std::abs(left) + std::abs(right), std::numeric_limits<double>::min()});
     // Of the order 4: what is left is a fifteenth of the change.
-    if (deepest == 0 || std::abs(change) <= 15 * 0.01 * accuracy * size) return left + right + change / 15;
+    if (deepest == 0 || std::abs(change) <= std::max(15 * 0.01 * accuracy * size, nothing_))
+      return left + right + change / 15;
     return halved(k, from, middle, a, *d, c, deepest - 1) + halved(k, middle, to, c, *e, b, deepest - 1);
   }
 
@@ -275,6 +284,7 @@ class Integral {
   std::vector<SoughtQuantity> of_;
   std::string why_;
   double largest_ = 0.0;
+  double nothing_ = 0.0;  // rounding of an integral
 };
 
 OverPathValue integral_of(BranchCurve& curve, const Scene& scene, const SoughtQuantity& of) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "statics/bodies/body_measures.hpp"
 #include "statics/quantities/linear_response.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -101,6 +102,19 @@ bool is_open(const SoughtQuantity& of, const NumberedEquations& equations, const
          !((held.open.transpose() * by_efforts).cwiseAbs().maxCoeff() <= nothing * by_efforts.norm());
 }
 
+/// Without the numbers as variables, which measures alone do not need.
+std::vector<QuantityValue> measures_in(const RestingPlace& place, const std::vector<SoughtQuantity>& of) {
+  std::vector<BodyPose<double>> poses(1);
+  for (std::size_t i = 0; i + 2 < place.poses.size(); i += 3) {
+    poses.push_back({{place.poses[i], place.poses[i + 1]}, place.poses[i + 2]});
+  }
+  std::vector<QuantityValue> out;
+  for (const SoughtQuantity& one : of) {
+    out.push_back({value_of(place.scene, one.on, poses) / one.dimension.per_scale(place.scales), ""});
+  }
+  return out;
+}
+
 /// A quantity with a number in place of each part that others find. Why one has none is left in `why`.
 SoughtQuantity with_others(SoughtQuantity of, const RestingPlace& place, std::string& why) {
   if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
@@ -129,6 +143,9 @@ RestingPlace resting_place(const StaticModel& model, const std::vector<double>& 
 }
 
 std::vector<QuantityValue> quantity_values(const RestingPlace& place, const std::vector<SoughtQuantity>& of) {
+  if (std::all_of(of.begin(), of.end(), [](const SoughtQuantity& one) { return one.kind == Kind::measure; })) {
+    return measures_in(place, of);
+  }
   const NumberedEquations equations(place.scene, acting_at(place.scene, place.poses, place.active));
   const int driven = place_of(equations, place.driven);
   const Beside beside = beside_of(place);

@@ -354,6 +354,10 @@ class Reader {
   Reader(const Catalogue& catalogue, const std::string& text) : catalogue_(catalogue), text_(text), rest_(text) {}
 
   SoughtQuantity read() {
+    if (text_.size() > longest) {
+      throw InputError(fmt::format("{}...: expected an expression of at most {} characters, found {}",
+                                   text_.substr(0, 20), longest, text_.size()));
+    }
     SoughtQuantity out = sum();
     skip_spaces();
     if (!rest_.empty()) fail(fmt::format("expected + - * / or the end, found \"{}\"", rest_));
@@ -435,6 +439,13 @@ class Reader {
   }
 
   SoughtQuantity factor() {
+    if (++depth_ > deepest) fail(fmt::format("expected at most {} brackets and signs inside each other", deepest));
+    SoughtQuantity out = factor_inside();
+    --depth_;
+    return out;
+  }
+
+  SoughtQuantity factor_inside() {
     if (take("-")) {
       SoughtQuantity minus_one = number(-1.0);
       SoughtQuantity of = factor();
@@ -710,10 +721,14 @@ class Reader {
     out.of = {std::move(a)};
     return out;
   }
+  // What is read by recursion is bounded.
+  static constexpr std::size_t longest = 2000;
+  static constexpr int deepest = 50;
 
   const Catalogue& catalogue_;
   const std::string& text_;
   std::string_view rest_;
+  int depth_ = 0;
 };
 
 void Catalogue::add_outputs() {

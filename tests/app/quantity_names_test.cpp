@@ -42,7 +42,7 @@ std::vector<std::string> some_of(std::vector<std::string> names, std::size_t mos
   return names;
 }
 
-/// Runs a command on a scene with names; its data, null where the scene is none for the command.
+/// Runs a command on a scene with names; its data, none where the scene is none for the command.
 json run_on(const std::string& scene, std::vector<std::string> words, const std::string& option,
             const std::vector<std::string>& names) {
   const TempFolder folder;
@@ -57,7 +57,7 @@ json run_on(const std::string& scene, std::vector<std::string> words, const std:
   for (const char* none : {" nan", "-nan", " inf", "-inf"}) {
     EXPECT_EQ(run.out.find(none), std::string::npos) << none << " in " << run.out;
   }
-  return run.exit_code < 2 && run.exit_code >= 0 ? json::parse(contents(file)) : json();
+  return run.exit_code < 2 && run.exit_code >= 0 ? json::parse(contents(file)) : json::object();
 }
 
 /// Every name once, with a value or why there is none.

@@ -150,8 +150,8 @@ r = -0.1
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_TRUE(contains(run.out, "stop.low = 0 N")) << run.out;
   EXPECT_TRUE(contains(run.out, "numbers without effect")) << run.out;
-  EXPECT_TRUE(contains(run.out, "of spring.k.stiffness moves r by")) << run.out;
-  EXPECT_TRUE(contains(run.out + run.err, "No derivative of load_at_fold.M")) << run.out << run.err;
+  EXPECT_TRUE(contains(run.out, "of spring.k.stiffness moves travel.r by")) << run.out;
+  EXPECT_TRUE(contains(run.out + run.err, "No derivative of fold.load.M")) << run.out << run.err;
 }
 
 }  // namespace

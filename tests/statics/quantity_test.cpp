@@ -95,6 +95,8 @@ TEST(Quantities, WithoutANameAreRefusedInOneLine) {
   EXPECT_NE(refusal(clamp, "d(reaction.B)/d(angle.handle)").find("expected angles"), std::string::npos);
   EXPECT_NE(refusal(clamp, "(force.rubber").find("closing parenthesis"), std::string::npos);
   EXPECT_NE(refusal(clamp, "force.rubber 2").find("expected + - * /"), std::string::npos);
+  EXPECT_NE(refusal(clamp, std::string(100, '(') + "energy").find("inside each other"), std::string::npos);
+  EXPECT_NE(refusal(clamp, std::string(3000, 'a')).find("at most 2000 characters"), std::string::npos);
   for (const char* empty : {"", " ", "+", "force.rubber *", "d()/d()", "d(angle.handle)", "1e999", "nan"}) {
     EXPECT_NE(refusal(clamp, empty), "") << empty;
   }
@@ -125,8 +127,7 @@ TEST(Quantities, OfALeverAreItsLaws) {
   EXPECT_NEAR(value("force.coil"), k * angle, 1e-12);
   EXPECT_NEAR(value("d(energy)/d(angle.lever)"), k * angle, 1e-12);
   EXPECT_NEAR(value("d(force.coil)/d(y.lever.B)"), k / (L * c), 1e-12);
-  EXPECT_NEAR(value("d(x.lever.B*x.lever.B - 3*y.lever.B)/d(2*angle.lever)"), (-2 * L * L * c * s - 3 * L * c) / 2,
-              1e-12);
+  EXPECT_NEAR(value("d(3*x.lever.B*x.lever.B - y.lever.B*y.lever.B)/d(2*angle.lever)"), -4 * L * L * c * s, 1e-12);
   EXPECT_NEAR(value("d(x.lever.B / y.lever.B)/d(angle.lever)"), -1 / (s * s), 1e-11);
   EXPECT_NEAR(value("energy"), k * angle * angle / 2, 1e-12);
   EXPECT_TRUE(std::isnan(value("d(angle.lever)/d(x.lever.O)")));
@@ -288,7 +289,7 @@ lever = 0.5
 }
 
 TEST(Outputs, AreQuantitiesOfTheScene) {
-  const Scene scene = parse_scene(with_outputs("hand = \"push.lever.B.y * 1.1\"\nboth = \"hand + force.coil / 2\"\n"
+  const Scene scene = parse_scene(with_outputs("hand = \"push.lever.B.y * 1.1\"\nboth = \"hand + push.lever.B.x / 2\"\n"
                                                "arm = \"0.5 * length.coil\"\n"),
                                   "lever.toml");
   const std::vector<SoughtQuantity> outputs = outputs_of(scene);

@@ -571,6 +571,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   out.verdict = verdict(model.scene(), found, dead);
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
+  content.data("drives", answer.drives);
   for (const std::string& drive : answer.drives) content.fact("drive", drive);
   if (!found.complete && !found.stop) content.fact("range", found.why);
   const std::vector<std::vector<QuantityValue>> shown = quantities_in_poses(model.scene(), found, show);

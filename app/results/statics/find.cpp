@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -66,6 +68,23 @@ std::string searched_in_words(const FindView& view, const FoundSet& found) {
   return fmt::format("on {} of equilibria", count(found.curves, "curve", "curves"));
 }
 
+/// ", where it is between 1 N and 2 N", at the points of the curves.
+std::string reach_in_words(const FindView& view, const FoundSet& found, const Units& units) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const QuantityCourse& course : found.courses) {
+    for (const double value : course.values) {
+      if (!std::isfinite(value)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  if (!(least < most)) return "";
+  const Dimension& of = view.wanted[0].of.dimension;
+  constexpr int digits = 6;
+  return fmt::format(", where it is between {} and {}", significant(least / of.unit(units), digits),
+                     with_unit_of(most / of.unit(units), of.unit_name(units), digits));
+}
+
 Line verdict_of(const FindView& view, const FoundSet& found, const Units& units) {
   using Status = FoundSet::Status;
   switch (found.status) {
@@ -87,8 +106,9 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
           fmt::format("{}{} {}.", what, folds && !all_proved ? "" : ", proved,", searched_in_words(view, found)));
     }
     case Status::none:
-      return bad(fmt::format("None in the range {}; the nearest is {} at {}.", searched_in_words(view, found),
-                             quantities_in_words(view, *found.nearest, units), numbers_in_words(view, *found.nearest)));
+      return bad(fmt::format("None in the range {}{}; the nearest is {} at {}.", searched_in_words(view, found),
+                             reach_in_words(view, found, units), quantities_in_words(view, *found.nearest, units),
+                             numbers_in_words(view, *found.nearest)));
     case Status::no_start:
       return bad("No equilibrium to begin from: " + found.why + ".");
     case Status::undefined:
@@ -173,6 +193,35 @@ void add_table(Group& content, const FindView& view, const FoundSet& found, cons
 }
 
 }  // namespace
+
+std::vector<Panel> find_panels(const FindView& view, const FoundSet& found) {
+  if (view.numbers.size() != 1 || found.courses.empty()) return {};
+  const VariedScene& number = *view.numbers.front();
+  const WantedValue& wanted = view.wanted.front();
+  const Units& units = number.scene().units;
+  const double unit = wanted.of.dimension.unit(units);
+  const auto label = [](const std::string& name, const std::string& unit_name) {
+    return unit_name.empty() ? name : name + " (" + unit_name + ")";
+  };
+  Panel panel{.title = wanted.of.name + " over " + number.name(),
+              .x_label = label(number.name(), number.unit_name()),
+              .y_label = label(wanted.of.name, wanted.of.dimension.unit_name(units))};
+  for (const QuantityCourse& course : found.courses) {
+    Curve curve;
+    curve.colour = 0;
+    for (std::size_t k = 0; k < course.numbers.size(); ++k) {
+      curve.x.push_back(course.numbers[k] / number.unit());
+      curve.y.push_back(course.values[k] / unit);
+    }
+    panel.curves.push_back(std::move(curve));
+  }
+  panel.levels.push_back({wanted.value / unit, "wanted"});
+  for (std::size_t k = 0; k < found.values.size(); ++k) {
+    panel.marks.push_back(
+        {found.values[k].numbers[0] / number.unit(), found.values[k].values[0] / unit, std::to_string(k + 1)});
+  }
+  return {panel};
+}
 
 bool is_settled(const FoundSet& found) {
   return found.status == FoundSet::Status::found && found.all_along.empty() &&

@@ -13,7 +13,8 @@ namespace poise {
 struct SolutionProof {
   bool proved = false;
   std::string why;             ///< one sentence, where it is not
-  std::vector<double> radius;  ///< of each sought part: the exact one is this close to that of the point
+  std::vector<double> part;    ///< each sought part, the middle of its enclosure
+  std::vector<double> radius;  ///< the exact ones are this close
   int neutral = 0;             ///< directions in which the equations do not change, held where they are
   double reach = 0.0;          ///< no other solution has all unknowns, scaled, within this of the point's
 };

@@ -39,9 +39,9 @@ FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const 
   FoundNumbers out;
   const SolutionProof proof = system.prove(at);
   for (std::size_t k = 0; k < count(); ++k) {
-    out.numbers.push_back(range(k).value_at(at.s[k]));
-    const double rounding = std::abs(out.numbers.back()) * std::numeric_limits<double>::epsilon();
+    out.numbers.push_back(range(k).value_at(proof.part[k]));
     const double length = std::abs(range(k).to() - range(k).from());
+    const double rounding = std::numeric_limits<double>::epsilon() * (std::abs(range(k).from()) + length);
     out.radii.push_back(proof.proved ? length * proof.radius[k] + rounding : infinity);
   }
   const Eigen::VectorXd excess = system.excess(at);
