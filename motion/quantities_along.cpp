@@ -302,16 +302,32 @@ class MovingLoads {
     for (std::size_t e = 0; e < scene.elements.size(); ++e) add_resistance(e);
     for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
       const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
-      if (!joint.friction) continue;
+      if (!joint.friction || !joint.can_rub()) continue;
       const Measure on =
           joint.has_travel() ? Measure::travel_of(j) : Measure::angle_between(joint.a.body, joint.b.body);
-      if (stands_still(on)) hold(on, -1);
+      if (stands_still(on))
+        hold(on, -1);
+      else
+        sliding.push_back({.joint = j, .on = on, .rate = rate_of(scene, motions, on)});
     }
   }
 
   Additions additions{};
   std::vector<double> element_force{};  ///< of what resists motion
   std::vector<int> held{};              ///< of the drives behind those of the scene: the element, or -1 of a joint
+  std::vector<SlidingJoint> sliding{};  ///< joints with friction that move, without their efforts
+
+  /// All loads with these efforts of the joints that slide, positive where they tend to increase their measures.
+  Additions with(const std::vector<SlidingJoint>& rubbing) const {
+    Additions out = additions;
+    for (const SlidingJoint& one : rubbing) {
+      for (const UnitEffort& unit : unit_efforts(scene_, one.on, poses_)) {
+        out.loads.push_back({unit.body_a, unit.a, -one.effort * unit.force, -one.effort * unit.moment});
+        out.loads.push_back({unit.body_b, unit.b, one.effort * unit.force, one.effort * unit.moment});
+      }
+    }
+    return out;
+  }
 
  private:
   bool stands_still(const Measure& on) const {
@@ -355,6 +371,41 @@ class MovingLoads {
   double size_, fastest_;
 };
 
+/// Friction of joints in a motion that takes place: it fits the accelerations, so that the bodies balance with it only.
+/// The efforts are bounds under the joint forces that they make; each follows from the last until they stay.
+FreeBodies balance_in_motion(const Scene& then, const MovingLoads& loads, const std::vector<BodyMotion>& motions,
+                             double size, SlidingFriction& friction) {
+  using State = SlidingFriction::State;
+  std::vector<int> sides;
+  for (const Stop& stop : then.stops) sides.push_back(is_coupling(stop) ? 2 : 0);
+  const std::vector<BodyPose<double>> poses = poses_of(motions);
+  friction.joints = loads.sliding;
+  if (friction.joints.empty()) return balance(then, poses, sides, size, loads.additions);
+  constexpr int most = 200;
+  constexpr double stays = 1e-13;
+  friction.state = State::several;
+  FreeBodies bodies;
+  for (int step = 0; step < most && friction.state == State::several; ++step) {
+    bodies = balance(then, poses, sides, size, loads.with(friction.joints));
+    double change = 0.0;
+    for (SlidingJoint& one : friction.joints) {
+      const Joint& joint = then.joints[static_cast<std::size_t>(one.joint)];
+      const Reaction& reaction = bodies.reactions[static_cast<std::size_t>(one.joint)];
+      if (!reaction.determined && grip_factor(joint) != 0.0) {
+        friction.state = State::undetermined;
+        friction.because_of = one.joint;
+      }
+      one.bound = friction_bound(joint, reaction);
+      const double effort = one.rate < 0.0 ? one.bound : -one.bound;
+      change = std::max(change, std::abs(effort - one.effort) / (one.on.is_angle() ? size : 1.0));
+      one.effort = effort;
+    }
+    if (friction.state == State::several && change <= stays * bodies.largest_force) friction.state = State::solved;
+  }
+  for (const SlidingJoint& one : friction.joints) friction.lost_in_joints += one.lost();
+  return bodies;
+}
+
 }  // namespace
 
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
@@ -368,9 +419,7 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
   for (const double one : v) fastest = std::max(fastest, std::abs(one));
   const double size = model.scales().length;
   const MovingLoads loads(then, motions, size, fastest);
-  std::vector<int> sides;
-  for (const Stop& stop : then.stops) sides.push_back(is_coupling(stop) ? 2 : 0);
-  auto [friction, bodies] = sliding_friction({then, motions, sides, size, loads.additions, fastest});
+  FreeBodies bodies = balance_in_motion(then, loads, motions, size, out.friction);
   out.element_force = loads.element_force;
   for (std::size_t e = 0; e < then.elements.size(); ++e) out.element_force[e] += bodies.element_force[e];
   const std::size_t first_drive = bodies.reactions.size() - loads.additions.drives.size();
@@ -387,7 +436,6 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
   }
   bodies.reactions.resize(first_drive);
   out.reactions = std::move(bodies.reactions);
-  out.friction = std::move(friction);
   out.redundancy = bodies.redundancy;
   out.imbalance = bodies.imbalance;
   out.worst_body = then.bodies.size() > 1 ? then.bodies[static_cast<std::size_t>(bodies.worst_body)].name : "";

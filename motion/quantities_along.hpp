@@ -57,9 +57,9 @@ class MovingQuantities {
 
 /// The forces in a motion that was simulated, by inverse dynamics of the bodies cut free (forces_of()), with scaled
 /// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Stops do not act. `then` is the
-/// scene of the instant, at_time(), before resisted_by_joints(). Friction where nothing slides, of joints and of
-/// [[friction]] of width 0, is what the accelerations need it to be, undetermined where it shares a load with others.
-/// Of the checks there is the imbalance only.
+/// scene of the instant, at_time(). Friction of joints that slide is their bound under the joint forces that it makes
+/// itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what the accelerations need it
+/// to be, undetermined where it shares a load with others. Of the checks there is the imbalance only.
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
                         const std::vector<double>& v, const std::vector<double>& a);
 

@@ -121,7 +121,7 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
   EXPECT_EQ(error_of_sensor("read = \"reaction.rail\"" + tail),
             "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
             "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING; found reaction.rail");
-  EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("did you mean \"crank\"?"), std::string::npos);
+  EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("\"angle.crank\""), std::string::npos);
   EXPECT_NE(error_of_sensor("read = \"d(angle.crank)/dt\"\nrate = true" + tail).find("is a rate already"),
             std::string::npos);
 }
