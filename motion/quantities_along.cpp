@@ -409,13 +409,12 @@ FreeBodies balance_in_motion(const Scene& then, const MovingLoads& loads, const 
 }  // namespace
 
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
-                        const std::vector<double>& v, const std::vector<double>& a) {
+                        const std::vector<double>& v, const std::vector<double>& a, double fastest) {
   Forces out;
   out.motions = body_motions(model, x, v, a);
   std::vector<BodyMotion> motions = out.motions;
   const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
   for (std::size_t i = 0; i < motions.size(); ++i) motions[i].pose = poses[i];
-  double fastest = 0.0;
   for (const double one : v) fastest = std::max(fastest, std::abs(one));
   const double size = model.scales().length;
   const MovingLoads loads(then, motions, size, fastest);
@@ -591,6 +590,12 @@ QuantitiesAlong::QuantitiesAlong(const Scene& scene, const MotionModel& model, c
       quantities_(scene, model),
       reader_(path_, all_coordinates(path_)),
       at_(undefined) {
+  for (std::size_t k = 0; k < path_.v.size(); k += static_cast<std::size_t>(path_.coordinates)) {
+    const auto first = path_.v.begin() + static_cast<std::ptrdiff_t>(k);
+    for (const double one : model.from_si({first, first + path_.coordinates})) {
+      fastest_ = std::max(fastest_, std::abs(one));
+    }
+  }
   const std::vector<Element>& elements = model.scene().elements;
   const bool sticks = std::any_of(elements.begin(), elements.end(), [](const Element& one) {
     const auto* const friction = std::get_if<DryFriction>(&one.law);
@@ -620,7 +625,7 @@ const Forces& QuantitiesAlong::state(double t, bool with_forces) {
     forces_.motions = body_motions(model_, x, w, b);
     return forces_;
   }
-  forces_ = forces_in_motion(then(t), model_, x, w, b);
+  forces_ = forces_in_motion(then(t), model_, x, w, b, fastest_);
   imbalance_ = std::max(imbalance_, forces_.imbalance);
   largest_force_ = std::max(largest_force_, forces_.largest_force);
   return forces_;

@@ -59,9 +59,10 @@ class MovingQuantities {
 /// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Stops do not act. `then` is the
 /// scene of the instant, at_time(). Friction of joints that slide is their bound under the joint forces that it makes
 /// itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what the accelerations need it
-/// to be, undetermined where it shares a load with others. Of the checks there is the imbalance only.
+/// to be, undetermined where it shares a load with others: where rates are below 1e-9 of the fastest of v and
+/// `fastest`. Of the checks there is the imbalance only.
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
-                        const std::vector<double>& v, const std::vector<double>& a);
+                        const std::vector<double>& v, const std::vector<double>& a, double fastest = 0.0);
 
 /// A time of a motion and the value of a quantity there.
 struct ValueInTime {
@@ -123,6 +124,7 @@ class QuantitiesAlong {
   MovingQuantities quantities_;
   TrajectoryReader reader_;
   std::unique_ptr<Equations> equations_;  // none where something can stick
+  double fastest_ = 0.0;                  // rate of a scaled coordinate
   double at_;
   std::optional<Scene> then_;
   double then_at_ = 0.0;
