@@ -114,7 +114,13 @@ class Catalogue {
   }
 
   void add_measures() {
-    for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
+    const std::vector<NamedMeasure> listed = named_measures(scene_);
+    const std::size_t before_elements = listed.size() - scene_.elements.size();
+    for (std::size_t k = 0; k < listed.size(); ++k) {
+      SoughtQuantity one = measured(listed[k].name, listed[k].on);
+      if (k >= before_elements) one.item = static_cast<int>(k - before_elements);
+      add(std::move(one), listed[k].also);
+    }
     const std::vector<ElementName> names = names_of_elements(scene_);
     for (std::size_t e = 0; e < names.size(); ++e) {
       const auto& [own, whole] = names[e];
@@ -555,7 +561,7 @@ class Reader {
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.
   std::optional<SoughtQuantity> push(std::size_t found) {
     for (const SoughtQuantity& one : catalogue_.all()) {
-      if (one.kind != Kind::push || one.direction.x != 1.0) continue;
+      if (one.kind != Kind::push || one.is_output || one.direction.x != 1.0) continue;
       const std::string stem = one.name.substr(0, one.name.size() - 1);
       if (!rest_.starts_with(stem)) continue;
       std::size_t end = stem.size();
