@@ -41,7 +41,6 @@ struct Held {
 Held held_at(const NumberedEquations& equations, std::vector<double> z, const std::vector<double>& beside) {
   const Eigen::Index places = equations.poses(), efforts = equations.unknowns() - equations.poses();
   z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
-  if (efforts == 0) return {std::move(z), {}};
   std::vector<NumberedEquations::Placed<double>> placed;
   equations.place(z.data(), placed);
   const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);
@@ -111,8 +110,7 @@ std::vector<QuantityValue> measures_in(const RestingPlace& place, const std::vec
   }
   std::vector<QuantityValue> out;
   for (const SoughtQuantity& one : of) {
-    out.push_back(
-        {value_of(place.scene, measure_in(place.scene, one), poses) / one.dimension.per_scale(place.scales), ""});
+    out.push_back({value_of(place.scene, one.on, poses) / one.dimension.per_scale(place.scales), ""});
   }
   return out;
 }

@@ -126,9 +126,7 @@ class Catalogue {
       const auto [name, whole] = names_of(e);
       std::vector<std::string> also{"length." + whole, whole};
       if (!name.empty()) also.push_back(name);
-      SoughtQuantity length = measured("length." + (name.empty() ? whole : name), scene_.elements[e].on);
-      length.item = static_cast<int>(e);
-      add(std::move(length), also);
+      add(measured("length." + (name.empty() ? whole : name), scene_.elements[e].on), also);
     }
   }
 
@@ -571,7 +569,7 @@ class Reader {
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.
   std::optional<SoughtQuantity> push(std::size_t found) {
     for (const SoughtQuantity& one : catalogue_.all()) {
-      if (one.kind != Kind::push || one.is_output || one.direction.x != 1.0) continue;
+      if (one.kind != Kind::push || one.direction.x != 1.0) continue;
       const std::string stem = one.name.substr(0, one.name.size() - 1);
       if (!rest_.starts_with(stem)) continue;
       std::size_t end = stem.size();
