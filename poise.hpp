@@ -5,6 +5,7 @@
 
 // Scenes, from files and in code
 #include "model/joint_friction.hpp"
+#include "model/named_measures.hpp"
 #include "model/scene.hpp"
 #include "model/scene_builder.hpp"
 
@@ -15,8 +16,10 @@
 #include "statics/equilibrium/settle.hpp"
 #include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
+#include "statics/inverse/find_numbers.hpp"
 #include "statics/paths/fold_curve.hpp"
 #include "statics/paths/over_path.hpp"
+#include "statics/paths/loads_along.hpp"
 #include "statics/paths/path_measures.hpp"
 #include "statics/proof/certificate.hpp"
 #include "statics/proof/enclosed_values.hpp"
@@ -29,6 +32,7 @@
 #include "motion/design.hpp"
 #include "motion/driven_quantities.hpp"
 #include "motion/dynamic_stability.hpp"
+#include "motion/fluctuation.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/forces_along.hpp"
 #include "motion/given_motion.hpp"
@@ -36,6 +40,7 @@
 #include "motion/kinematics.hpp"
 #include "motion/loads_in_motion.hpp"
 #include "motion/modes.hpp"
+#include "motion/quantities_along.hpp"
 #include "motion/release.hpp"
 #include "motion/simulate.hpp"
 

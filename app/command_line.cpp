@@ -45,6 +45,7 @@ std::vector<CommandEntry> all_commands() {
       {hold_command(), "datasets/friction/wedge.toml --vary load.P"},
       {view_command(), "datasets/toggle_clamp.toml"},
       {path_command(), "datasets/von_mises_toggle.toml --vary load.P=0..60 --svg toggle.svg"},
+      {find_command(), "datasets/toggle_clamp.toml --vary load.P=0..60 --for \"force.rubber = -720\""},
       {sensitivity_command(), "datasets/toggle_clamp.toml --of force.rubber,fold.load.P"},
       {tolerance_command(),
        "datasets/toggle_clamp.toml --tolerances datasets/toggle_clamp_tolerances.toml --of force.rubber"},

@@ -91,6 +91,10 @@ std::vector<double> dependent_values(const Scene& scene, std::vector<double> nam
 /// number where an expression has none.
 std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double> named);
 
+/// How all dependent numbers follow from one named number that is not an expression: 0 not at all, 1 affinely, which is
+/// proved, 2 otherwise.
+std::vector<int> dependent_degrees(const Scene& scene, int named);
+
 /// First and second derivatives of dependent numbers along a change of the named ones.
 struct DependentDerivatives {
   std::vector<double> slopes, bends;

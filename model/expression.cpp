@@ -293,6 +293,40 @@ double Expression::bend(std::span<const double> numbers, std::span<const double>
   return evaluate(numbers, slopes, bends).bend;
 }
 
+std::string_view Expression::name_of_function(int index) { return functions[static_cast<std::size_t>(index)].name; }
+
+int Expression::arguments_of_function(int index) { return functions[static_cast<std::size_t>(index)].arguments; }
+
+int Expression::degree(std::span<const int> of_names) const {
+  constexpr int more = 2;
+  std::array<int, stack_size> stack{};
+  std::size_t size = 0;
+  for (const Step& step : steps_) {
+    const auto index = static_cast<std::size_t>(step.index);
+    switch (step.operation) {
+      case Operation::number:
+        stack[size++] = 0;
+        continue;
+      case Operation::name:
+        stack[size++] = of_names[index];
+        continue;
+      case Operation::negative:
+        continue;
+      default:
+        break;
+    }
+    const bool has_one = step.operation == Operation::function && functions[index].arguments == 1;
+    const int b = has_one ? 0 : stack[--size];
+    int& a = stack[size - 1];
+    const bool is_sum = step.operation == Operation::add || step.operation == Operation::subtract;
+    const bool is_scaled = (step.operation == Operation::multiply && (a == 0 || b == 0)) ||
+                           (step.operation == Operation::divide && b == 0);
+    const bool is_constant = a == 0 && b == 0;
+    a = is_sum || is_scaled ? std::max(a, b) : is_constant ? 0 : more;
+  }
+  return stack[0];
+}
+
 bool Expression::is_name(std::string_view name) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };

@@ -34,6 +34,13 @@ class Expression {
   /// Its second derivative where the names change at these rates and these rise at the rates `bends`, as slope().
   double bend(std::span<const double> numbers, std::span<const double> slopes, std::span<const double> bends) const;
 
+  /// Its value in another scalar, of sets of numbers an enclosure (model/expression_value.hpp).
+  template <class T>
+  T value_in(std::span<const T> numbers) const;
+  /// 0 where it is the same for all numbers, 1 where it is proved to be affine in them, else 2. `of_names`: the same of
+  /// what each name stands for.
+  int degree(std::span<const int> of_names) const;
+
   /// Whether a name may be given to a number: letters, digits and underscores, not a digit first, neither pi nor a
   /// function.
   static bool is_name(std::string_view name);
@@ -49,6 +56,8 @@ class Expression {
   struct Dual {
     double value = 0.0, slope = 0.0, bend = 0.0;
   };
+  static std::string_view name_of_function(int index);
+  static int arguments_of_function(int index);
   Dual evaluate(std::span<const double> numbers, std::span<const double> slopes, std::span<const double> bends) const;
 
   std::string text_;

@@ -41,9 +41,14 @@ std::vector<DependentNumber> held(const Scene& scene, Owner owner, int item, std
   if (!factor->numbers.empty()) {
     if (owner == Owner::force) {
       const Force& force = scene.forces[at];
-      const std::string name = (force.to ? "distributed_load \"" : "force \"") + force.name + "\".vector";
-      add(DependentPlace::Of::force, 0, name, force.vector.x, force.numbers()[0].dimension);
-      add(DependentPlace::Of::force, 1, name, force.vector.y, force.numbers()[0].dimension);
+      const std::string name = (force.to ? "distributed_load \"" : "force \"") + force.name;
+      const Dimension& dimension = force.numbers()[0].dimension;
+      if (force.has_direction_of_its_own()) {
+        add(DependentPlace::Of::row, 0, name + "\".size", force.size(), dimension);
+      } else {
+        add(DependentPlace::Of::force, 0, name + "\".vector", force.vector.x, dimension);
+        add(DependentPlace::Of::force, 1, name + "\".vector", force.vector.y, dimension);
+      }
     } else {
       const Torque& torque = scene.torques[at];
       add(DependentPlace::Of::row, 0, "torque \"" + torque.name + "\".value", torque.value, dimension::torque);
@@ -167,11 +172,11 @@ void hold_dependents(Scene& scene, double t) {
         components.push_back(std::move(one));
         continue;
       }
-      // Torques are before all but gravity and forces among the rows, in their order.
+      // Forces and then torques are before all but gravity among the rows, in their order.
       const auto behind = std::find_if(rows.begin(), rows.end(), [&](const DependentNumber& other) {
         const Owner owner = other.at.place.owner;
-        return owner != Owner::number && owner != Owner::scene &&
-               (owner != Owner::torque || other.at.place.item > one.at.place.item);
+        if (owner == one.at.place.owner) return other.at.place.item > one.at.place.item;
+        return owner != Owner::number && owner != Owner::scene && owner != Owner::force;
       });
       rows.insert(behind, std::move(one));
     }

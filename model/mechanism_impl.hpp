@@ -291,12 +291,11 @@ void Mechanism<T>::set_numbers(const NumbersOfScene& numbers) {
   }
 }
 
-// A force of magnitude zero has no direction, so its derivative is zero.
+// A force of zero without a direction of its own has the derivative zero.
 template <class T>
 void Mechanism<T>::compile_load_derivatives(const Scene& scene) {
   for (const Force& f : scene.forces) {
-    const double size = norm(f.vector);
-    Planar<T> along = scene.share_at_points<T>(f) * planar_cast<T>(size > 0 ? (1 / size) * f.vector : Vec2{});
+    Planar<T> along = scene.share_at_points<T>(f) * planar_cast<T>(f.unit_or_zero());
     int frame = -1;
     if (f.follows >= 0) {
       along = along * phasors_.turned(layout_.links[f.follows].turn);

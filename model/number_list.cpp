@@ -45,7 +45,8 @@ NumberList::NumberList(const Scene& scene, const std::vector<int>& vectors)
     stop_.push_back({0, strut_of(scene_, stop), coupling_kind(stop), curve_numbers_of(stop)});
   }
   for (const Force& force : scene_.forces) {
-    along_force_.push_back(norm(force.vector) > 0.0 ? direction<double>(force.vector) : Vec2{});
+    const bool has_direction = norm(force.vector) > 0.0 && !force.has_direction_of_its_own();
+    along_force_.push_back(has_direction ? direction<double>(force.vector) : force.along);
   }
   for (const Joint& joint : scene_.joints) along_axis_.push_back(joint.direction());
   values_.resize(rows_.size());

@@ -10,6 +10,7 @@
 
 #include "model/couplings.hpp"
 #include "model/dependent_number.hpp"
+#include "model/expression_value.hpp"
 #include "model/parameters.hpp"
 #include "model/plain_value.hpp"
 #include "model/scene.hpp"
@@ -43,6 +44,11 @@ class NumberList {
   /// Forces that follow have both components as numbers. Throws InputError as follow() does.
   template <class T>
   void follow_along(std::vector<double> named, const std::vector<double>& slopes, const T& step, T* p) const;
+  /// The same where the named numbers that are no expressions have the values `named`, in a scalar that may enclose
+  /// sets: sets all numbers that follow from them but the springs of flexible links. A load of a scene at one time
+  /// follows with its factor as it is.
+  template <class T>
+  void follow_in(std::vector<T> named, T* p) const;
   /// Rows from which others follow: those of named numbers, and of the sections of flexible links.
   const std::vector<int>& leaders() const { return leaders_; }
   /// The derivatives of p by the number of such a row, along the expressions that follow from it: for each number that
@@ -143,6 +149,17 @@ void NumberList::follow_along(std::vector<double> named, const std::vector<doubl
     for (const int spring : scene_.flexible_links[l].springs) {
       p[element(spring)] = T(values_[at(element(spring))]) * ratio;
     }
+  }
+}
+
+template <class T>
+void NumberList::follow_in(std::vector<T> named, T* p) const {
+  for (std::size_t k = 0; k < dependent_.size(); ++k) {
+    const DependentNumber& one = (*scene_.dependents)[k];
+    if (one.factor || one.at.of == DependentPlace::Of::left_out) continue;
+    const T value = one.expression.template value_in<T>(named);
+    if (one.at.place.owner == Owner::number) named[at(one.at.place.item)] = value;
+    if (dependent_[k] >= 0) p[dependent_[k]] = T(units_[k]) * value;
   }
 }
 

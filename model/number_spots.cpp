@@ -170,6 +170,7 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
     case Owner::number:
       return {below(&document_, "numbers"), "numbers", scene_.named_values[at].name};
     case Owner::force:
+      if (scene_.forces[at].has_direction_of_its_own()) return {item(Owner::force, row.place.item), "", "size"};
       return {item(Owner::force, row.place.item), "", "vector", 0};
     case Owner::torque:
       return {item(Owner::torque, row.place.item), "", "value"};

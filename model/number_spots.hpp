@@ -33,9 +33,9 @@ class NumberSpots {
  public:
   NumberSpots(const toml::table& document, const Scene& scene);
 
-  /// Of a row of the parameter table; of a force the x of its vector; without a table and a header where the number is
-  /// none of the document, as those of the parts of a flexible link. Throws InputError naming the scene's file where
-  /// the document is no longer that of the scene.
+  /// Of a row of the parameter table; of a force its size or the x of its vector; without a table and a header where
+  /// the number is none of the document, as those of the parts of a flexible link. Throws InputError naming the scene's
+  /// file where the document is no longer that of the scene.
   NumberSpot of(const ParameterRow& row) const;
   /// The table of an element, joint, force, drive, stop or coupling; null of one that the document has within another.
   const toml::table* item(Owner owner, int index) const;

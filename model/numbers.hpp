@@ -65,8 +65,14 @@ class Numbers {
     const NumberList::Components components = list_->vector_of(force);
     const Vec2& vector = scene().forces[static_cast<std::size_t>(force)].vector;
     if (components.are_whole) return with_components(vector, components, p_);
-    return p_[list_->force(force)] * (components.vary() ? unit_or_zero(with_components(vector, components, p_))
-                                                        : constant(list_->along_force(force), vector));
+    return p_[list_->force(force)] * along_force(force);
+  }
+  /// A unit vector along it, zero where it has no direction.
+  Planar<T> along_force(int force) const {
+    const NumberList::Components components = list_->vector_of(force);
+    const Force& of = scene().forces[static_cast<std::size_t>(force)];
+    return components.vary() ? unit_or_zero(with_components(of.vector, components, p_))
+                             : constant(list_->along_force(force), of.line_of_action());
   }
   const T& torque(int torque) const { return p_[list_->torque(torque)]; }
 

@@ -357,6 +357,24 @@ std::vector<double> dependents_by(const Scene& scene, int by, std::vector<double
   return derivatives_along(scene, std::move(slopes), std::move(named), false).slopes;
 }
 
+std::vector<int> dependent_degrees(const Scene& scene, int named) {
+  std::vector<int> out, of_names(scene.named_values.size(), 0);
+  of_names[static_cast<std::size_t>(named)] = 1;
+  if (!scene.dependents) return out;
+  for (const DependentNumber& one : *scene.dependents) {
+    int degree = one.expression.degree(of_names);
+    if (one.factor && std::any_of(one.factor->numbers.begin(), one.factor->numbers.end(),
+                                  [&](const DependentNumber& of) { return of.expression.degree(of_names) > 0; })) {
+      degree = 2;
+    }
+    if (one.at.of == DependentPlace::Of::row && one.at.place.owner == Owner::number) {
+      of_names[static_cast<std::size_t>(one.at.place.item)] = degree;
+    }
+    out.push_back(degree);
+  }
+  return out;
+}
+
 DependentDerivatives dependents_along(const Scene& scene, std::vector<double> slopes, std::vector<double> named) {
   return derivatives_along(scene, std::move(slopes), std::move(named), true);
 }

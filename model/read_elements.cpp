@@ -243,19 +243,36 @@ class ElementReader {
     }
   }
 
+  /// Either vector, or direction and size.
+  void read_vector(const TomlTable& table, const Dimension& dimension, Force& force) const {
+    if (!table.has("direction") && !table.has("size")) {
+      force.vector = table.vector("vector", dimension.unit(units_));
+      return;
+    }
+    if (table.has("vector")) {
+      table.place_of("vector").fail("expected vector, or direction and size, found both; leave one out");
+    }
+    const Vec2 along = table.vector("direction", 1.0);
+    if (along == Vec2{}) {
+      table.place_of("direction").fail("expected a direction, found [0, 0]; give for example [0, 1]");
+    }
+    force.along = direction<double>(along);
+    force.vector = table.number("size", dimension.unit(units_), Range::finite) * force.along;
+  }
+
   Force read_force(const TomlTable& table) const {
-    table.allow_keys({"name", "at", "vector", "follows", "time"});
+    table.allow_keys({"name", "at", "vector", "direction", "size", "follows", "time"});
     Force force;
     const TomlText at = table.text("at");
     force.at = names_.point(at);
     if (force.at.body == 0) at.place.fail("expected a point of a body that can move, found one of the ground");
-    force.vector = table.vector("vector", units_.force);
+    read_vector(table, Force::concentrated[0].dimension, force);
     if (const auto follows = table.find_text("follows")) force.follows = names_.movable_body(*follows);
     return force;
   }
 
   Force read_distributed_load(const TomlTable& table) const {
-    table.allow_keys({"name", "points", "vector", "follows", "time"});
+    table.allow_keys({"name", "points", "vector", "direction", "size", "follows", "time"});
     Force force;
     const std::array<TomlText, 2> points = table.two_texts("points");
     force.at = names_.point(points[0]);
@@ -272,7 +289,7 @@ class ElementReader {
     if (scene_.local(force.at) == scene_.local(*force.to)) {
       points[1].place.fail("expected two points that are apart, the ends of the line that the load is on");
     }
-    force.vector = table.vector("vector", Force::distributed[0].dimension.unit(units_));
+    read_vector(table, Force::distributed[0].dimension, force);
     if (const auto follows = table.find_text("follows")) force.follows = names_.movable_body(*follows);
     return force;
   }
@@ -304,7 +321,7 @@ class ElementReader {
                 " beside time, which gives the value at every time; leave one out");
     }
     keys.push_back("time");
-    drive.on = measures_.read(table, {"bodies", "slide"}, keys);
+    drive.on = measures_.read(table, all_measures(), keys);
     read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
     return drive;
   }

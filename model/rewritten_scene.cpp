@@ -52,6 +52,7 @@ class Rewriter {
       if (dependent_number(old_, rows_[i].place) != nullptr || ends_with_curve(rows_[i].place)) continue;
       if (wanted_values_[i] && wanted_values_[i] != old_values_[i]) write(i);
     }
+    for (std::size_t f = 0; f < old_.forces.size(); ++f) write_direction(static_cast<int>(f));
     for (const auto& [place, numbers] : additions_) add(place, numbers);
     std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.from < b.from; });
     std::string out;
@@ -136,7 +137,7 @@ class Rewriter {
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
     const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };
     const std::string own = number(wanted_values_[place]);
-    if (row.place.owner == Owner::force) {
+    if (row.place.owner == Owner::force && spot.key == "vector") {
       const Vec2& vector = wanted_.forces[static_cast<std::size_t>(row.place.item)].vector;
       if (node == nullptr) fail();
       replace(*node, 0, number(vector.x));
@@ -157,6 +158,18 @@ class Rewriter {
       additions_[{spot.header, spot.table}][spot.key] =
           fmt::format("[{}, {}]", number(wanted_values_.at(first)), number(wanted_values_.at(first + 1)));
     }
+  }
+
+  /// That of a force which is given by it, where it is another.
+  void write_direction(int force) {
+    const Vec2 &was = old_.forces[static_cast<std::size_t>(force)].along,
+               &along = wanted_.forces[static_cast<std::size_t>(force)].along;
+    if (was == along) return;
+    const toml::table* const table = spots_.item(Owner::force, force);
+    const toml::node* const node = table != nullptr ? table->get("direction") : nullptr;
+    if (node == nullptr || along == Vec2{}) fail();
+    replace(*node, 0, toml_number(along.x));
+    replace(*node, 1, toml_number(along.y));
   }
 
   void replace(const toml::node& node, int component, std::string number) {

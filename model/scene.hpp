@@ -103,6 +103,9 @@ struct Element {
 /// Force at a point, N, or distributed evenly over the straight line between two points of a body, N/m. A dead load
 /// keeps its direction in the world; a follower force keeps its direction in the frame of the body `follows` and has no
 /// potential.
+///
+/// A force that is given by its vector has the direction of that, and none where it is zero. One that is given by a
+/// direction and a size has this direction at every size, 0 and negative ones too.
 struct Force {
   std::string name;
   PointRef at;
@@ -110,6 +113,20 @@ struct Force {
   int follows = -1;  ///< body, or -1 for a dead load
   int line = 0;
   std::optional<PointRef> to{};  ///< of a distributed force: the end of the line that begins at `at`, of the same body
+  /// The direction, a unit vector, of a force that is given by it and a size, which `vector` is the product of; zero of
+  /// another.
+  Vec2 along{};
+
+  bool has_direction_of_its_own() const { return !(along == Vec2{}); }
+  /// What the force is along, of any length; zero where it has no direction.
+  const Vec2& line_of_action() const { return has_direction_of_its_own() ? along : vector; }
+  /// A unit vector along it, or zero.
+  Vec2 unit_or_zero() const {
+    const double length = norm(vector);
+    return has_direction_of_its_own() ? along : length > 0.0 ? (1 / length) * vector : Vec2{};
+  }
+  /// The force along that direction: |vector|, with a sign where the direction is its own.
+  double size() const { return has_direction_of_its_own() ? dot(vector, along) : norm(vector); }
 
   /// Calls visit(point) for the points at which equal forces are equivalent to it on a rigid body: `at`, or both ends
   /// of its line.
@@ -119,19 +136,27 @@ struct Force {
     if (to) visit(*to);
   }
 
-  static const std::array<Number, 1> concentrated, distributed;
-  std::span<const Number> numbers() const { return to ? distributed : concentrated; }
+  static const std::array<Number, 1> concentrated, distributed, concentrated_along, distributed_along;
+  std::span<const Number> numbers() const {
+    if (has_direction_of_its_own()) return to ? distributed_along : concentrated_along;
+    return to ? distributed : concentrated;
+  }
 };
 
-/// The magnitude along the force's direction, of this dimension.
-constexpr Number magnitude_of_force(Dimension dimension) {
-  Number number{"", dimension, Range::not_negative};
-  number.get = [](const void* item) { return std::optional<double>(norm(static_cast<const Force*>(item)->vector)); };
+/// The size along the force's direction, of this dimension.
+constexpr Number size_of_force(Dimension dimension, Range range) {
+  Number number{"", dimension, range};
+  number.get = [](const void* item) { return std::optional<double>(static_cast<const Force*>(item)->size()); };
   number.set = [](void* item, double value) {
-    Vec2& F = static_cast<Force*>(item)->vector;
+    Force& force = *static_cast<Force*>(item);
+    Vec2& F = force.vector;
+    if (force.has_direction_of_its_own()) {
+      F = value * force.along;
+      return;
+    }
     const double magnitude = norm(F);
     if (magnitude == 0.0) {
-      throw InputError("expected a force with a direction, its vector is [0, 0]; give another vector");
+      throw InputError("expected a force with a direction, its vector is [0, 0]; give it a direction and a size");
     }
     F = {F.x / magnitude * value, F.y / magnitude * value};
   };
@@ -141,9 +166,12 @@ constexpr Number magnitude_of_force(Dimension dimension) {
   };
   return number;
 }
-inline constexpr std::array<Number, 1> Force::concentrated{magnitude_of_force(dimension::force)};
+inline constexpr std::array<Number, 1> Force::concentrated{size_of_force(dimension::force, Range::not_negative)};
 inline constexpr std::array<Number, 1> Force::distributed{
-    magnitude_of_force(dimension::force * dimension::length.power(-1))};
+    size_of_force(dimension::force * dimension::length.power(-1), Range::not_negative)};
+inline constexpr std::array<Number, 1> Force::concentrated_along{size_of_force(dimension::force, Range::finite)};
+inline constexpr std::array<Number, 1> Force::distributed_along{
+    size_of_force(dimension::force * dimension::length.power(-1), Range::finite)};
 
 /// Torque on a body from the ground, N m, counter-clockwise positive.
 struct Torque {

@@ -417,11 +417,31 @@ SceneBuilder& SceneBuilder::force(const std::string& name, const std::string& at
   return *this;
 }
 
+SceneBuilder& SceneBuilder::force_along(const std::string& name, const std::string& at, Vec2 direction, double size,
+                                        const std::string& follows) {
+  toml::table& load = document_->next("force", name);
+  document_->set(load, "at", at);
+  document_->set(load, "direction", pair_of(direction));
+  document_->set(load, "size", size);
+  if (!follows.empty()) document_->set(load, "follows", follows);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::distributed_load(const std::string& name, const std::string& a, const std::string& b,
                                              Vec2 vector, const std::string& follows) {
   toml::table& load = document_->next("distributed_load", name);
   document_->set(load, "points", toml::array{a, b});
   document_->set(load, "vector", pair_of(vector));
+  if (!follows.empty()) document_->set(load, "follows", follows);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::distributed_load_along(const std::string& name, const std::string& a, const std::string& b,
+                                                   Vec2 direction, double size, const std::string& follows) {
+  toml::table& load = document_->next("distributed_load", name);
+  document_->set(load, "points", toml::array{a, b});
+  document_->set(load, "direction", pair_of(direction));
+  document_->set(load, "size", size);
   if (!follows.empty()) document_->set(load, "follows", follows);
   return *this;
 }

@@ -175,9 +175,14 @@ class SceneBuilder {
 
   /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
   SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});
+  /// One that has its direction at every size, 0 too.
+  SceneBuilder& force_along(const std::string& name, const std::string& at, Vec2 direction, double size,
+                            const std::string& follows = {});
   /// A force per length on the straight line between two points of one body.
   SceneBuilder& distributed_load(const std::string& name, const std::string& a, const std::string& b, Vec2 vector,
                                  const std::string& follows = {});
+  SceneBuilder& distributed_load_along(const std::string& name, const std::string& a, const std::string& b,
+                                       Vec2 direction, double size, const std::string& follows = {});
   /// A torque on a body from the ground, counter-clockwise positive.
   SceneBuilder& torque(const std::string& name, const std::string& body, double value);
 

@@ -120,7 +120,7 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
     };
     for (const ParameterRow& row : parameter_table(scene)) {
       const NumberSpot spot = spots.of(row);
-      if (row.place.owner == Owner::force) {
+      if (row.place.owner == Owner::force && spot.key == "vector") {
         add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), row.dimension);
         continue;
       }

@@ -26,6 +26,10 @@ class SceneNumbers {
   Planar<T> center(int body) const { return planar_cast<T>(body_of(body).center); }
   Planar<T> gravity() const { return planar_cast<T>(scene_->gravity); }
   Planar<T> force(int force) const { return planar_cast<T>(scene_->forces[static_cast<std::size_t>(force)].vector); }
+  Planar<T> along_force(int force) const {
+    const Vec2& along = scene_->forces[static_cast<std::size_t>(force)].line_of_action();
+    return along == Vec2{} ? Planar<T>{T(0), T(0)} : planar_cast<T>(direction<PlainOf<T>>(along));
+  }
   T torque(int torque) const { return T(scene_->torques[static_cast<std::size_t>(torque)].value); }
 
   T kept_by(int joint) const {

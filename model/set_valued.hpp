@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "model/plain_value.hpp"
 #include "model/select.hpp"
 
 namespace poise {
@@ -34,9 +35,10 @@ S middle_of(const S& a) {
   return a;
 }
 
-/// Whether a scalar may enclose a set of numbers: it is none that the standard library knows the digits of.
+/// Whether a scalar may enclose a set of numbers: it is none that the standard library knows the digits of, or carries
+/// derivatives and is none without them.
 template <class S>
-inline constexpr bool may_enclose_set = !std::numeric_limits<S>::is_specialized;
+inline constexpr bool may_enclose_set = !std::numeric_limits<PlainOf<S>>::is_specialized;
 
 /// f(a) of a continuous function that is given by pieces, of which piece k reaches from borders[k - 1] to borders[k]
 /// and the first and the last without end: piece(k, a). Borders ascend. Of a set, a set that contains f of all its

@@ -9,7 +9,7 @@ Course drive_course(const Scene& scene, const KinematicsResult& result, std::siz
   Course out{ranges[k].name, quantity_of(find_drive(scene, ranges[k].name).on), {}, {}, {}};
   for (const KinematicSample& sample : result.samples) {
     out.value.push_back(sample.drive[k]);
-    out.rate.push_back(sample.rate[result.drive_coordinates[k]]);
+    out.rate.push_back(sample.drive_rate[k]);
     out.acceleration.push_back(0.0);
   }
   return out;

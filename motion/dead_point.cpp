@@ -1,5 +1,6 @@
 #include "motion/dead_point.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -50,7 +51,10 @@ bool is_dead_point(const MotionModel& model, const std::vector<double>& x, const
   const DensePoint<double> point(mechanism, x, rows);
   const Eigen::MatrixXd rates = rates_of_drives(model, point, x, drives);
   const solvers::SingularValues decomposed = solvers::singular_value_decomposition(rates);
-  const Eigen::Index left = rates.cols() - decomposed.rank(DrivenPath::singular_below);
+  // Slopes of measures are of order one; a single one vanishes against nothing else.
+  const double largest_slope = std::max(decomposed.values.size() > 0 ? decomposed.values[0] : 0.0, 1.0);
+  const Eigen::Index left =
+      rates.cols() - (decomposed.values.array() >= DrivenPath::singular_below * largest_slope).count();
   if (left == 0) return false;
   const double largest = point.force.lpNorm<Eigen::Infinity>();
   return (decomposed.right.rightCols(left).transpose() * point.force).norm() > works * largest;

@@ -53,18 +53,52 @@ double minimiser(F f, double a, double b) {
 
 // --- closures -------------------------------------------------------------------------------------------------------
 
-SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven)
-    : model_(model), driven_(std::move(driven)), rows_(permanent_rows(model.mechanism())) {
+SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven, std::vector<int> measured)
+    : model_(model),
+      driven_(std::move(driven)),
+      measured_(std::move(measured)),
+      rows_(permanent_rows(model.mechanism())),
+      coordinates_(model.mechanism().coordinates()) {
   const Mechanism<double>& m = model.mechanism();
-  for (int i = 0; i < m.coordinates(); ++i) {
-    if (std::find(driven_.begin(), driven_.end(), i) == driven_.end()) free_.push_back(i);
-  }
   const Scene& scaled = model.scaled_scene();
+  const auto compiled = [&](const Measure& on) { return Measured(scaled, m.layout(), m.phasors(), on); };
   for (std::size_t k = static_cast<std::size_t>(m.equalities()); k < rows_.size(); ++k) {
     couplings_.push_back(rows_[k] - m.equalities());
-    coupled_.emplace_back(scaled, m.layout(), m.phasors(),
-                          scaled.stops[static_cast<std::size_t>(couplings_.back())].on);
+    coupled_.push_back(compiled(scaled.stops[static_cast<std::size_t>(couplings_.back())].on));
   }
+  for (const int drive : measured_) measures_.push_back(compiled(scaled.drives[static_cast<std::size_t>(drive)].on));
+  const int size = m.coordinates() + static_cast<int>(measured_.size());
+  for (int i = 0; i < size; ++i) {
+    if (std::find(driven_.begin(), driven_.end(), i) == driven_.end()) free_.push_back(i);
+  }
+}
+
+int SplitClosure::constant_measure() const {
+  const auto found =
+      std::find_if(measures_.begin(), measures_.end(), [](const Measured& g) { return g.support().empty(); });
+  return found == measures_.end() ? -1 : static_cast<int>(found - measures_.begin());
+}
+
+template <class Of>
+VectorXd SplitClosure::of_measures(const VectorXd& x, Of of) const {
+  VectorXd out(static_cast<Eigen::Index>(measures_.size()));
+  if (measures_.empty()) return out;
+  const Mechanism<double>& m = model_.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  m.place(x.data(), pose.data());
+  for (std::size_t k = 0; k < measures_.size(); ++k) {
+    std::vector<Planar<double>> scratch(static_cast<std::size_t>(measures_[k].scratch_size()));
+    out[static_cast<Eigen::Index>(k)] =
+        of(measures_[k], Configuration<double>{m.phasors(), pose.data(), scratch.data()});
+  }
+  return out;
+}
+
+VectorXd SplitClosure::with_measures(const VectorXd& q) const {
+  VectorXd x(coordinates_ + static_cast<Eigen::Index>(measures_.size()));
+  x.head(coordinates_) = q;
+  x.tail(x.size() - coordinates_) = of_measures(q, [](const Measured& g, const auto& at) { return g.value(at); });
+  return x;
 }
 
 VectorXd SplitClosure::gap(const VectorXd& x) const {
@@ -73,11 +107,29 @@ VectorXd SplitClosure::gap(const VectorXd& x) const {
   std::vector<double> c(m.constraints());
   m.place(x.data(), pose.data());
   m.constraint(x.data(), pose.data(), c.data());
-  return gaps_of(m, rows_, c);
+  const VectorXd closures = gaps_of(m, rows_, c);
+  const VectorXd values = of_measures(x, [](const Measured& g, const auto& at) { return g.value(at); });
+  VectorXd out(closures.size() + values.size());
+  out.head(closures.size()) = closures;
+  out.tail(values.size()) = values - x.tail(values.size());
+  return out;
 }
 
 MatrixXd SplitClosure::jacobian(const VectorXd& x) const {
-  return DensePoint<double>(model_.mechanism(), {x.begin(), x.end()}, rows_).jacobian;
+  MatrixXd of_closures = DensePoint<double>(model_.mechanism(), coordinates(x), rows_).jacobian;
+  const Eigen::Index closures = of_closures.rows(), measures = static_cast<Eigen::Index>(measures_.size());
+  if (measures == 0) return of_closures;
+  MatrixXd out = MatrixXd::Zero(closures + measures, coordinates_ + measures);
+  out.topLeftCorner(closures, coordinates_) = of_closures;
+  out.bottomRightCorner(measures, measures).diagonal().setConstant(-1.0);
+  Eigen::Index row = closures;
+  of_measures(x, [&](const Measured& g, const auto& at) {
+    VectorXd slopes = VectorXd::Zero(coordinates_);
+    g.add_gradient(at, 1.0, slopes.data());
+    out.row(row++).head(coordinates_) = slopes;
+    return 0.0;
+  });
+  return out;
 }
 
 MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
@@ -89,7 +141,8 @@ MatrixXd SplitClosure::free_columns(const MatrixXd& jacobian) const {
 VectorXd SplitClosure::curvature(const VectorXd& x, const VectorXd& v) const {
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(m.pose_size()), second(m.coordinates());
-  VectorXd out(static_cast<Eigen::Index>(rows_.size()));
+  const Eigen::Index closures = static_cast<Eigen::Index>(rows_.size());
+  VectorXd out(closures + static_cast<Eigen::Index>(measures_.size()));
   m.place(x.data(), pose.data());
   m.phasors().second(pose.data(), v.data(), v.data(), second.data());
   m.closures_of(second.data(), out.data());
@@ -97,6 +150,8 @@ VectorXd SplitClosure::curvature(const VectorXd& x, const VectorXd& v) const {
   for (std::size_t k = 0; k < coupled_.size(); ++k) {
     out[m.equalities() + static_cast<Eigen::Index>(k)] = coupled_[k].second(at, v.data(), v.data());
   }
+  out.tail(out.size() - closures) =
+      of_measures(x, [&](const Measured& g, const auto& here) { return g.second(here, v.data(), v.data()); });
   return out;
 }
 
@@ -129,7 +184,7 @@ void DrivenPath::measure(PathPose& pose, const MatrixXd& jacobian) const {
   const solvers::SingularValues svd = solvers::singular_value_decomposition(closure_.free_columns(jacobian));
   const Eigen::Index last = svd.values.size() - 1;
   pose.smallest = svd.values[last];
-  pose.closeness = svd.values[last] / svd.values[0];
+  pose.closeness = svd.values[last] / std::max(svd.values[0], closure_.least_scale());
   pose.left = svd.left.col(last);
   pose.right = svd.right.col(last);
 }

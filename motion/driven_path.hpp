@@ -12,10 +12,13 @@
 
 namespace poise {
 
-/// The closures of a mechanism, split into columns of free and of driven coordinates. Scaled coordinates x throughout.
+/// The closures of a mechanism, split into columns of free and of driven coordinates. x holds its scaled coordinates q
+/// throughout, and behind them the values d of measures that are driven and no coordinates; each adds the row
+/// m(q) - d = 0, so that such a d is driven as a coordinate is, and all of q is free.
 class SplitClosure {
  public:
-  SplitClosure(const MotionModel& model, std::vector<int> driven);
+  /// `driven` are places in x; `measured` the drives of the scene of which x has the measures.
+  SplitClosure(const MotionModel& model, std::vector<int> driven, std::vector<int> measured = {});
 
   const MotionModel& model() const { return model_; }
   const std::vector<int>& driven() const { return driven_; }
@@ -23,7 +26,19 @@ class SplitClosure {
 
   /// Stops whose limits are equal, which have a row each behind those of the closures.
   const std::vector<int>& couplings() const { return couplings_; }
-  /// c(x), two rows per closure and one per coupling.
+  /// Drives that have a row each behind these.
+  const std::vector<int>& measured() const { return measured_; }
+  /// Singular values of the free columns count against the largest of them, but against this at least: slopes of
+  /// measures by rad and mechanism sizes are of order one, and one alone vanishes against nothing else.
+  double least_scale() const { return measured_.empty() ? 0.0 : 1.0; }
+  /// Whether some measure of these drives is the same in every pose; its place in measured(), or -1.
+  int constant_measure() const;
+  /// x of the coordinates q.
+  Eigen::VectorXd with_measures(const Eigen::VectorXd& q) const;
+  /// q of x.
+  std::vector<double> coordinates(const Eigen::VectorXd& x) const { return {x.data(), x.data() + coordinates_}; }
+
+  /// c(x), two rows per closure, one per coupling and one per measure.
   Eigen::VectorXd gap(const Eigen::VectorXd& x) const;
   /// dc/dx.
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& x) const;
@@ -35,10 +50,17 @@ class SplitClosure {
   bool close(Eigen::VectorXd& x) const;
 
  private:
+  using Measured = CompiledMeasure<double>;
+  /// The rows of measures, by of(measure, configuration at q).
+  template <class Of>
+  Eigen::VectorXd of_measures(const Eigen::VectorXd& x, Of of) const;
+
   const MotionModel& model_;
-  std::vector<int> driven_, free_, couplings_;
-  std::vector<int> rows_;                         // of the constraint vector
-  std::vector<CompiledMeasure<double>> coupled_;  // their measures, in scaled units
+  std::vector<int> driven_, free_, couplings_, measured_;
+  std::vector<int> rows_;           // of the constraint vector
+  std::vector<Measured> coupled_;   // measures of couplings, in scaled units
+  std::vector<Measured> measures_;  // those of measured_
+  Eigen::Index coordinates_ = 0;    // in q
 };
 
 /// A pose of the path, with its derivatives by the path's parameter.
@@ -46,7 +68,7 @@ struct PathPose {
   double at = 0.0;              ///< the parameter
   Eigen::VectorXd x, v, a;      ///< scaled coordinates, dx/d at, d2x/d at2
   double smallest = 1.0;        ///< smallest singular value of the free columns
-  double closeness = 1.0;       ///< smallest / largest of them; 1 if nothing is free
+  double closeness = 1.0;       ///< smallest / largest of them (least_scale()); 1 if nothing is free
   Eigen::VectorXd left, right;  ///< singular vectors of the smallest: closure rows, free coordinates
 };
 

@@ -35,6 +35,29 @@ bool coincide(const Scene& scene, const PointRef& p, const PointRef& q) {
                      [&](const PointRef& r) { return r.body == q.body && scene.local(r) == scene.local(q); });
 }
 
+// Whether two measures that are no sums, angles or travels are of the same points.
+bool is_same(const Scene& scene, const Measure& one, const Measure& other) {
+  if (one.kind != other.kind) return false;
+  switch (one.kind) {
+    case Measure::Kind::distance:
+      return (coincide(scene, one.a, other.a) && coincide(scene, one.b, other.b)) ||
+             (coincide(scene, one.a, other.b) && coincide(scene, one.b, other.a));
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return coincide(scene, one.b, other.b);
+    case Measure::Kind::component:
+      return one.a == other.a && coincide(scene, one.b, other.b) && cross(one.axis, other.axis) == 0.0;
+    case Measure::Kind::rope:
+      return one.contacts.size() == other.contacts.size() &&
+             std::equal(one.contacts.begin(), one.contacts.end(), other.contacts.begin(),
+                        [](const RopeContact& p, const RopeContact& q) {
+                          return p.at == q.at && p.radius == q.radius && p.turn == q.turn;
+                        });
+    default:
+      return false;
+  }
+}
+
 // Whether a measure depends on a driven one only.
 bool is_parallel(const MotionModel& model, const Measure& measure, const Measure& driven) {
   const Scene& scene = model.scene();
@@ -45,7 +68,10 @@ bool is_parallel(const MotionModel& model, const Measure& measure, const Measure
     };
     return measure.kind == Measure::Kind::angle && frames(measure) == frames(driven);
   }
-  if (driven.kind != Measure::Kind::travel) return false;
+  if (driven.kind == Measure::Kind::distance && measure.kind == Measure::Kind::travel) {
+    return is_parallel(model, driven, measure);
+  }
+  if (driven.kind != Measure::Kind::travel) return is_same(scene, measure, driven);
   if (measure.kind == Measure::Kind::travel) return measure.joint == driven.joint;
   if (measure.kind != Measure::Kind::distance) return false;
   const Joint& joint = scene.joints[static_cast<std::size_t>(driven.joint)];
@@ -166,11 +192,19 @@ class InverseDynamics {
       const Reaction& found = first_drive[static_cast<std::ptrdiff_t>(k)];
       DriveEffort effort{drive.name, drive.on.is_angle(), 0.0, rate_of(scene_, motions_, drive.on),
                          0.0,        found.determined};
-      effort.value = effort.is_angle ? found.moment : -found.axial;
+      effort.value = effort.is_angle ? found.moment / first_moment(drive.on) : -found.axial;
       effort.power = effort.value * effort.rate;
       out.push_back(std::move(effort));
     }
     return out;
+  }
+
+  // The moment of a unit effort on an angle: 1, or of a sum that of its first term, which the reaction shows.
+  double first_moment(const Measure& angle) const {
+    for (const UnitEffort& unit : unit_efforts(scene_, angle, poses_of(motions_))) {
+      if (unit.moment != 0.0) return unit.moment;
+    }
+    return 1.0;
   }
 
   void balance_bodies() {

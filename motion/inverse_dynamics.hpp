@@ -71,7 +71,8 @@ struct ParallelElement {
 };
 
 /// Elements on the relative angle that a drive turns; on the travel that it moves; on a distance between the bodies of
-/// a driven slide, or between points that pins and welds keep at the two points of a driven joint.
+/// a driven slide, or between points that pins and welds keep at the two points of a driven joint; on the same points
+/// as a driven distance, place, component or rope.
 std::vector<ParallelElement> parallel_elements(const MotionModel& model, const std::vector<Drive>& drives);
 
 /// Inverse dynamics by d'Alembert's principle: every body cut free under its loads, springs, dampers, friction and

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "model/meshing.hpp"
-#include "model/named_item.hpp"
+#include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/driven_path.hpp"
 #include "motion/equilibrium_pose.hpp"
@@ -34,37 +34,62 @@ Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   return scene;
 }
 
-// A driven quantity, from SI to a scaled coordinate:  x = (value - zero) / unit.
+// A driven measure, from SI to a place in the coordinates of a SplitClosure:  x = (value - zero) / unit.
 struct DrivenCoordinate {
   int coordinate = -1;
   double zero = 0.0, unit = 1.0;
+  bool is_angle = true;
+  std::string start{};  // the name of its guess in [start], where it is a coordinate of the mechanism
 
   double scaled(double value) const { return (value - zero) / unit; }
   double value(double x) const { return zero + unit * x; }
 };
 
+bool is_coordinate(const Measure& on) {
+  return on.kind == Measure::Kind::travel || (on.kind == Measure::Kind::angle && on.body_a == 0);
+}
+
+// Measures that are no coordinates have their places behind these.
 std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
   const Scene& scene = model.scene();
+  const Layout& layout = model.layout();
   std::vector<DrivenCoordinate> out;
+  int behind = model.mechanism().coordinates();
   for (const Drive& drive : scene.drives) {
-    const bool is_angle = drive.on.is_angle();
-    const Layout& layout = model.layout();
-    const Link& link = layout.links[drive.on.body_b];
-    const DrivenCoordinate driven = is_angle
-                                        ? DrivenCoordinate{link.frame, layout.turns[link.turn].to<double>(), 1.0}
-                                        : DrivenCoordinate{layout.travel[drive.on.joint], 0.0, model.scales().length};
+    const Measure& on = drive.on;
+    DrivenCoordinate driven{.unit = on.is_angle() ? 1.0 : model.scales().length, .is_angle = on.is_angle()};
+    if (!is_coordinate(on)) {
+      driven.coordinate = behind++;
+    } else if (on.is_angle()) {
+      const Link& link = layout.links[on.body_b];
+      driven.coordinate = link.frame;
+      driven.zero = layout.turns[link.turn].to<double>();
+      driven.start = scene.bodies[static_cast<std::size_t>(on.body_b)].name;
+    } else {
+      driven.coordinate = layout.travel[on.joint];
+      driven.start = scene.joints[static_cast<std::size_t>(on.joint)].name;
+    }
     if (driven.coordinate < 0) {
       throw InputError(
           fmt::format("{}drive \"{}\": expected a body that can turn, this one keeps its angle; drive the "
                       "joint along which it moves",
                       where(scene), drive.name));
     }
-    for (const DrivenCoordinate& other : out) {
-      if (other.coordinate != driven.coordinate) continue;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      if (out[k].coordinate != driven.coordinate && scene.drives[k].name != drive.name) continue;
       throw InputError(fmt::format("{}drive \"{}\": another drive already moves the same coordinate; drive one of them",
                                    where(scene), drive.name));
     }
-    out.push_back(driven);
+    out.push_back(std::move(driven));
+  }
+  return out;
+}
+
+// Drives whose measures are no coordinates.
+std::vector<int> measured_drives(const Scene& scene) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < scene.drives.size(); ++k) {
+    if (!is_coordinate(scene.drives[k].on)) out.push_back(static_cast<int>(k));
   }
   return out;
 }
@@ -77,34 +102,39 @@ VectorXd assembled(const MotionModel& model) {
   return Eigen::Map<const VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-Eigen::Index rank_of(const MatrixXd& matrix) {
+Eigen::Index rank_of(const SplitClosure& closure, const MatrixXd& matrix) {
   if (matrix.size() == 0) return 0;
-  return solvers::singular_value_decomposition(matrix).rank(DrivenPath::singular_below);
+  const VectorXd values = solvers::singular_value_decomposition(matrix).values;
+  const double largest = std::max(values[0], closure.least_scale());
+  return (values.array() >= DrivenPath::singular_below * largest && values.array() > 0.0).count();
 }
 
-// Whether closures that lose rank at x have a higher rank in a pose close by.
-bool is_singular(const SplitClosure& closure, const VectorXd& x) {
+// Whether columns of the closures, `of` their Jacobian, have a higher rank in a pose close by than at x.
+template <class Of>
+bool gains_rank_beside(const SplitClosure& closure, const VectorXd& x, Of of) {
   const EquilibriumProblem problem(closure.model().mechanism());
   solvers::Newton newton(problem);
-  const Eigen::Index rank = rank_of(closure.jacobian(x));
+  const Eigen::Index rank = rank_of(closure, of(closure.jacobian(x)));
   for (int k = 1; k <= 4; ++k) {
     VectorXd beside = x;
     for (Eigen::Index i = 0; i < x.size(); ++i) beside[i] += 0.03 * std::sin(k + 2.0 * k * static_cast<double>(i));
-    const solvers::NewtonResult& closed = newton.close({beside.data(), static_cast<std::size_t>(beside.size())});
+    const std::vector<double> q = closure.coordinates(beside);
+    const solvers::NewtonResult& closed = newton.close(q);
     if (closed.end != solvers::NewtonEnd::converged) continue;
-    if (rank_of(closure.jacobian(Eigen::Map<const VectorXd>(closed.x.data(), x.size()))) > rank) return true;
+    const Eigen::Map<const VectorXd> pose(closed.x.data(), static_cast<Eigen::Index>(closed.x.size()));
+    if (rank_of(closure, of(closure.jacobian(closure.with_measures(pose)))) > rank) return true;
   }
   return false;
 }
 
 // Throws unless the drives determine the motion without redundancy.
-void expect_driven(const SplitClosure& closure, const VectorXd& x) {
+void expect_driven(const SplitClosure& closure, const std::vector<DrivenCoordinate>& driven, const VectorXd& x) {
   const Scene& scene = closure.model().scene();
   const MatrixXd jacobian = closure.jacobian(x);
   const MatrixXd of_free = closure.free_columns(jacobian);
-  const Eigen::Index freedoms = x.size() - rank_of(jacobian);
+  const Eigen::Index freedoms = x.size() - rank_of(closure, jacobian);
   const Eigen::Index drives = static_cast<Eigen::Index>(closure.driven().size());
-  const Eigen::Index left = of_free.cols() - rank_of(of_free);
+  const Eigen::Index left = of_free.cols() - rank_of(closure, of_free);
   const auto name_of = [&](int coordinate) { return closure.model().layout().coordinates[coordinate].name; };
   if (left == 0) {
     if (drives <= freedoms) return;
@@ -113,11 +143,20 @@ void expect_driven(const SplitClosure& closure, const VectorXd& x) {
                     "out the others",
                     where(scene), freedoms, drives));
   }
-  if (freedoms <= drives || is_singular(closure, x)) {
-    throw InputError(
-        fmt::format("{}drive \"{}\": the start is a singular pose, where it does not determine the "
-                    "motion; expected a regular one; change [start], say --set start.{}=...",
-                    where(scene), scene.drives.front().name, scene.drives.front().name));
+  const auto all_columns = [](const MatrixXd& of_all) { return of_all; };
+  const auto free_columns = [&](const MatrixXd& of_all) { return closure.free_columns(of_all); };
+  if (freedoms <= drives && !closure.measured().empty() && !gains_rank_beside(closure, x, free_columns)) {
+    throw InputError(fmt::format(
+        "{}drive \"{}\": expected a measure that changes as the mechanism moves, in every pose near it stays "
+        "the same, or follows from other drives; drive another",
+        where(scene), scene.drives[static_cast<std::size_t>(closure.measured().front())].name));
+  }
+  if (freedoms <= drives || gains_rank_beside(closure, x, all_columns)) {
+    const std::string& start = driven.front().start;
+    throw InputError(fmt::format(
+        "{}drive \"{}\": the start is a singular pose, where it does not determine the motion; expected a regular one; "
+        "change [start]{}",
+        where(scene), scene.drives.front().name, start.empty() ? "" : fmt::format(", say --set start.{}=...", start)));
   }
   MatrixXd moves = MatrixXd::Identity(of_free.cols(), of_free.cols());
   if (of_free.rows() > 0) {
@@ -141,7 +180,7 @@ class Sweep {
         ranges_(ranges),
         options_(options),
         driven_(driven_coordinates(model)),
-        closure_(model, columns()) {
+        closure_(model, columns(), measured_drives(model.scene())) {
     for (int i = 0; i < model.mechanism().coordinates(); ++i) {
       result_.coordinates.push_back(model.layout().coordinates[i].name);
       result_.is_angle.push_back(i < model.layout().angles);
@@ -150,13 +189,12 @@ class Sweep {
       const int frame = model.layout().links[i].frame;
       result_.turns.push_back(frame >= 0 && frame < model.layout().kept);
     }
-    for (const DrivenCoordinate& d : driven_)
-      result_.drive_coordinates.push_back(static_cast<std::size_t>(d.coordinate));
   }
 
   KinematicsResult run() {
-    const VectorXd start = assembled(model_);
-    expect_driven(closure_, start);
+    expect_values();
+    const VectorXd start = closure_.with_measures(assembled(model_));
+    expect_driven(closure_, driven_, start);
     const std::optional<PathPose> begin = approach(start);
     if (begin) traverse(*begin);
     return std::move(result_);
@@ -177,7 +215,27 @@ class Sweep {
     return out;
   }
 
-  std::vector<double> in_si(const VectorXd& x) const { return model_.to_si({x.data(), x.data() + x.size()}); }
+  std::vector<double> in_si(const VectorXd& x) const { return model_.to_si(closure_.coordinates(x)); }
+
+  // Throws for a measure that is the same in every pose, or a value that it cannot have.
+  void expect_values() const {
+    const Scene& scene = model_.scene();
+    if (const int k = closure_.constant_measure(); k >= 0) {
+      throw InputError(
+          fmt::format("{}drive \"{}\": expected a measure that changes as the mechanism moves, this one is "
+                      "the same in every pose; drive another",
+                      where(scene), scene.drives[closure_.measured()[k]].name));
+    }
+    for (std::size_t k = 0; k < ranges_.size(); ++k) {
+      const Range range = scene.drives[k].on.range();
+      const double unit = scene.drives[k].on.dimension().unit(scene.units);
+      for (const double end : {ranges_[k].from, ranges_[k].to}) {
+        if (contains(range, end)) continue;
+        throw InputError(
+            fmt::format("{}drive \"{}\": {}", where(scene), ranges_[k].name, out_of_range(range, end / unit)));
+      }
+    }
+  }
 
   // From the assembled start to the beginning of the range. Derivatives are per unit of the path that follows.
   std::optional<PathPose> approach(const VectorXd& start) {
@@ -230,7 +288,7 @@ class Sweep {
     for (std::size_t k = 0; k < driven_.size(); ++k) {
       const double far = std::abs(way[static_cast<Eigen::Index>(k)]);
       if (far < farthest) continue;
-      const bool is_angle = result_.is_angle[result_.drive_coordinates[k]];
+      const bool is_angle = driven_[k].is_angle;
       throw InputError(
           fmt::format("{}drive \"{}\": expected to be driven by less than {} {}, found {}; change [start] or "
                       "the range",
@@ -280,9 +338,8 @@ class Sweep {
   std::string drive_words(const VectorXd& x) const {
     std::string out;
     for (std::size_t k = 0; k < driven_.size(); ++k) {
-      out += fmt::format(
-          "{}{} = {}", k == 0 ? "" : ", ", ranges_[k].name,
-          in_units(driven_[k].value(x[driven_[k].coordinate]), result_.is_angle[result_.drive_coordinates[k]]));
+      out += fmt::format("{}{} = {}", k == 0 ? "" : ", ", ranges_[k].name,
+                         in_units(driven_[k].value(x[driven_[k].coordinate]), driven_[k].is_angle));
     }
     return out;
   }
@@ -294,10 +351,11 @@ class Sweep {
     const VectorXd v = per_second * pose.v, a = per_second * per_second * pose.a;
     KinematicSample sample;
     sample.drive = drive_values(pose.x);
+    for (const DrivenCoordinate& d : driven_) sample.drive_rate.push_back(d.unit * v[d.coordinate]);
     sample.q = in_si(pose.x);
     sample.rate = in_si(v);
     sample.acceleration = in_si(a);
-    const auto list = [](const VectorXd& x) { return std::vector<double>(x.data(), x.data() + x.size()); };
+    const auto list = [&](const VectorXd& x) { return closure_.coordinates(x); };
     sample.bodies = body_motions(model_, list(pose.x), list(v), list(a));
     sample.bodies.resize(model_.scene().bodies.size());
     sample.closeness_to_singular = pose.closeness;
@@ -353,24 +411,33 @@ class Sweep {
   KinematicsResult result_;
 };
 
+NamedMeasure driven_measure_of(const Scene& scene, const std::string& name) {
+  if (std::optional<NamedMeasure> found = find_measure(scene, name)) return *found;
+  std::string why = why_no_measure(scene, name);
+  if (why.empty()) {
+    std::vector<std::string> names;
+    for (const NamedMeasure& one : named_measures(scene)) {
+      const bool has_short_name = one.name.starts_with("angle.") || one.name.starts_with("travel.");
+      names.push_back(has_short_name ? one.also.front() : one.name);
+    }
+    why = fmt::format(
+        "expected the name of a body, a slide or a pin in a slot, or angle.BODY.OTHER, length.ELEMENT, x.BODY.POINT, "
+        "y.BODY.POINT, along.BODY.POINT.DEGREES{}",
+        did_you_mean_or_list(name, names));
+  }
+  throw InputError(fmt::format("{}drive \"{}\": {}", where(scene), name, why));
+}
+
 }  // namespace
 
 Drive find_drive(const Scene& scene, const std::string& name) {
-  const auto drive = [&](const Measure& on) {
-    Drive out;
-    out.name = name;
-    out.on = on;
-    return out;
-  };
-  NamedItem body = find_item(scene.bodies, name, [&](const Body& one) { return &one != scene.bodies.data(); });
-  if (body) return drive(Measure::angle_between(0, body.index));
-  NamedItem joint = find_item(scene.joints, name, [](const Joint& one) { return one.has_travel(); });
-  if (joint) return drive(Measure::travel_of(joint.index));
-  std::vector<std::string> names = std::move(body.known);
-  names.insert(names.end(), joint.known.begin(), joint.known.end());
-  throw InputError(fmt::format("{}drive \"{}\": expected the name of a body, a slide or a pin in a slot{}",
-                               where(scene), name, did_you_mean_or_list(name, names)));
+  Drive out;
+  out.name = name;
+  out.on = driven_measure_of(scene, name).on;
+  return out;
 }
+
+std::string drive_in_words(const Scene& scene, const std::string& name) { return driven_measure_of(scene, name).words; }
 
 std::size_t first_moving(const std::vector<DriveRange>& ranges) {
   std::size_t k = 0;

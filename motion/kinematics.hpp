@@ -10,15 +10,18 @@
 
 namespace poise {
 
-/// A quantity that is driven: the absolute angle of a body, rad, or the travel of a slide or pin in a slot, m.
+/// A measure that is driven, rad or m.
 struct DriveRange {
-  std::string name;  ///< of the body or joint
+  std::string name;  ///< as find_drive() reads it
   double from = 0.0, to = 0.0;
 };
 
-/// The drive of a named body or joint. Throws InputError, with the nearest name, if it is no body, slide or pin in a
-/// slot.
+/// The drive of a measure by its name (model/named_measures.hpp): "crank", the angle of a body in the world, "ram", the
+/// travel of a slide, "length.shock", "angle.upper.lower", "x.ram.C". Throws InputError, with the nearest name, where
+/// there is none.
 Drive find_drive(const Scene& scene, const std::string& name);
+/// What that is: "angle of crank in the world". Throws InputError in the same way.
+std::string drive_in_words(const Scene& scene, const std::string& name);
 
 /// The first whose range has a length, which sets the pace of the others; the last where none has.
 std::size_t first_moving(const std::vector<DriveRange>& ranges);
@@ -34,7 +37,8 @@ struct SweepOptions {
 
 /// The mechanism at one point of the driven range. All SI.
 struct KinematicSample {
-  std::vector<double> drive;         ///< values of the driven quantities
+  std::vector<double> drive;         ///< values of the driven measures
+  std::vector<double> drive_rate;    ///< their derivatives by time
   std::vector<double> q;             ///< coordinates
   std::vector<double> rate;          ///< dq/dt
   std::vector<double> acceleration;  ///< d2q/dt2, at drives without acceleration
@@ -50,7 +54,7 @@ struct SingularPose {
   };
   Kind kind = Kind::change_point;
   bool before_range = false;  ///< on the way from the assembled start to the range
-  std::vector<double> drive;  ///< values of the driven quantities
+  std::vector<double> drive;  ///< values of the driven measures
   std::vector<double> q;
   std::string text;  ///< "change point of the loop closed by \"D\": crank, coupler and rocker are in line"
 };
@@ -70,7 +74,6 @@ struct KinematicsResult {
   std::vector<std::string> coordinates;  ///< names of q
   std::vector<bool> turns;               ///< per body of the scene: whether it can turn
   std::vector<bool> is_angle;            ///< which of q are angles; the others are lengths
-  std::vector<std::size_t> drive_coordinates;  ///< the driven one of each drive
   std::vector<KinematicSample> samples;
   std::vector<SingularPose> singular;
 };
@@ -78,9 +81,10 @@ struct KinematicsResult {
 /// Drives the mechanism from its assembled start to the beginning of the range, and then along it. With d the driven
 /// coordinates and f the others, at every pose of the path
 ///   c(f, d) = 0,   C_f f' = -C_d d',   C_f f'' = -C_d d'' - (C q')' q',
-/// solved by rank-revealing factorization, so that redundant closures are admissible. The path is followed by predictor
-/// and corrector in steps short enough that the branch does not change unnoticed; a pose where C_f loses rank is
-/// singular, and is located to about 1e-10. Derivatives there are the limits along the path. The range ends where a
+/// where a driven measure m that is no coordinate is made one: c has the row m(q) - d = 0 more, and f all of q. They
+/// are solved by rank-revealing factorization, so that redundant closures are admissible. The path is followed by
+/// predictor and corrector in steps short enough that the branch does not change unnoticed; a pose where C_f loses rank
+/// is singular, and is located to about 1e-10. Derivatives there are the limits along the path. The range ends where a
 /// stop of the scene would be passed, with one more sample at the stop.
 ///
 /// Throws InputError if the drives leave a degree of freedom, naming what else must be driven, if they contradict each

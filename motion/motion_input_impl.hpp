@@ -31,7 +31,14 @@ InputLoad<T>::InputLoad(const NumbersOfScene& numbers, const Mechanism<T>& mecha
     whole_ = whole_ * phasors_.turned(carrier.turn);
     frame_ = carrier.frame;
   }
-  if (!(force.vector == Vec2{})) {
+  if (force.has_direction_of_its_own()) {
+    const Planar<T> along = numbers.along_force(input.item);
+    written_ = dot(numbers.force(input.item), along);
+    direction_ = share_at_points(numbers, input.item) * along;
+    if (force.follows >= 0) {
+      direction_ = direction_ * phasors_.turned(layout.links[static_cast<std::size_t>(force.follows)].turn);
+    }
+  } else if (!(force.vector == Vec2{})) {
     written_ = norm(numbers.force(input.item));
     direction_ = T(T(1) / written_) * whole_;
   }

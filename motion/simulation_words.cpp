@@ -76,22 +76,22 @@ void refuse_undetermined_joint(const Scene& scene, int joint) {
 
 MotionEnd end_of_motion(const MotionModel& model, ReducedMotion<double>::Status status, double t,
                         const std::vector<double>& q) {
-  using Status = ReducedMotion<double>::Status;
-  if (status == Status::locked) return {MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, locked_words)};
+  using Evaluated = ReducedMotion<double>::Status;
+  if (status == Evaluated::locked) return {MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, locked_words)};
   // Without a length of a rope nothing that it moves is a number.
-  if (status != Status::singular && status != Status::open) {
+  if (status != Evaluated::singular && status != Evaluated::open) {
     if (const std::string rope = rope_without_length(model.scene(), model.poses(q), 1e-3); !rope.empty()) {
       return {MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, rope)};
     }
   }
-  if (status == Status::no_inertia) {
+  if (status == Evaluated::no_inertia) {
     return {MotionStatus::no_inertia,
             "a degree of freedom has no inertia, so its motion is not determined; give the bodies that it moves mass "
             "or moment of inertia, or drive it"};
   }
-  const char* what = status == Status::singular ? "a singular pose"
-                     : status == Status::open   ? "a pose in which its loops open"
-                                                : "a point where no step is short enough";
+  const char* what = status == Evaluated::singular ? "a singular pose"
+                     : status == Evaluated::open   ? "a pose in which its loops open"
+                                                   : "a point where no step is short enough";
   return {MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what)};
 }
 

@@ -59,14 +59,15 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
   for (std::size_t l = 0; l < closures; ++l) {
     share[l] = pose.left.segment<2>(2 * static_cast<Eigen::Index>(l)).norm();
   }
-  for (std::size_t k = 0; k < closure.couplings().size(); ++k) {
+  const std::size_t others = closure.couplings().size() + closure.measured().size();
+  for (std::size_t k = 0; k < others; ++k) {
     share.push_back(std::abs(pose.left[static_cast<Eigen::Index>(2 * closures + k)]));
   }
   const double most = *std::max_element(share.begin(), share.end());
   // What moves while the drives are fixed, and whether all of it acts on all those loops along one line.
   const double fastest = pose.right.cwiseAbs().maxCoeff();
   const Eigen::MatrixXd jacobian = closure.jacobian(pose.x);
-  std::vector<std::string> loops, movers, pushing;
+  std::vector<std::string> loops, drives, movers, pushing;
   std::vector<int> pushing_frames;
   std::vector<Vec2> pushes;
   bool in_line = true;
@@ -85,21 +86,29 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
     pushing.push_back(mover.name);
     pushing_frames.push_back(closure.free()[i]);
   }
+  const Scene& scene = closure.model().scene();
   for (std::size_t l = 0; l < share.size(); ++l) {
     if (!(share[l] > takes_part * most)) continue;
     const bool is_loop = l < closures;
     in_line = in_line && is_loop;
-    loops.push_back(fmt::format(
-        "\"{}\"",
-        is_loop ? layout.closures[l].name
-                : closure.model().scene().stops[static_cast<std::size_t>(closure.couplings()[l - closures])].name));
+    if (l >= closures + closure.couplings().size()) {
+      const int drive = closure.measured()[l - closures - closure.couplings().size()];
+      drives.push_back(fmt::format("\"{}\"", scene.drives[static_cast<std::size_t>(drive)].name));
+      continue;
+    }
+    loops.push_back(
+        fmt::format("\"{}\"", is_loop ? layout.closures[l].name
+                                      : scene.stops[static_cast<std::size_t>(closure.couplings()[l - closures])].name));
   }
-  in_line = in_line && pushing.size() > 1 && are_pinned_together(layout, closure.model().scene(), pushing_frames);
+  in_line = in_line && pushing.size() > 1 && are_pinned_together(layout, scene, pushing_frames);
   for (const Vec2& push : pushes) {
     in_line = in_line && std::abs(cross(pushes.front(), push)) < parallel * norm(pushes.front()) * norm(push);
   }
-  return fmt::format(" of the {} closed by {}: {} {}", loops.size() == 1 ? "loop" : "loops", listed(loops),
-                     listed(in_line ? pushing : movers),
+  const std::string of_loops =
+      loops.empty() ? "" : fmt::format(" of the {} closed by {}", loops.size() == 1 ? "loop" : "loops", listed(loops));
+  const std::string of_drives =
+      drives.empty() ? "" : fmt::format("{} of {}", loops.empty() ? "" : " and", listed(drives));
+  return fmt::format("{}{}: {} {}", of_loops, of_drives, listed(in_line ? pushing : movers),
                      in_line ? "are in line" : "can move while the drives are fixed");
 }
 

@@ -85,12 +85,28 @@ class Ball {
   /// this -= a b.
   void subtract_product(const Ball& a, const Ball& b) { arb_submul(v_, a.v_, b.v_, working_bits); }
 
+  /// Notes, while one lives, whether some numbers of two balls were in the order that was asked for and others not: for
+  /// texts that choose by an order, in scalars made of balls.
+  class Undecided {
+   public:
+    Undecided() : before_(watched_) { watched_ = &any_; }
+    ~Undecided() { watched_ = before_; }
+    Undecided(const Undecided&) = delete;
+    Undecided& operator=(const Undecided&) = delete;
+
+    bool any() const { return any_; }
+
+   private:
+    bool any_ = false;
+    bool* before_;
+  };
+
   /// Equality, order: true only where it holds for all numbers of the balls.
   friend bool operator==(const Ball& a, const Ball& b) { return arb_eq(a.v_, b.v_) != 0; }
-  friend bool operator<(const Ball& a, const Ball& b) { return arb_lt(a.v_, b.v_) != 0; }
-  friend bool operator>(const Ball& a, const Ball& b) { return arb_gt(a.v_, b.v_) != 0; }
-  friend bool operator<=(const Ball& a, const Ball& b) { return arb_le(a.v_, b.v_) != 0; }
-  friend bool operator>=(const Ball& a, const Ball& b) { return arb_ge(a.v_, b.v_) != 0; }
+  friend bool operator<(const Ball& a, const Ball& b) { return decided(arb_lt, arb_ge, a, b); }
+  friend bool operator>(const Ball& a, const Ball& b) { return decided(arb_gt, arb_le, a, b); }
+  friend bool operator<=(const Ball& a, const Ball& b) { return decided(arb_le, arb_gt, a, b); }
+  friend bool operator>=(const Ball& a, const Ball& b) { return decided(arb_ge, arb_lt, a, b); }
 
   friend Ball sqrt(const Ball& a) {
     Ball out;
@@ -121,10 +137,17 @@ class Ball {
     arb_atan2(out.v_, y.v_, x.v_, working_bits);
     return out;
   }
+  friend Ball atan2(const Ball& y, const Ball& x) { return angle_of(x, y); }
   friend Ball abs(const Ball& a) {
     Ball out;
     arb_abs(out.v_, a.v_);
     return out;
+  }
+  /// |a| with the sign of b; with both signs where b may have either.
+  friend Ball copysign(const Ball& a, const Ball& b) {
+    const Ball size = abs(a);
+    if (arb_is_nonnegative(b.v_) != 0) return size;
+    return arb_is_negative(b.v_) != 0 ? -size : of_both(-size, size);
   }
   friend void sin_cos(const Ball& a, Ball& sine, Ball& cosine) { arb_sin_cos(sine.v_, cosine.v_, a.v_, working_bits); }
   friend Ball sin(const Ball& a) {
@@ -185,8 +208,16 @@ class Ball {
     return out;
   }
 
+  template <class Order>
+  static bool decided(Order order, Order opposite, const Ball& a, const Ball& b) {
+    if (order(a.v_, b.v_) != 0) return true;
+    if (watched_ != nullptr && opposite(a.v_, b.v_) == 0) *watched_ = true;
+    return false;
+  }
+
   void add_half_unit();
 
+  inline static thread_local bool* watched_ = nullptr;
   inline static thread_local long working_bits = 128;
   inline static thread_local bool input_is_rounded = false;
   arb_t v_;

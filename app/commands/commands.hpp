@@ -31,6 +31,11 @@ Command view_command();
 /// Ctrl-C keeps the curve followed so far.
 Command path_command();
 
+/// `poise find SCENE --vary load.P=0..5 --for "force.rubber = 700"`: the values of a number for which a quantity has a
+/// value in equilibrium, or of two for two; exit code solved where some were found and all of these are proved. Ctrl-C
+/// keeps those found so far.
+Command find_command();
+
 /// `poise sensitivity SCENE --of reaction.A`: derivatives of quantities by every number of the scene; exit code solved
 /// where all quantities have them.
 Command sensitivity_command();

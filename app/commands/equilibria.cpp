@@ -178,8 +178,8 @@ Command equilibria_command() {
   command.add({"--assemblies", &request->assemblies, "",
                "Positions alone: all ways in which the loops close, with the drives\nheld; nothing else may move"});
   command.add({"--drive", &request->drives, "NAME[=VALUE]",
-               "crank=30: hold the angle of a body, or the travel of a joint, there;\ncrank: where it stands; several "
-               "times"});
+               "crank=30: hold the angle of a body in the world, the travel of a joint\nor a measure "
+               "(length.SPRING=200) there; crank: where it stands; several\ntimes"});
   command.add({"--seconds", &request->seconds, "S",
                "Time for the proof that there are no others (a number of boxes, about\na minute); 0: no proof, random "
                "starts alone"});

@@ -14,7 +14,9 @@
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/motion_pictures.hpp"
+#include "app/result/each.hpp"
 #include "app/result/numbers.hpp"
+#include "app/results/motion/kinematics.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "identification/experiment/motion_import.hpp"
 
@@ -26,7 +28,7 @@ struct ForcesRequest {
   std::vector<std::string> drives;
   std::string motion;
   int steps = 72;
-  std::optional<double> rate;
+  std::optional<double> rate, flywheel;
   std::vector<std::string> show;
 };
 
@@ -43,6 +45,10 @@ void check(const ForcesRequest& request) {
   }
   if (request.rate && ranges == 0) throw InputError("--rate: nothing is driven; expected --drive NAME=FROM..TO too");
   check_sweep(request.steps, request.rate);
+  if (!request.flywheel) return;
+  if (!request.rate) throw InputError("--flywheel: its size depends on the speed; expected --rate NUMBER too");
+  expect_number("--flywheel", *request.flywheel, *request.flywheel > 0 && *request.flywheel < 1,
+                "a coefficient of fluctuation between 0 and 1, (largest - least speed) / mean");
 }
 
 /// The scene with these drives in place of its own.
@@ -65,10 +71,18 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   options.steps = request.steps;
   options.interrupt = &watch_for_interrupt();
   if (request.rate) options.rate = *request.rate * unit_value(quantity, scene.units);
-  return {request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
-                                     unit_name(quantity, scene.units))
-                       : "held still in every pose",
-          forces_over(model, ranges, options, request.rate.has_value())};
+  ForcesAnswer out{request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
+                                              unit_name(quantity, scene.units))
+                                : "held still in every pose",
+                   forces_over(model, ranges, options, request.rate.has_value())};
+  if (!request.flywheel) return out;
+  try {
+    out.fluctuation = fluctuation_over(model, ranges.front(), options);
+  } catch (const InputError& error) {
+    throw InputError(std::string("--flywheel: ") + error.what());
+  }
+  out.coefficient = *request.flywheel;
+  return out;
 }
 
 ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
@@ -109,9 +123,10 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
-  const ForcesAnswer answer = driven                   ? over_range(model, request)
-                              : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
-                                                       : along_motion(model, request.motion);
+  ForcesAnswer answer = driven                   ? over_range(model, request)
+                        : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
+                                                 : along_motion(model, request.motion);
+  if (!request.drives.empty()) answer.drives = drives_in_words(scene, each(scene.drives, &Drive::name));
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, show, request.common.settings);
   const bool any = !found.poses.empty();
@@ -132,12 +147,15 @@ Command forces_command() {
   Command command{"forces", "Find drive efforts and joint forces, in a pose or along a motion"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
-               "crank: drives the angle of a body, or the travel of a joint,\nfrom where it stands; crank=30: put "
-               "there; crank=0..360: over\na range, as far as stops allow. Takes the place of the scene's\ndrives; "
-               "several times"});
+               "crank: drives the angle of a body in the world, the travel of a\njoint or a measure (length.SPRING, "
+               "x.BODY.POINT,\nangle.BODY.OTHER) from where it stands; crank=30: put there;\ncrank=0..360: over a "
+               "range, as far as stops allow. Takes the\nplace of the scene's drives; several times"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "pose)"});
+  command.add({"--flywheel", &request->flywheel, "NUMBER",
+               "Over whole turns at --rate: the fluctuation of the torque of the\ndrive, and the flywheel that holds "
+               "(largest - least speed) / mean\nto this number, say 0.02"});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--motion", &request->motion, "FILE",
                "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "

@@ -68,8 +68,9 @@ Command kinematics_command() {
   Command command{"kinematics", "Drive a mechanism over a range: positions, velocities, accelerations"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME=FROM..TO",
-               "Drive the angle of a body, or the travel of a joint, in the\nscene's units: crank=0..360; one for each "
-               "degree of freedom;\nends where a stop is met",
+               "Drive the angle of a body in the world, the travel of a joint or\na measure, in the scene's units: "
+               "crank=0..360,\nlength.SPRING=200..145, x.BODY.POINT=..., angle.BODY.OTHER=...;\none for each degree of "
+               "freedom; ends where a stop is met",
                Presence::required});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
   command.add({"--rate", &request->rate, "NUMBER",

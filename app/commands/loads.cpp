@@ -10,8 +10,12 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/vary.hpp"
+#include "app/draw/chart/plot.hpp"
 #include "app/draw/loads_picture.hpp"
+#include "app/results/statics/loads_along.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "motion/dynamic_stability.hpp"
 
 namespace poise::app {
 namespace {
@@ -23,6 +27,7 @@ struct LoadsRequest {
   int steps = 10;
   std::vector<std::string> show;
   std::optional<double> time;
+  std::string vary;
 };
 
 void expect_links(const Scene& scene) {
@@ -69,8 +74,40 @@ int run_in_motion(const LoadsRequest& request, const Palette& palette) {
   return finish(request.common, result, &files, pictures, answer.is_complete(), progress, palette);
 }
 
+/// At equal parts of the range of a number, or of a driven measure, as a machine passes them that is loaded slowly.
+int run_over_range(const LoadsRequest& request, const Palette& palette) {
+  if (request.time) throw InputError("--vary: over a range nothing moves; expected --vary or --time, leave one out");
+  if (request.seek != LoadsRequest().seek) {
+    throw InputError("--vary: the path begins where the mechanism comes to rest; leave out --seek");
+  }
+  PathOptions options;
+  options.follow = PathOptions::Follow::load;
+  options.certificate = read_proof(request.proof_seconds);
+  options.dynamic_stability = dynamic_stability;
+  if (!request.common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the scene");
+  const VariedScene varied = load_varied_scene(request.common, read_vary_range(request.vary));
+  OutputFiles files(request.common);
+  options.interrupt = &watch_for_interrupt();
+  for (int k = 0; k <= request.steps; ++k) {
+    options.at.push_back(varied.value_at(static_cast<double>(k) / request.steps));
+  }
+  progress.now("following the curve of equilibria");
+  const LoadsAlong answer = loads_along(varied, options);
+  const Result result = loads_along_result(varied, answer, request.common.settings);
+  Pictures pictures;
+  const std::vector<Panel> panels = answer.loads.empty() ? std::vector<Panel>{} : loads_along_panels(varied, answer);
+  if (files.wants_svg() && !panels.empty()) pictures.svg = draw_plot(panels);
+  if (files.wants_html()) pictures.figures = chart_figures("Loads over " + varied.name(), panels);
+  const bool interrupted = answer.found.status == Path::Status::interrupted;
+  return finish(request.common, result, interrupted ? nullptr : &files, pictures, is_complete(answer), progress,
+                palette);
+}
+
 int run_loads(const LoadsRequest& request, const Palette& palette) {
   expect_between("--steps", request.steps, 1, 1000);
+  if (!request.vary.empty()) return run_over_range(request, palette);
   if (request.time) return run_in_motion(request, palette);
   SolveOptions options;
   options.seek = read_seek(request.seek);
@@ -107,7 +144,11 @@ Command loads_command() {
   Command command{"loads", "Find internal forces, moments, stresses and deflections of links"};
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
-  command.add({"--steps", &request->steps, "N", "Equal parts of each piece of a diagram in JSON and CSV (10)"});
+  command.add({"--steps", &request->steps, "N",
+               "Equal parts of each piece of a diagram in JSON and CSV, or of the\nrange of --vary (10)"});
+  command.add({"--vary", &request->vary, "NAME=FROM..TO",
+               "Over a range of a number or of a driven measure (load.P=0..40,\nangle.BODY=0..90): the smallest and "
+               "largest force of every joint and\nthe largest loads of links, and where"});
   command.add({"--time", &request->time, "S",
                "In motion, S seconds after the scene's start, with the inertia of\nthe links (without it: at rest in "
                "the equilibrium)"});
@@ -116,7 +157,7 @@ Command loads_command() {
   add_output_options(
       command, request->common,
       {.svg = "Draw normal force, shear force, bending moment and deflection on the\nmechanism, into FILE",
-       .csv = "Write the diagrams, one line for each place, to FILE"});
+       .csv = "Write the diagrams, one line for each place, or all forces over a\nrange, to FILE"});
   command.run = [request](const Palette& palette) { return run_loads(*request, palette); };
   return command;
 }

@@ -14,6 +14,7 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/chart/motion_charts.hpp"
+#include "app/draw/chart/quantity_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/terminal/interrupt.hpp"
@@ -34,6 +35,7 @@ struct MotionRequest {
   double noise = 0.0;
   std::uint64_t seed = 1;
   double accuracy = 1e-10;
+  std::vector<std::string> show;
 };
 
 // Numbers of a record, all columns together; a larger file is taken for a mistake in --rate or --duration.
@@ -47,6 +49,9 @@ void check(const MotionRequest& request) {
   expect_number("--noise", request.noise, request.noise >= 0, "a standard deviation >= 0");
   if (request.noise > 0 && request.common.csv.empty()) {
     throw InputError("--noise: there is no record to add it to; expected --csv FILE too");
+  }
+  if (request.noise > 0 && !request.show.empty()) {
+    throw InputError("--noise: it is added to the record of all angles and travels; expected no --show with it");
   }
   if (!request.from.empty()) chosen("--from", request.from, {"equilibrium", "start"});
 }
@@ -90,6 +95,43 @@ std::vector<Displacement> read_displacements(const MotionRequest& request, const
   return out;
 }
 
+/// Why a quantity has no meaning in motion; empty where it has one.
+std::string why_refused(const Scene& scene, const SoughtQuantity& of) {
+  try {
+    refuse_at_rest_only(scene, of);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// The outputs of the scene that have a meaning in motion, with what is said of the others.
+std::vector<SoughtQuantity> outputs_in_motion(const Scene& scene, std::vector<std::string>& left_out) {
+  std::vector<SoughtQuantity> out;
+  for (SoughtQuantity& one : outputs_of(scene, AskedOf::motion)) {
+    if (std::string why = why_refused(scene, one); !why.empty())
+      left_out.push_back(std::move(why));
+    else
+      out.push_back(std::move(one));
+  }
+  return out;
+}
+
+/// What --show asks for of a scene that is not yet resisted_by_joints().
+std::vector<SoughtQuantity> read_asked(const MotionRequest& request, const Scene& scene) {
+  std::vector<SoughtQuantity> out = read_quantities("--show", request.show, scene, AskedOf::motion);
+  for (const SoughtQuantity& one : out) {
+    if (const std::string why = why_refused(scene, one); !why.empty()) throw InputError("--show " + why);
+  }
+  return out;
+}
+
+/// Charts of quantities, then those of the record.
+std::vector<Panel> with_record(std::vector<Panel> panels, const Scene& scene, const MotionRecord& record) {
+  for (Panel& panel : motion_panels(scene, record)) panels.push_back(std::move(panel));
+  return panels;
+}
+
 /// Shows how far a motion has come.
 std::function<void(double)> progress_of(Progress& progress, const std::string& doing, double duration) {
   return [&progress, doing, duration](double t) {
@@ -102,7 +144,11 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const MotionModel model(resisted_by_joints(load_moving_scene(request.common)));
+  const Scene scene = load_moving_scene(request.common);
+  std::vector<std::string> left_out;
+  const bool asked = !request.show.empty();
+  const std::vector<SoughtQuantity> shown = asked ? read_asked(request, scene) : outputs_in_motion(scene, left_out);
+  const MotionModel model(resisted_by_joints(scene));
   refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
   OutputFiles files(request.common);
@@ -131,17 +177,27 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
 
   progress.now("writing the result");
   answer.record = record(model, answer.found.motion, request.rate);
+  const bool moved = answer.found.motion.trajectory.nodes() > 1;
+  if (!shown.empty() && moved) {
+    QuantitiesAlong along(scene, model, answer.found.motion);
+    answer.shown = quantities_in_time(shown, answer.record.time, along);
+    answer.shown.are_all = asked;
+    answer.shown.left_out = left_out;
+  }
   MotionRecord measured;
-  if (files.wants_csv()) measured = answer.record;
+  if (files.wants_csv() && !asked) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
   const Result result = motion_result(model, answer, measured, request.common.settings);
+  const std::vector<Panel> panels =
+      quantity_panels(answer.shown.of, answer.shown.value, scene.units, answer.shown.time, "time (s)");
   Pictures pictures;
   if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
     pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
-                           draw_plot(motion_panels(model.scene(), answer.record)));
+                           draw_plot(asked && !panels.empty() ? panels : with_record(panels, scene, answer.record)));
   }
   if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
-    pictures.figures = {motion_figure(model, answer.found.motion, answer.record, answer.found.confirmed())};
+    pictures.figures = {motion_figure(model, answer.found.motion, answer.record,
+                                      with_record(panels, scene, answer.record), answer.found.confirmed())};
   }
   return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
 }
@@ -170,10 +226,11 @@ Command motion_command() {
                "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units"});
   command.add({"--seed", &request->seed, "N", "Of the noise (1)"});
   command.add({"--accuracy", &request->accuracy, "NUMBER", "Relative accuracy of the motion (1e-10)"});
+  add_show_option(command, request->show);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism at the start, in the middle and at the end, and\nangles, travels and "
-                             "energies over time, into FILE",
-                      .csv = "Write the record, one line for each sample, to FILE"});
+                             "energies over time, or what --show names,\ninto FILE",
+                      .csv = "Write the record, one line for each sample, or time and what\n--show names, to FILE"});
   command.run = [request](const Palette& palette) { return run_motion(*request, palette); };
   return command;
 }

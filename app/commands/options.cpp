@@ -133,7 +133,7 @@ void add_show_option(Command& command, std::vector<std::string>& names) {
 }
 
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
-                                            const Scene& scene) {
+                                            const Scene& scene, AskedOf asked_of) {
   std::vector<SoughtQuantity> out;
   for (const std::string& list : names) {
     for (const std::string& name : comma_separated(list)) {
@@ -141,7 +141,7 @@ std::vector<SoughtQuantity> read_quantities(const std::string& option, const std
         throw InputError(fmt::format("{} \"{}\": expected a name before and after each comma", option, list));
       SoughtQuantity found;
       try {
-        found = find_quantity(scene, name);
+        found = find_quantity(scene, name, asked_of);
       } catch (const InputError& error) {
         const bool is_of_file = std::string_view(error.what()).starts_with(scene.file + ":");
         throw InputError(is_of_file ? error.what() : option + " " + error.what());

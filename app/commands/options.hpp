@@ -67,7 +67,7 @@ void add_quantities_option(Command& command, std::vector<std::string>& names);
 void add_show_option(Command& command, std::vector<std::string>& names);
 /// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.
 std::vector<SoughtQuantity> read_quantities(const std::string& option, const std::vector<std::string>& names,
-                                            const Scene& scene);
+                                            const Scene& scene, AskedOf asked_of = AskedOf::rest);
 /// The same, and throws for quantities over a path, such as extremes.
 std::vector<SoughtQuantity> read_of_position(const std::string& option, const std::vector<std::string>& names,
                                              const Scene& scene);

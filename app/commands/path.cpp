@@ -1,6 +1,7 @@
 #include "statics/paths/path.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,9 +14,13 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/vary.hpp"
+#include "app/draw/chart/beside_chart.hpp"
+#include "app/draw/chart/path_chart.hpp"
 #include "app/draw/chart/plot.hpp"
 #include "app/draw/path_picture.hpp"
 #include "app/result/numbers.hpp"
+#include "app/results/statics/beside.hpp"
 #include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
 #include "app/terminal/interrupt.hpp"
@@ -29,34 +34,17 @@ namespace {
 struct PathRequest {
   Request common;
   std::string curve = "equilibria", from = "settle", follow = "unstable", at;
-  std::vector<std::string> vary, measures, show;
+  std::vector<std::string> vary, measures, show, beside, variants;
   bool branches = false;
   int search = 0;
   std::optional<double> proof_seconds;
 };
 
-/// Names the option in what make() says of bad input.
-template <class Make>
-auto naming_option(Make make) {
-  try {
-    return make();
-  } catch (const AssemblyError&) {
-    throw;
-  } catch (const InputError& error) {
-    throw InputError(std::string("--vary ") + error.what());
-  }
-}
-
-NamedRange read_range(const std::string& text) {
-  return read_named_range("--vary", text, "NAME=FROM..TO, say load.P=0..5");
-}
-
-VariedScene read_vary(const PathRequest& request) {
+VariedScene read_scene_of(const PathRequest& request) {
   if (request.vary.size() != 1) {
     throw InputError(fmt::format("--vary: expected one number, found {}; two with --curve fold", request.vary.size()));
   }
-  const NamedRange given = read_range(request.vary[0]);
-  return naming_option([&] { return VariedScene(load_scene(request.common), given.name, given.from, given.to); });
+  return load_varied_scene(request.common, read_vary_range(request.vary[0]));
 }
 
 VariedPair read_pair(const PathRequest& request) {
@@ -66,14 +54,15 @@ VariedPair read_pair(const PathRequest& request) {
   for (const auto& [option, given] :
        {std::pair("--at", !request.at.empty()), std::pair("--show", !request.measures.empty() || !request.show.empty()),
         std::pair("--branches", request.branches), std::pair("--search", request.search != 0),
+        std::pair("--beside", !request.beside.empty()), std::pair("--variant", !request.variants.empty()),
         std::pair("--proof-seconds", request.proof_seconds.has_value()),
         std::pair("--follow", request.follow != "unstable")}) {
     if (given) throw InputError(fmt::format("{}: not with --curve fold, where it has no meaning", option));
   }
-  const NamedRange first = read_range(request.vary[0]), second = read_range(request.vary[1]);
-  return naming_option([&] {
-    return VariedPair(load_scene(request.common), {first.name, first.from, first.to},
-                      {second.name, second.from, second.to});
+  const NamedRange first = read_vary_range(request.vary[0]), second = read_vary_range(request.vary[1]);
+  const Scene scene = load_scene(request.common);
+  return naming_vary([&] {
+    return VariedPair(scene, {first.name, first.from, first.to}, {second.name, second.from, second.to});
   });
 }
 
@@ -152,13 +141,140 @@ int run_fold_curve(const PathRequest& request, const Palette& palette) {
   return finish(request.common, result, &files, pictures, found.status == FoldCurve::Status::traced, progress, palette);
 }
 
+/// The label and the settings of "A: load.P=3, spring.k.stiffness=2".
+std::pair<std::string, std::vector<std::string>> read_variant(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const auto trimmed = [](std::string word) {
+    word.erase(0, std::min(word.find_first_not_of(' '), word.size()));
+    word.erase(word.find_last_not_of(' ') + 1);
+    return word;
+  };
+  std::pair<std::string, std::vector<std::string>> out;
+  if (colon != std::string::npos) {
+    out.first = trimmed(text.substr(0, colon));
+    for (std::size_t at = colon; at < text.size();) {
+      const std::size_t end = std::min(text.find(',', at + 1), text.size());
+      out.second.push_back(trimmed(text.substr(at + 1, end - at - 1)));
+      at = end;
+    }
+  }
+  const bool has_gap = std::any_of(out.second.begin(), out.second.end(), [](const auto& word) { return word.empty(); });
+  if (out.first.empty() || out.second.empty() || has_gap) {
+    throw InputError(
+        fmt::format("--variant {}: expected a label and settings, say \"A: load.P=3, spring.S.stiffness=2\"", text));
+  }
+  return out;
+}
+
+/// The requests of all scenes that are followed side by side, with their labels: the scene, its variants, the others.
+std::vector<std::pair<std::string, Request>> requests_beside(const PathRequest& request) {
+  std::vector<std::pair<std::string, Request>> out;
+  const auto add = [&](const std::string& option, const std::string& label, const Request& one) {
+    for (const auto& [other, made] : out) {
+      if (other != label) continue;
+      throw InputError(fmt::format("{}: expected labels that differ, found \"{}\" twice; give another", option, label));
+    }
+    out.emplace_back(label, one);
+  };
+  const auto label_of = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+  add("SCENE", label_of(request.common.scene), request.common);
+  for (const std::string& text : request.variants) {
+    const auto [label, settings] = read_variant(text);
+    Request variant = request.common;
+    variant.settings.insert(variant.settings.end(), settings.begin(), settings.end());
+    add("--variant " + text, label, variant);
+  }
+  for (const std::string& file : request.beside) {
+    Request other = request.common;
+    other.scene = file;
+    // Files of one name are told apart by their folders.
+    const auto is_taken = [&](const auto& made) { return made.first == label_of(file); };
+    add("--beside " + file, std::any_of(out.begin(), out.end(), is_taken) ? file : label_of(file), other);
+  }
+  return out;
+}
+
+bool same_units(const Units& a, const Units& b) {
+  return a.length == b.length && a.angle == b.angle && a.force == b.force && a.mass == b.mass;
+}
+
+/// The scenes with the quantities that are shown of each.
+std::vector<SceneBeside> read_scenes(const PathRequest& request) {
+  if (request.vary.size() != 1) {
+    throw InputError(fmt::format("--vary: expected one number, found {}", request.vary.size()));
+  }
+  const NamedRange given = read_vary_range(request.vary[0]);
+  std::vector<SceneBeside> out;
+  for (auto& [label, one] : requests_beside(request)) {
+    try {
+      SceneBeside scene{.label = label, .settings = one.settings, .varied = load_varied_scene(one, given)};
+      std::vector<std::string> names = request.measures;
+      names.insert(names.end(), request.show.begin(), request.show.end());
+      scene.measures = read_shown_in_position(names, named_scene(scene.varied));
+      out.push_back(std::move(scene));
+    } catch (const AssemblyError&) {
+      throw;
+    } catch (const InputError& error) {
+      if (out.empty()) throw;
+      throw InputError(fmt::format("{}: {}", label, error.what()));
+    }
+    if (!same_units(out.back().varied.scene().units, out.front().varied.scene().units)) {
+      throw InputError(
+          fmt::format("--beside {}: expected a scene in the units of {}, so that values can be compared; "
+                      "write its numbers in these",
+                      one.scene, request.common.scene));
+    }
+  }
+  return out;
+}
+
+int run_beside(const PathRequest& request, const Palette& palette) {
+  PathOptions options = read_options(request);
+  if (!request.common.svg.empty()) expect_plotter();
+  Progress progress;
+  progress.now("reading the scenes");
+  std::vector<SceneBeside> scenes = read_scenes(request);
+  options.at = read_at(request.at, scenes.front().varied);
+  OutputFiles files(request.common, request.beside);
+  for (SceneBeside& scene : scenes) {
+    progress.now("following the curve of " + scene.label);
+    options.progress = progress_of(progress, scene.varied);
+    scene.found = path(scene.varied, options);
+    if (scene.found.status == Path::Status::interrupted) break;
+  }
+  const auto has_points = [](const SceneBeside& scene) {
+    return std::any_of(scene.found.branches.begin(), scene.found.branches.end(),
+                       [](const PathBranch& branch) { return !branch.points.empty(); });
+  };
+  const bool any = std::any_of(scenes.begin(), scenes.end(), has_points);
+  if (has_points(scenes.front()) && scenes.front().measures.empty() && !scenes.front().varied.is_driven()) {
+    const std::string name = most_changing(scenes.front().varied, scenes.front().found).name;
+    for (SceneBeside& scene : scenes) scene.measures = read_of_position("--show", {name}, scene.varied.scene());
+  }
+  const Result result = beside_result(scenes, options.at);
+  const bool proved = std::all_of(scenes.begin(), scenes.end(), [](const SceneBeside& one) { return one.is_proved(); });
+  Pictures pictures;
+  if (any && (files.wants_svg() || files.wants_html())) {
+    progress.now("drawing");
+    std::vector<LabelledPanels> panels;
+    for (const SceneBeside& scene : scenes) {
+      panels.push_back({scene.label, path_panels(scene.varied, scene.found, scene.measures, {}, "")});
+    }
+    const std::vector<Panel> together = panels_beside(panels);
+    if (files.wants_svg()) pictures.svg = draw_plot(together);
+    if (files.wants_html()) pictures.figures = chart_figures("Curves of equilibria", together);
+  }
+  return finish(request.common, result, &files, pictures, proved, progress, palette);
+}
+
 int run_path(const PathRequest& request, const Palette& palette) {
   if (chosen("--curve", request.curve, {"equilibria", "fold"}) == 1) return run_fold_curve(request, palette);
+  if (!request.beside.empty() || !request.variants.empty()) return run_beside(request, palette);
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;
   progress.now("reading the scene");
-  const VariedScene varied = read_vary(request);
+  const VariedScene varied = read_scene_of(request);
   options.at = read_at(request.at, varied);
   const Scene named = named_scene(varied);
   std::vector<std::string> names = request.measures;
@@ -196,12 +312,12 @@ int run_path(const PathRequest& request, const Palette& palette) {
 
 Command path_command() {
   const auto request = std::make_shared<PathRequest>();
-  Command command{"path", "Follow the equilibria as a load, a dimension or a driven angle or travel changes"};
+  Command command{"path", "Follow the equilibria as a load, a dimension or a driven measure changes"};
   add_scene_options(command, request->common);
   command.add(
       {"--vary", &request->vary, "NAME=FROM..TO",
        "Vary a number of the scene, in its own units: load.P=0..5,\nspring.S.stiffness=1..3; loads=0..1 (a factor "
-       "of all loads);\nangle.BODY or travel.JOINT: what is driven, with the effort needed",
+       "of all loads);\nangle.BODY, length.SPRING, x.BODY.POINT, ...: what is driven, with the\neffort needed",
        Presence::required});
   command.add(
       {"--curve", &request->curve, "WHAT",
@@ -221,6 +337,11 @@ Command path_command() {
   command.add({"--at", &request->at, "NUMBERS", "Show the equilibria at these values of the number: 1,2.5,5"});
   add_show_option(command, request->show);
   command.add({"--measure", &request->measures, "NAME", "The same, of one; several times"});
+  command.add({"--beside", &request->beside, "OTHER",
+               "Follow the same number in this scene file too: one chart, and the\ndifferences at the values of --at; "
+               "several times"});
+  command.add({"--variant", &request->variants, "LABEL: SETTINGS",
+               "The same with the scene changed: \"A: load.P=3, spring.S.stiffness=2\";\nseveral times"});
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the curve, and the mechanism at its start, end, folds, snaps and\nstops, into FILE",

@@ -161,13 +161,23 @@ void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   const std::string text =
       effort.name + " = " + stage.value(std::abs(effort.value), quantity) + (effort.determined ? "" : "*");
   stage.canvas.item("drive " + effort.name, stage.value(effort.value, quantity));
+  const std::vector<UnitEffort> units = unit_efforts(stage.scene, drive.on, stage.now.poses);
   if (effort.is_angle) {
-    draw_turning(stage, stage.pivot(drive.on.body_a, drive.on.body_b), 27.0, effort.value, text, ink::drive, 2.0);
+    for (const UnitEffort& unit : units) {
+      draw_turning(stage, stage.pivot(unit.body_a, unit.body_b), 27.0, effort.value * unit.moment, text, ink::drive,
+                   2.0);
+    }
     return;
   }
-  const UnitEffort unit = unit_efforts(stage.scene, drive.on, stage.now.poses).front();
-  const Vec2 at = stage.page(unit.b);
-  draw_force(stage, at, leaving(stage, at, effort.value * unit.force), text, ink::drive, 2.0, "");
+  // Terms of a sum that push at one point push together.
+  for (auto unit = units.begin(); unit != units.end(); ++unit) {
+    const auto is_there = [&](const UnitEffort& other) { return other.body_b == unit->body_b && other.b == unit->b; };
+    if (std::any_of(units.begin(), unit, is_there)) continue;
+    Vec2 force{};
+    for (const UnitEffort& other : units) force = is_there(other) ? force + other.force : force;
+    const Vec2 at = stage.page(unit->b);
+    draw_force(stage, at, leaving(stage, at, effort.value * force), text, ink::drive, 2.0, "");
+  }
 }
 
 /// "P = 3 N"; of a load that follows a function of time "P(t) = c(t) 3 N", or at one time "P(t = 0 s) = 3 N".

@@ -91,7 +91,8 @@ Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, cons
   return figure;
 }
 
-Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record, bool confirmed) {
+Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record,
+                     std::vector<Panel> panels, bool confirmed) {
   const Trajectory& path = motion.trajectory;
   if (path.nodes() < 2) return {};
   std::vector<int> all(static_cast<std::size_t>(path.coordinates));
@@ -115,7 +116,7 @@ Figure motion_figure(const MotionModel& model, const Motion& motion, const Motio
   const double duration = path.t.back();
   play.seconds = duration >= shortest && duration <= longest ? duration : usual_seconds;
   Figure figure{.title = "Motion"};
-  figure.charts = with_cursors(motion_panels(model.scene(), record), play.values);
+  figure.charts = with_cursors(std::move(panels), play.values);
   animate(figure, std::move(positions), std::move(play), "The mechanism as it moves", {});
   return figure;
 }

@@ -33,8 +33,9 @@ std::string forces_picture(const Scene& scene, const Forces& forces, const std::
 Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
                          const std::vector<std::string>& points, bool confirmed);
 
-/// Over time; in real time where that takes 2 s to 30 s.
-Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record, bool confirmed);
+/// Over time; in real time where that takes 2 s to 30 s. `panels` are over time too.
+Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record,
+                     std::vector<Panel> panels, bool confirmed);
 
 /// In one pose, over a range or over time, with the forces of joints, active stops and drives.
 Figure forces_figure(const Scene& scene, const ForcesAlong& found, bool confirmed);

@@ -41,6 +41,7 @@ class Chart {
       point: null,
       frame_shown: null,
       plot: null,
+      toggles: [],
     });
     this.labels = {x: labelParts(panel.x_label), y: labelParts(panel.y_label)};
     this.log = {x: panel.log_x, y: panel.log_y};
@@ -413,6 +414,7 @@ class Chart {
         {class: 'entry', 'aria-pressed': 'true', title: 'Hide or show this curve'}
       );
       toggle.append(curve.name);
+      this.toggles[i] = toggle;
       return toggle;
     };
     const rest = [
@@ -425,6 +427,17 @@ class Chart {
     );
     const all = [...entries, ...others].filter((one) => one !== null);
     return all.length > 0 ? element('div', {class: 'legend'}, ...all) : null;
+  }
+
+  /// Shows these curves alone, and marks the chart; null: all curves.
+  showCurves(places) {
+    const shown = this.shown.map((_, i) => places === null || places.includes(i));
+    this.element.classList.toggle('asked-for', places !== null);
+    if (shown.every((is, i) => is === this.shown[i])) return;
+    this.shown = shown;
+    shown.forEach((is, i) => this.toggles[i]?.setAttribute('aria-pressed', String(is)));
+    this.point = null;
+    this.events.toggled(this);
   }
 
   table() {

@@ -452,14 +452,14 @@ class Zoom {
   }
 }
 
-function followWithName(picture, stage) {
+function followWithName(picture, stage, said) {
   const tip = element('div', {class: 'tip', hidden: true, 'aria-hidden': 'true'});
   stage.append(tip);
   stage.addEventListener('pointerleave', () => {
     tip.hidden = true;
   });
   stage.addEventListener('pointermove', (event) => {
-    tip.textContent = picture.nameAt(event.clientX, event.clientY);
+    tip.textContent = said(picture.nameAt(event.clientX, event.clientY));
     tip.hidden = tip.textContent === '';
     if (tip.hidden) return;
     const box = stage.getBoundingClientRect();
@@ -491,8 +491,9 @@ export function showCaption(caption, stage, drawing, k) {
   if (!confirmed) caption.append(element('span', {class: 'unconfirmed-word'}, 'not confirmed'));
 }
 
-/// A drawing with its caption, zoom, names and layers. Returns its parts; frame(k) shows another frame.
-export function drawingView(drawing, palette) {
+/// A drawing with its caption, zoom, names and layers. Returns its parts; frame(k) shows another frame. `said(name)`:
+/// what is said beside an item of that name.
+export function drawingView(drawing, palette, said = (name) => name) {
   const stage = element('div', {
     class: 'stage',
     tabindex: 0,
@@ -528,7 +529,7 @@ export function drawingView(drawing, palette) {
     layerMenu(picture, drawing)
   );
   const caption = element('p', {class: 'caption'});
-  followWithName(picture, stage);
+  followWithName(picture, stage, said);
   picture.show(drawing);
   const frame = (k) => {
     picture.frame(k);

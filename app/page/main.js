@@ -8,6 +8,7 @@ import {Player} from './player.js';
 import {cardsView} from './cards.js';
 import {isLong} from './tables.js';
 import {chartsView} from './chart.js';
+import {canPlot, forgetCharts, plotThis, withPlots} from './plot_this.js';
 import {showLiveView} from './view.js';
 
 // The text of a member of a JSON object, as it was written: numbers of 64 bits would lose digits in JSON.parse.
@@ -60,12 +61,25 @@ function headerView(page, text) {
   );
 }
 
+// A press that moves the drawing is no click.
+function plotOnClick({stage, picture}) {
+  let pressed = null;
+  stage.addEventListener('pointerdown', ({clientX, clientY}) => {
+    pressed = [clientX, clientY];
+  });
+  stage.addEventListener('click', ({clientX, clientY, target}) => {
+    const moved = pressed === null || Math.hypot(clientX - pressed[0], clientY - pressed[1]) > 4;
+    if (!moved && !target.closest('button')) plotThis(picture.nameAt(clientX, clientY));
+  });
+}
+
 function playedView(figure, palette) {
-  const view = drawingView(figure.drawing, palette);
+  const view = drawingView(figure.drawing, palette, (name) => (canPlot(name) ? `${name}: click for its curves` : name));
   const box = element('div', {class: 'played'}, view.element);
   let player = null;
-  const charts = figure.charts ? chartsView(figure.charts, (k) => player?.step(k)) : null;
+  const charts = figure.charts ? withPlots(chartsView(figure.charts, (k) => player?.step(k))) : null;
   if (charts) box.append(charts.element);
+  plotOnClick(view);
   box.classList.toggle('with-charts', charts !== null);
   if (figure.play && figure.drawing.frames.length > 1) {
     player = new Player(view, figure.play, (k) => charts?.frame(k));
@@ -81,7 +95,7 @@ function figureBody(figure, palette) {
     case 'cards':
       return cardsView(figure.drawing, palette);
     case 'charts':
-      return chartsView(figure.charts).element;
+      return withPlots(chartsView(figure.charts)).element;
     default:
       return playedView(figure, palette);
   }
@@ -127,6 +141,7 @@ export function showPage(text) {
     showLiveView(page, palette, document.getElementById('page'));
     return;
   }
+  forgetCharts();
   const figures = page.figures ?? [];
   const figure_views = figures.map((figure) => figureView(figure, palette));
   const report =

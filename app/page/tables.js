@@ -2,6 +2,7 @@
 
 import {button, copyButton, element, say, toneClass} from './dom.js';
 import {whenTold} from './theme.js';
+import {canPlot, plotThis} from './plot_this.js';
 
 const most_rows = 25;
 // On narrow windows longer texts go on in a second line.
@@ -41,6 +42,10 @@ function barView(text) {
   const bar = element('span', {class: 'count-bar', role: 'img', 'aria-label': `bar of ${text.length}`});
   bar.style.setProperty('--count', text.length);
   return bar;
+}
+
+function plotButton(text) {
+  return button(text, () => plotThis(text), {class: 'plot-this', title: 'Show its curves alone'});
 }
 
 // What scrolls must be reached by keys too; what does not would only be in the way of Tab.
@@ -194,7 +199,7 @@ class TableView {
       return element(
         is_name ? 'th' : 'td',
         {scope: is_name ? 'row' : null, class: classes.filter((name) => name).join(' ') || null},
-        isBar(text) ? barView(text) : text
+        isBar(text) ? barView(text) : is_name && canPlot(text) ? plotButton(text) : text
       );
     });
     return element('tr', {}, ...cells);

@@ -91,7 +91,7 @@ std::pair<double, double> slider(const ParameterRow& row, double value, double s
     return {value - 0.5 * reach, value + 0.5 * reach};
   }
   const double reach = value == 0.0 ? 1.0 : std::abs(value);
-  if (row.place.owner == Owner::force || !signed_number) return {0.0, 2.0 * reach};
+  if (!signed_number) return {0.0, 2.0 * reach};
   return {value - reach, value + reach};
 }
 
@@ -346,6 +346,7 @@ Transition ViewSession::do_load(const json& request) {
   if (load->follows >= 0) {
     load->vector = load->vector * conj(unit(now_.tracked.poses()[static_cast<std::size_t>(load->follows)].angle));
   }
+  if (load->has_direction_of_its_own() && !(load->vector == Vec2{})) load->along = direction<double>(load->vector);
   return take(std::move(wanted));
 }
 

@@ -20,6 +20,7 @@
 #include "model/scene_names.hpp"
 #include "model/set_parameter.hpp"
 #include "model/text_file.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise {
 namespace {
@@ -129,13 +130,17 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps", "wraps",
-                      "noise", "zero", "factor", "delay"});
+    table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps",
+                      "wraps", "noise", "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
     const double unit = read_quantity(table, names, sensor);
-    sensor.rate = table.flag("rate", false);
+    const bool is_rate = sensor.rate;
+    sensor.rate = table.flag("rate", is_rate);
+    if (is_rate && table.has("rate")) {
+      table.place_of("rate").fail("d(A)/dt is a rate already; leave it out");
+    }
     if (sensor.rate && sensor.reads_force()) {
       table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
     }
@@ -162,7 +167,7 @@ class ExperimentReader {
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
   double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
-    constexpr std::array measures = {"angle", "travel", "distance", "x", "y", "force"};
+    constexpr std::array measures = {"read", "angle", "travel", "distance", "x", "y", "force"};
     std::vector<std::string> given;
     std::copy_if(measures.begin(), measures.end(), std::back_inserter(given),
                  [&](const char* key) { return table.has(key); });
@@ -173,6 +178,7 @@ class ExperimentReader {
                         : fmt::format(", found {}; leave one in, or give each a sensor", fmt::join(given, " and "))));
     }
     const Units& units = experiment_.scene.units;
+    if (table.has("read")) return read_by_name(table.text("read"), sensor);
     if (table.has("angle")) {
       sensor.on = read_bodies(table, names);
       return units.angle;
@@ -198,6 +204,41 @@ class ExperimentReader {
       if (at.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
     }
     return units.length;
+  }
+
+  /// read = "length.strut", a quantity of the scene: a measure, its rate or the force of a spring.
+  double read_by_name(const TomlText& name, Sensor& sensor) const {
+    const Scene& scene = experiment_.scene;
+    SoughtQuantity found;
+    try {
+      found = find_quantity(scene, name.value, AskedOf::motion);
+    } catch (const InputError& error) {
+      name.place.fail(error.what());
+    }
+    const double unit = found.dimension.unit(scene.units);
+    if (found.kind == SoughtQuantity::Kind::by_time) {
+      sensor.rate = true;
+      found = SoughtQuantity(found.of.front());
+    }
+    const bool is_force = found.kind == SoughtQuantity::Kind::element_force && !sensor.rate &&
+                          stores_energy(scene.elements[static_cast<std::size_t>(found.item)].law);
+    sensor.on = is_force ? scene.elements[static_cast<std::size_t>(found.item)].on : found.on;
+    if (is_force) {
+      sensor.element = found.item;
+      return unit;
+    }
+    using Kind = Measure::Kind;
+    constexpr std::array read_as_they_are = {Kind::angle, Kind::distance, Kind::travel, Kind::x, Kind::y};
+    const bool is_measure =
+        found.kind == SoughtQuantity::Kind::measure &&
+        std::find(read_as_they_are.begin(), read_as_they_are.end(), found.on.kind) != read_as_they_are.end();
+    if (!is_measure) {
+      name.place.fail(
+          fmt::format("sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT "
+                      "between two points or bodies, d(A)/dt of these, or force.SPRING; found {}",
+                      name.value));
+    }
+    return unit;
   }
 
   /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.

@@ -20,7 +20,9 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
 }
 
 void SceneParameter::set(Scene& scene, double si) const {
-  if (place_.owner == Owner::force && get(scene) == 0.0) return;
+  if (place_.owner == Owner::force && scene.forces[static_cast<std::size_t>(place_.item)].line_of_action() == Vec2{}) {
+    return;
+  }
   set_value_at(scene, place_, si);
   let_friction_follow(scene);
 }

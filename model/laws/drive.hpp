@@ -10,7 +10,7 @@
 
 namespace poise {
 
-/// A motor that prescribes its measure, an angle or a travel, as a function of time t, with unlimited force:
+/// A motor that prescribes its measure as a function of time t, with unlimited force:
 ///   g(t) = start + rate t + acceleration t^2/2 + amplitude (sin(2 pi frequency t + phase) - sin(phase)).
 /// rad or m. Statics leaves drives out.
 struct Drive {
@@ -78,7 +78,9 @@ inline constexpr std::array<Number, 6> Drive::numbers = [] {
     number.measure_power = 1;
     return number;
   };
-  return std::array{of_measure(optional_number<&Drive::start>("start", {})),
+  Number start = of_measure(optional_number<&Drive::start>("start", {}));
+  start.range_of_measure = true;
+  return std::array{start,
                     of_measure(plain_number<&Drive::rate>("rate", dimension::time.power(-1))),
                     of_measure(plain_number<&Drive::acceleration>("acceleration", dimension::time.power(-2))),
                     of_measure(plain_number<&Drive::amplitude>("amplitude", {})),

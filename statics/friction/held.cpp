@@ -15,6 +15,7 @@
 #include "solvers/root.hpp"
 #include "statics/bodies/contact_loads.hpp"
 #include "statics/friction/private/friction_problem.hpp"
+#include "statics/model/static_numbers.hpp"
 
 namespace poise {
 namespace {
@@ -636,47 +637,15 @@ class Varied {
     }
     const ParameterRow row = parameter(scene, name);
     check_is_free(scene, row);
-    places_ = {row.place};
     present_ = value_at(scene, row.place).value_or(0.0);
-    span_.from = row.range == Range::finite ? -no_end : 0.0;
-    const auto item = static_cast<std::size_t>(row.place.item);
-    const std::string_view key = row.path.parts[3];
-    switch (row.place.owner) {
-      case Owner::force:
-        if (norm(scene.forces[item].vector) == 0.0) fail("expected a force with a direction, its vector is [0, 0]");
-        is_force_ = true;
-        [[fallthrough]];
-      case Owner::torque:
-      case Owner::scene:
-      case Owner::body:
-        is_load_ = true;
-        return;
-      case Owner::element:
-        if (std::holds_alternative<DryFriction>(scene.elements[item].law) && row.place.number == 0) {
-          grows_ = 1;
-          return;
-        }
-        is_load_ = stores_energy(scene.elements[item].law) && is_affine_in(scene.elements[item].law, row.place.number);
-        if (is_load_) return;
-        fail("friction that holds is not affine in it; expected a load, a stiffness or a number of friction");
-        break;
-      case Owner::joint:
-        if (key.starts_with("friction.")) {
-          grows_ = key == "friction.length" ? -1 : 1;
-          return;
-        }
-        [[fallthrough]];
-      case Owner::coupling:
-        if (key.starts_with("friction.")) {
-          grows_ = 1;
-          return;
-        }
-        [[fallthrough]];
-      default:
-        fail(
-            "expected a number on which the places of the bodies do not depend: a load, a mass, a stiffness or a "
-            "number of friction; give others with --set");
+    if (row.place.owner == Owner::number) {
+      named_ = name;
+      add_followers(row, fail);
+      return;
     }
+    places_ = {row.place};
+    span_.from = row.range == Range::finite ? -no_end : 0.0;
+    add(effect_of(row, fail), fail);
   }
 
   double present() const { return present_; }
@@ -686,13 +655,103 @@ class Varied {
   int grows() const { return grows_; }         ///< 1 or -1: bounds of friction grow with the number, or fall
   Scene at(double si) const {
     Scene out = scene_;
+    if (!named_.empty()) set_value(out, named_, si);
     for (std::size_t i = 0; i < places_.size(); ++i)
       set_value_at(out, places_[i], whole_.empty() ? si : whole_[i] * si);
     return out;
   }
 
  private:
+  /// What a number changes.
+  struct Effect {
+    bool is_load = false, is_force = false;
+    int grows = 0;
+  };
+
+  template <class Fail>
+  Effect effect_of(const ParameterRow& row, Fail fail) const {
+    const auto item = static_cast<std::size_t>(row.place.item);
+    const std::string_view key = row.path.parts[3];
+    switch (row.place.owner) {
+      case Owner::force:
+        if (scene_.forces[item].line_of_action() == Vec2{}) {
+          fail("expected a force with a direction, its vector is [0, 0]");
+        }
+        return {.is_load = true, .is_force = true};
+      case Owner::torque:
+      case Owner::scene:
+      case Owner::body:
+        return {.is_load = true};
+      case Owner::element: {
+        const Law& law = scene_.elements[item].law;
+        if (std::holds_alternative<DryFriction>(law) && row.place.number == 0) return {.grows = 1};
+        if (stores_energy(law) && is_affine_in(law, row.place.number)) return {.is_load = true};
+        fail("friction that holds is not affine in it; expected a load, a stiffness or a number of friction");
+        break;
+      }
+      case Owner::joint:
+        if (key.starts_with("friction.")) return {.grows = key == "friction.length" ? -1 : 1};
+        break;
+      case Owner::coupling:
+        if (key.starts_with("friction.")) return {.grows = 1};
+        break;
+      default:
+        break;
+    }
+    fail(
+        "expected a number on which the places of the bodies do not depend: a load, a mass, a stiffness or a "
+        "number of friction; give others with --set");
+    return {};
+  }
+
+  template <class Fail>
+  void add(const Effect& effect, Fail fail) {
+    const bool is_other = (is_load_ && !effect.is_load) || (grows_ != 0 && grows_ != effect.grows);
+    if (is_other) fail("it makes friction grow and something else change too; expected a number of one of both");
+    is_load_ = effect.is_load;
+    is_force_ = effect.is_force;
+    grows_ = effect.grows;
+  }
+
+  /// What follows from a named number: all friction, which grows or falls with it, or all loads, affinely.
+  template <class Fail>
+  void add_followers(const ParameterRow& named, Fail fail) {
+    const std::vector<int> degrees = dependent_degrees(scene_, named.place.item);
+    const std::vector<double> slopes = dependents_by(scene_, named.place.item, named_values(scene_));
+    const std::vector<ParameterRow> rows = parameter_table(scene_);
+    int loads = 0;
+    for (std::size_t k = 0; k < degrees.size(); ++k) {
+      const DependentNumber& one = (*scene_.dependents)[k];
+      if (degrees[k] == 0 || one.at.of == DependentPlace::Of::left_out || one.at.place.owner == Owner::number) continue;
+      const auto row = std::find_if(rows.begin(), rows.end(),
+                                    [&](const ParameterRow& other) { return other.place == one.at.place; });
+      const bool is_component = one.at.of != DependentPlace::Of::row && one.at.of != DependentPlace::Of::force;
+      const bool rubs = row != rows.end() && row->path.parts[3].starts_with("friction.");
+      if (row == rows.end() || is_component || (!rubs && !acts_in_statics(scene_, row->place))) {
+        if (is_component) fail(one.item + " follows from it, on which the places of the bodies depend");
+        continue;
+      }
+      if (degrees[k] > 1) fail(fmt::format("{} = \"{}\" is not affine in it", one.item, one.text()));
+      Effect effect = effect_of(*row, fail);
+      effect.is_force = false;
+      if (slopes[k] < 0.0) effect.grows = -effect.grows;
+      add(effect, fail);
+      loads += effect.is_load && one.at.of == DependentPlace::Of::row ? 1 : 0;
+      // Where a number of friction is not negative.
+      if (effect.grows != 0 && slopes[k] != 0.0) {
+        const double value = value_at(scene_, row->place).value_or(0.0) / row->dimension.unit(scene_.units);
+        const double zero = present_ - value / slopes[k];
+        if (effect.grows > 0) span_.from = std::max(span_.from, zero);
+        if (effect.grows < 0) span_.to = std::min(span_.to, zero);
+      }
+    }
+    if (!is_load_ && grows_ == 0)
+      fail("no load and no friction follows from it; expected a number that one follows from");
+    if (loads > 1) fail("several loads and masses follow from it; vary one of these, with --set for the others");
+  }
+
   const Scene& scene_;
+  std::string named_;
   std::vector<ParameterPlace> places_;
   std::vector<double> whole_;
   double present_ = 0.0;

@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "model/named_item.hpp"
+#include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
 #include "statics/bodies/body_measures.hpp"
 #include "statics/model/static_numbers.hpp"
@@ -46,32 +47,22 @@ bool enters_affinely(const Scene& scene, const ParameterPlace& place) {
   }
 }
 
-/// The measure "angle.BODY", "travel.JOINT" or "drive.NAME"; none for other names.
-std::optional<Measure> driven_measure(const Scene& scene, const std::string& name) {
-  const auto named = [&](std::string_view kind) -> std::optional<std::string> {
-    if (!name.starts_with(kind)) return std::nullopt;
-    return name.substr(kind.size());
-  };
-  const auto expected = [&](const std::string& what, const std::string& item, const NamedItem& among) {
-    throw InputError(fmt::format("{}: expected {}{}", name, what, did_you_mean_or_list(item, among.known)));
-  };
-  if (const auto body = named("angle.")) {
-    const NamedItem found =
-        find_item(scene.bodies, *body, [&](const Body& one) { return &one != scene.bodies.data(); });
-    if (found) return Measure::angle_between(0, found.index);
-    expected("the name of a body", *body, found);
+/// The measure of a name, or of "drive.NAME"; none of the names of numbers, which come before older spellings.
+std::optional<NamedMeasure> driven_measure(const Scene& scene, const std::string& name) {
+  if (std::optional<NamedMeasure> found = find_measure(scene, name)) {
+    if (found->name == name || !find_parameter(scene, name)) return found;
+    return std::nullopt;
   }
-  if (const auto joint = named("travel.")) {
-    const NamedItem found = find_item(scene.joints, *joint, [](const Joint& one) { return one.has_travel(); });
-    if (found) return Measure::travel_of(found.index);
-    expected("the name of a slide or a pin in a slot", *joint, found);
+  if (find_parameter(scene, name)) return std::nullopt;
+  if (const std::string why = why_no_measure(scene, name); !why.empty()) {
+    throw InputError(fmt::format("{}: {}", name, why));
   }
-  if (const auto drive = named("drive."); drive && !find_parameter(scene, name)) {
-    const NamedItem found = find_item(scene.drives, *drive);
-    if (found) return scene.drives[found.index].on;
-    expected("the name of a drive", *drive, found);
-  }
-  return std::nullopt;
+  constexpr std::string_view drive = "drive.";
+  if (!name.starts_with(drive)) return std::nullopt;
+  const std::string item = name.substr(drive.size());
+  const NamedItem found = find_item(scene.drives, item);
+  if (found) return NamedMeasure{.name = name, .on = scene.drives[found.index].on, .words = "measure of drive " + item};
+  throw InputError(fmt::format("{}: expected the name of a drive{}", name, did_you_mean_or_list(item, found.known)));
 }
 
 /// Sets a number of `scene` to (1 - s) times what it is there, plus s times what it is in `other`.
@@ -79,9 +70,10 @@ void blend(Scene& scene, const Scene& other, const ParameterPlace& place, double
   const auto between = [&](double a, double b) { return s == 0.0 ? a : s == 1.0 ? b : (1.0 - s) * a + s * b; };
   const auto item = static_cast<std::size_t>(place.item);
   if (place.owner == Owner::force) {
-    Vec2& F = scene.forces[item].vector;
-    const Vec2& G = other.forces[item].vector;
-    F = {between(F.x, G.x), between(F.y, G.y)};
+    Force& F = scene.forces[item];
+    const Force& G = other.forces[item];
+    F.vector = {between(F.vector.x, G.vector.x), between(F.vector.y, G.vector.y)};
+    if (!(F.along == G.along)) F.along = s == 0.0 ? F.along : s == 1.0 ? G.along : Vec2{};
   } else if (place.owner == Owner::stop) {
     // Both limits at once: one alone might pass the other on the way.
     Stop& stop = scene.stops[item];
@@ -101,9 +93,11 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
   Range range = Range::finite;
   if (const auto measure = driven_measure(scene_, name_)) {
     driven_ = affine_ = true;
-    dimension_ = measure->dimension();
-    range = measure->range();
-    scene_.stops.push_back({.name = name_, .on = *measure});
+    name_ = measure->name;
+    driven_words_ = measure->words;
+    dimension_ = measure->on.dimension();
+    range = measure->on.range();
+    scene_.stops.push_back({.name = name_, .on = measure->on});
   } else if (name_ == "loads") {
     affine_ = true;
     const auto add = [&](Owner owner, std::size_t count) {
@@ -123,15 +117,15 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     if (!counts_in_statics(row.place.owner) || is_idle) {
       fail(
           "equilibrium does not depend on it; expected a load, a stiffness, a dimension or a driven measure, say "
-          "angle.BODY");
+          "angle.BODY or length.ELEMENT");
     }
     places_.push_back(row.place);
     affine_ = enters_affinely(scene_, row.place);
     dimension_ = row.dimension;
     // A force may be reversed.
     range = row.place.owner == Owner::force ? Range::finite : row.range;
-    if (row.place.owner == Owner::force && norm(scene_.forces[row.place.item].vector) == 0.0) {
-      fail("expected a force with a direction, its vector is [0, 0]; give another vector");
+    if (row.place.owner == Owner::force && scene_.forces[row.place.item].line_of_action() == Vec2{}) {
+      fail("expected a force with a direction, its vector is [0, 0]; give it a direction and a size");
     }
   }
   for (const ParameterPlace& place : places_) whole_.push_back(poise::value_at(scene_, place).value_or(0.0));
@@ -283,7 +277,12 @@ Scene VariedScene::scene_at(double value) const {
     const bool is_factor = name_ == "loads";
     if (place.owner == Owner::force) {
       // Reversed where the value is negative.
-      Vec2& F = scene.forces[place.item].vector;
+      Force& force = scene.forces[place.item];
+      if (!is_factor && force.has_direction_of_its_own()) {
+        force.vector = value * force.along;
+        continue;
+      }
+      Vec2& F = force.vector;
       const double size = is_factor ? 1.0 : norm(F);
       F = {F.x / size * value, F.y / size * value};
     } else {

@@ -16,7 +16,8 @@ namespace poise {
 /// A scene of which one number varies over a range:
 ///   a path as for set_value()    "load.P", "spring.k.stiffness", "point.crank.B.x"
 ///   "loads"                      a factor of all loads (forces and torques)
-///   "angle.BODY", "travel.JOINT", "drive.NAME"   a driven measure: it is held at the value, by the force sought
+///   "angle.BODY", "length.ELEMENT", ...   a driven measure, any of find_measure(), or "drive.NAME", that of a drive of
+///                                         the scene: it is held at the value, by the force sought
 class VariedScene {
  public:
   /// `from` and `to` in the scene's own units. Throws InputError for a name that does not exist (with the nearest), a
@@ -44,6 +45,8 @@ class VariedScene {
   std::string unit_name() const;
   /// The number is a driven measure, held by Scene::stops.back() of scene_at(), with min = max.
   bool is_driven() const { return driven_; }
+  /// What that is: "angle of upper in the world".
+  const std::string& driven_words() const { return driven_words_; }
   /// Dimension of the force that holds a driven measure: a torque, N m, or a force, N.
   Dimension effort_dimension() const;
   /// The number enters forces, tangent and constraints affinely, so that two values determine all others.
@@ -89,7 +92,7 @@ class VariedScene {
   void find_courses();
 
   Scene scene_;
-  std::string name_;
+  std::string name_, driven_words_;
   Dimension dimension_{};
   double from_ = 0.0, to_ = 0.0, unit_ = 1.0;
   bool driven_ = false, affine_ = false;

@@ -174,21 +174,21 @@ class Extremes {
     constexpr double golden = 0.3819660112501051;
     constexpr int most = 60;
     double from = 0.0, to = 1.0, t = golden, u = 1.0 - golden;
-    const auto q = [&](double part) -> std::optional<std::pair<double, double>> {
+    const auto q = [&](double part) {
       const std::optional<PathPoint> point = curve_.between(k, part);
-      if (!point) return std::nullopt;
+      if (!point) return std::numeric_limits<double>::quiet_NaN();
       std::string why;
       const double one = curve_.values(of_, *point, why).front();
-      if (!why.empty()) return std::nullopt;
+      if (!why.empty()) return std::numeric_limits<double>::quiet_NaN();
       if (sense * one > sense * value) {
         value = one;
         at = point->parameter;
       }
-      return std::pair(sense * one, point->parameter);
+      return sense * one;
     };
-    std::optional<std::pair<double, double>> at_t = q(t), at_u = q(u);
-    for (int step = 0; step < most && at_t && at_u && to - from > 1e-7; ++step) {
-      if (at_t->first > at_u->first) {
+    double at_t = q(t), at_u = q(u);
+    for (int step = 0; step < most && !std::isnan(at_t) && !std::isnan(at_u) && to - from > 1e-7; ++step) {
+      if (at_t > at_u) {
         to = u;
         u = t;
         at_u = at_t;

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "model/named_measures.hpp"
 #include "model/named_number.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
@@ -26,6 +27,8 @@ namespace {
 
 using Kind = SoughtQuantity::Kind;
 using Part = SoughtQuantity::Part;
+
+constexpr std::string_view separators = " +-*/()";
 
 SoughtQuantity measured(std::string name, const Measure& on) {
   return {.name = std::move(name), .on = on, .dimension = on.dimension()};
@@ -52,7 +55,7 @@ SoughtQuantity mode(int number, Kind kind) {
 /// Quantities of a scene by their names, and what else they may be called.
 class Catalogue {
  public:
-  explicit Catalogue(const Scene& scene) : scene_(scene) {
+  Catalogue(const Scene& scene, AskedOf asked_of) : scene_(scene), asked_of_(asked_of) {
     add_quantities();
     add_outputs();
   }
@@ -60,15 +63,20 @@ class Catalogue {
   /// In their order, outputs last.
   const std::vector<SoughtQuantity>& all() const { return all_; }
 
-  /// The quantity whose name begins the text, the longest; null without one.
-  const SoughtQuantity* longest(std::string_view text, std::size_t& length) const {
+  /// The quantity whose name begins the text, the longest; none without one.
+  std::optional<SoughtQuantity> longest(std::string_view text, std::size_t& length) const {
     const SoughtQuantity* found = nullptr;
     for (const auto& [name, index] : by_name_) {
       if (!text.starts_with(name) || (found != nullptr && name.size() <= length)) continue;
       found = &all_[index];
       length = name.size();
     }
-    return found;
+    const std::optional<NamedMeasure> composed = composed_measure(scene_, text, separators);
+    if (composed && (found == nullptr || composed->name.size() > length)) {
+      length = composed->name.size();
+      return measured(composed->name, composed->on);
+    }
+    return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
   /// What quantities may be called, and their names.
@@ -77,6 +85,7 @@ class Catalogue {
   /// Names that two elements have.
   const std::map<std::string, std::vector<std::string>>& shared() const { return shared_; }
   const Scene& scene() const { return scene_; }
+  AskedOf asked_of() const { return asked_of_; }
 
  private:
   void add_outputs();
@@ -105,48 +114,23 @@ class Catalogue {
   }
 
   void add_measures() {
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      const std::string& name = scene_.bodies[i].name;
-      add(measured("angle." + name, Measure::angle_between(0, static_cast<int>(i))), {name});
+    for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
+    const std::vector<ElementName> names = names_of_elements(scene_);
+    for (std::size_t e = 0; e < names.size(); ++e) {
+      const auto& [own, whole] = names[e];
+      if (own.empty()) shared_[scene_.elements[e].name].push_back(whole);
     }
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-      const std::string& name = scene_.joints[j].name;
-      if (scene_.joints[j].has_travel())
-        add(measured("travel." + name, Measure::travel_of(static_cast<int>(j))), {name});
-    }
-    for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      for (std::size_t p = 0; p < scene_.bodies[i].points.size(); ++p) {
-        const PointRef point{static_cast<int>(i), static_cast<int>(p)};
-        const std::string name = scene_.name_of(point);
-        add(measured("x." + name, Measure::x_of(point)), {name + ".x"});
-        add(measured("y." + name, Measure::y_of(point)), {name + ".y"});
-      }
-    }
-    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
-      const auto [name, whole] = names_of(e);
-      std::vector<std::string> also{"length." + whole, whole};
-      if (!name.empty()) also.push_back(name);
-      add(measured("length." + (name.empty() ? whole : name), scene_.elements[e].on), also);
-    }
-  }
-
-  /// The name of an element, empty where another has it too, and that with its table.
-  std::pair<std::string, std::string> names_of(std::size_t element) {
-    const Element& of = scene_.elements[element];
-    std::string whole = of.table + "." + of.name;
-    const auto shares = [&](const Element& other) { return other.name == of.name; };
-    if (std::count_if(scene_.elements.begin(), scene_.elements.end(), shares) == 1) return {of.name, whole};
-    shared_[of.name].push_back(whole);
-    return {"", whole};
   }
 
   void add_element_forces() {
+    const std::vector<ElementName> names = names_of_elements(scene_);
     const auto add_of_springs = [&](const std::string& prefix, Kind kind, auto&& dimension) {
       for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
         const Element& of = scene_.elements[e];
-        if (!stores_energy(of.law)) continue;
-        const auto [name, whole] = names_of(e);
-        add({.name = prefix + (name.empty() ? whole : name),
+        const bool resists = asked_of_ == AskedOf::motion && kind == Kind::element_force;
+        if (!stores_energy(of.law) && !resists) continue;
+        const auto& [own, whole] = names[e];
+        add({.name = prefix + (own.empty() ? whole : own),
              .kind = kind,
              .item = static_cast<int>(e),
              .dimension = dimension(of.on)},
@@ -231,7 +215,11 @@ class Catalogue {
   void add_energy() {
     const bool follows =
         std::any_of(scene_.forces.begin(), scene_.forces.end(), [](const Force& force) { return force.follows >= 0; });
-    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque});
+    const std::vector<std::string> also =
+        asked_of_ == AskedOf::motion ? std::vector<std::string>{"energy.potential"} : std::vector<std::string>{};
+    if (!follows) add({.name = "energy", .kind = Kind::energy, .dimension = dimension::torque}, also);
+    if (asked_of_ == AskedOf::rest) return;
+    add({.name = "energy.kinetic", .kind = Kind::kinetic_energy, .dimension = dimension::torque});
   }
 
   // Those relative to the ground; Reader reads the names of all pairs.
@@ -312,31 +300,25 @@ class Catalogue {
   }
 
   const Scene& scene_;
+  AskedOf asked_of_;
   std::vector<SoughtQuantity> all_;
   std::map<std::string, std::size_t> by_name_;
   std::map<std::string, std::vector<std::string>> shared_;
 };
 
-constexpr std::string_view separators = " +-*/()";
-
 /// What a name begins with, and what follows.
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 14> families{{{"angle.", "body"},
-                                           {"travel.", "slide or pin in a slot"},
-                                           {"x.", "point, BODY.POINT,"},
-                                           {"y.", "point, BODY.POINT,"},
-                                           {"length.", "force element"},
-                                           {"force.", "force element or drive"},
-                                           {"rate.", "force element"},
-                                           {"reaction.", "joint"},
-                                           {"stop.", "stop"},
-                                           {"center.", "body and another, BODY.BODY.x,"},
-                                           {"stress.", "link with a section"},
-                                           {"transmission.", "link with two joints and one of these"},
-                                           {"fold.load.", "load"},
-                                           {"load_at_fold.", "load"}}};
+constexpr std::array<Family, 9> families{{{"force.", "a force element or drive"},
+                                          {"rate.", "a force element"},
+                                          {"reaction.", "a joint"},
+                                          {"stop.", "a stop"},
+                                          {"center.", "a body and another, BODY.BODY.x,"},
+                                          {"stress.", "a link with a section"},
+                                          {"transmission.", "a link with two joints and one of these"},
+                                          {"fold.load.", "a load"},
+                                          {"load_at_fold.", "a load"}}};
 
 /// The tail of a message that names the three quantities nearest to a word, or to all that follows, for a name may have
 /// spaces: `; did you mean "a", "b" or "c"?`. Of those only that may be called something with this prefix.
@@ -479,7 +461,7 @@ class Reader {
       return out;
     }
     skip_spaces();
-    if (rest_.starts_with("d(")) return ratio();
+    if (rest_.starts_with("d(")) return derivative();
     if (std::optional<SoughtQuantity> over = over_path()) return *std::move(over);
     if (const std::optional<SoughtQuantity> named = name()) return *named;
     return constant();
@@ -520,9 +502,13 @@ class Reader {
     // The whole rest may be a name with spaces that is misspelt.
     const std::string whole(rest_);
     if (const std::string why = why_not(scene, whole); !why.empty()) fail(why);
+    for (const auto& [prefix, item] : measure_families) {
+      if (!whole.starts_with(prefix)) continue;
+      fail(fmt::format("expected the name of {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
+    }
     for (const auto& [prefix, item] : families) {
       if (!whole.starts_with(prefix)) continue;
-      fail(fmt::format("expected the name of a {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
+      fail(fmt::format("expected the name of {}{}", item, nearest_three(catalogue_, prefix, word, whole)));
     }
     fail("expected the name of a quantity" + nearest_three(catalogue_, "", word, whole));
   }
@@ -555,15 +541,15 @@ class Reader {
 
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
-    const SoughtQuantity* const found = catalogue_.longest(rest_, length);
+    const std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
     if (std::optional<SoughtQuantity> along = push(length)) return along;
     if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
     if (std::optional<SoughtQuantity> of_mode = mode_of_vibration()) return of_mode;
-    if (found == nullptr) return std::nullopt;
+    if (!found) return std::nullopt;
     const bool ends = length == rest_.size() || separators.find(rest_[length]) != std::string_view::npos;
     if (!ends) return std::nullopt;
     rest_.remove_prefix(length);
-    return *found;
+    return found;
   }
 
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.
@@ -682,35 +668,42 @@ class Reader {
   }
 
   /// Whether it changes with the pose alone, and not with what holds it.
-  static bool has_rate(const SoughtQuantity& of) {
+  bool has_rate(const SoughtQuantity& of) const {
     switch (of.kind) {
       case Kind::measure:
       case Kind::energy:
-      case Kind::element_force:
       case Kind::number:
         return true;
+      case Kind::element_force:
+        return stores_energy(catalogue_.scene().elements[static_cast<std::size_t>(of.item)].law);
       case Kind::sum:
       case Kind::difference:
       case Kind::product:
       case Kind::quotient:
-        return std::all_of(of.of.begin(), of.of.end(), has_rate);
+        return std::all_of(of.of.begin(), of.of.end(), [this](const SoughtQuantity& one) { return has_rate(one); });
       default:
         return false;
     }
   }
 
-  SoughtQuantity ratio() {
+  /// d(A)/d(B), or d(A)/dt of a motion.
+  SoughtQuantity derivative() {
     const auto part = [&]() -> SoughtQuantity {
       if (!take("d(")) fail("expected d(A)/d(B)");
       SoughtQuantity out = sum();
       if (!take(")")) fail("expected a closing parenthesis in d(A)/d(B)");
-      if (has_rate(out)) return out;
-      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
-                       out.name));
+      return out;
     };
     SoughtQuantity a = part();
     if (!take("/")) fail("expected d(A)/d(B)");
+    skip_spaces();
+    if (rest_.starts_with("dt")) return by_time(std::move(a));
     SoughtQuantity b = part();
+    for (const SoughtQuantity* one : {&a, &b}) {
+      if (has_rate(*one)) continue;
+      fail(fmt::format("expected angles, travels, places, lengths, energy or forces of elements in d(A)/d(B), found {}",
+                       one->name));
+    }
     SoughtQuantity out{.name = fmt::format("d({})/d({})", a.name, b.name),
                        .kind = Kind::ratio,
                        .dimension = a.dimension * b.dimension.power(-1)};
@@ -718,6 +711,16 @@ class Reader {
     return out;
   }
 
+  SoughtQuantity by_time(SoughtQuantity a) {
+    rest_.remove_prefix(2);
+    const std::string name = fmt::format("d({})/dt", a.name);
+    if (catalogue_.asked_of() == AskedOf::rest) {
+      fail("nothing changes with time at rest; expected d(A)/d(B), or poise motion --show");
+    }
+    SoughtQuantity out{.name = name, .kind = Kind::by_time, .dimension = a.dimension * dimension::time.power(-1)};
+    out.of = {std::move(a)};
+    return out;
+  }
   // What is read by recursion is bounded.
   static constexpr std::size_t longest = 2000;
   static constexpr int deepest = 50;
@@ -729,6 +732,11 @@ class Reader {
 };
 
 void Catalogue::add_outputs() {
+  if (asked_of_ == AskedOf::rest) {
+    // One that belongs to a motion is undefined at rest.
+    for (SoughtQuantity& one : outputs_of(scene_, AskedOf::motion)) add(std::move(one));
+    return;
+  }
   for (const SceneOutput& output : scene_.outputs) {
     const std::string where =
         (output.line > 0 ? fmt::format("{}:{}", scene_.file, output.line) : scene_.file) + ": outputs." + output.name;
@@ -790,22 +798,24 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives) {
   return scene;
 }
 
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name) {
-  const Catalogue catalogue(scene);
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of) {
+  const Catalogue catalogue(scene, asked_of);
   return Reader(catalogue, name).read();
 }
 
-std::vector<SoughtQuantity> outputs_of(const Scene& scene) {
+std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of) {
   if (scene.outputs.empty()) return {};
-  const Catalogue catalogue(scene);
+  const Catalogue catalogue(scene, asked_of);
   return {catalogue.all().end() - static_cast<std::ptrdiff_t>(scene.outputs.size()), catalogue.all().end()};
 }
 
-std::vector<SoughtQuantity> all_quantities(const Scene& scene) { return Catalogue(scene).all(); }
+std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of) {
+  return Catalogue(scene, asked_of).all();
+}
 
-std::vector<std::string> quantity_names(const Scene& scene) {
+std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of) {
   std::vector<std::string> out;
-  for (const SoughtQuantity& one : all_quantities(scene)) out.push_back(one.name);
+  for (const SoughtQuantity& one : all_quantities(scene, asked_of)) out.push_back(one.name);
   return out;
 }
 

@@ -23,11 +23,13 @@ struct SoughtQuantity {
     stop_reaction,  ///< with which a stop pushes, >= 0
     shaking,        ///< what the mechanism exerts on the ground, its moment about the origin of the world
     energy,
-    center,        ///< x or y in the world of the instant centre of body `item` relative to body `other`
+    kinetic_energy,  ///< of a motion
+    center,          ///< x or y in the world of the instant centre of body `item` relative to body `other`
     transmission,  ///< angle between the line `on` and the normal of the motion of body `item` at the end of that line
     push,          ///< force at `point` along `direction` that holds the pose, in place of what drives it
     ratio,         ///< d(first)/d(second) along the one motion that the joints allow: of measures, the energy, forces
                    ///< of elements and expressions of these
+    by_time,       ///< d(A)/dt of a motion, of one part
     stress,        ///< largest size of the stress in link `item`, which others find (RestingPlace::other)
     frequency,     ///< of vibration mode `item`, Hz, and its damping ratio: likewise
     damping,
@@ -56,7 +58,7 @@ struct SoughtQuantity {
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
   double constant = 0.0;
-  std::vector<SoughtQuantity> of{};  ///< those that it is made of: one over a path, else two
+  std::vector<SoughtQuantity> of{};  ///< those that it is made of: one over a path or by time, else two
   bool is_output = false;            ///< the scene gives it this name: Scene::outputs
 
   /// Some part of it is of this kind.
@@ -64,6 +66,9 @@ struct SoughtQuantity {
   /// It belongs to a path, not to a position.
   bool is_over_path() const;
 };
+
+/// What a quantity is asked of: a mechanism at rest, or one that moves.
+enum class AskedOf { rest, motion };
 
 /// Whether two measures are of the same bodies, points and joints, whatever the numbers in them.
 bool is_same(const Measure& a, const Measure& b);
@@ -73,8 +78,8 @@ bool is_same(const Measure& a, const Measure& b);
 Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 
 /// The quantity so called:
-///   angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT
-///   length.ELEMENT        the length or the angle that a force element acts on (ELEMENT or TABLE.ELEMENT)
+///   angle.BODY, angle.BODY.OTHER, travel.JOINT, x.BODY.POINT, y.BODY.POINT, along.BODY.POINT.DEGREES, length.ELEMENT
+///                         measures (model/named_measures.hpp)
 ///   force.ELEMENT, rate.ELEMENT
 ///   force.DRIVE           of a drive of the scene, in a position that it holds; force.drive where all drive one
 ///                         measure
@@ -87,25 +92,26 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 ///   transmission.LINK.JOINT, transmission.BAR.BODY
 ///   stress.LINK           of a link with a section
 ///   mode.N.frequency, mode.N.damping
-///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing
-///                         magnitude
+///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing size
 ///   NAME                  an output of the scene
-///   d(A)/d(B)             of measures (the first two rows), energy, force.ELEMENT, and expressions of these
+///   d(A)/d(B)             of measures, energy, force.ELEMENT, and expressions of these
 ///   max(Q), min(Q), mean(Q), span(Q)   over a branch of a path
 ///   work(Q)               of a force: integral of Q over the path of its point, or its measure
 /// or numbers and these with + - * / and parentheses. BODY, JOINT, BODY.POINT.x, BODY.POINT.y, ELEMENT and
 /// load_at_fold.LOAD are read too: the quantity has the name above. Throws InputError with the nearest names where
 /// there is none, where units do not fit, and where an output of the scene is none.
-SoughtQuantity find_quantity(const Scene& scene, const std::string& name);
+///
+/// Of a motion also  energy.kinetic,  d(A)/dt  with any quantity A,  and force.ELEMENT of all elements.
+SoughtQuantity find_quantity(const Scene& scene, const std::string& name, AskedOf asked_of = AskedOf::rest);
 
 /// The outputs of a scene, in their order. Throws InputError with file and line where one is no quantity, has the name
 /// of another, or uses one that is not above it.
-std::vector<SoughtQuantity> outputs_of(const Scene& scene);
+std::vector<SoughtQuantity> outputs_of(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 /// The quantities of a scene that are not made of others, in the order of the rows above; of pushes those along x and
-/// y, of instant centres those relative to the ground.
-std::vector<SoughtQuantity> all_quantities(const Scene& scene);
+/// y, of instant centres those relative to the ground, no measures of families that have too many members for a list.
+std::vector<SoughtQuantity> all_quantities(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 /// Their names.
-std::vector<std::string> quantity_names(const Scene& scene);
+std::vector<std::string> quantity_names(const Scene& scene, AskedOf asked_of = AskedOf::rest);
 
 }  // namespace poise

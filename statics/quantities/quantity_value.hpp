@@ -86,6 +86,13 @@ class QuantityPlace {
     equations.place(z, placed_);
   }
 
+  /// From now on the motion is the one with these rates of the places, whatever joints and stops allow.
+  void move(std::vector<T> rates) {
+    motion_ = {std::move(rates), 1};
+    has_motion_ = true;
+  }
+  /// In how many ways joints and stops let it move.
+  int freedoms() { return motion().empty() ? motion_.freedoms : 1; }
   /// Counts forces besides loads and elements: generalized ones on the places of the bodies, poses() values, and their
   /// resultant on the ground.
   void add_beside(const std::vector<double>& on_places, const GroundForce<double>& on_ground) {
@@ -325,8 +332,11 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
   switch (of.kind) {
     case Kind::measure:
       return bodies().value(of.on);
-    case Kind::element_force:
+    case Kind::element_force: {
+      const Element& element = equations_.scene().elements[static_cast<std::size_t>(of.item)];
+      if (!stores_energy(element.law)) return undefined("a " + element.family() + " has no force at rest");
       return bodies().element_force(of.item);
+    }
     case Kind::element_rate:
       return bodies().element_rate(of.item);
     case Kind::drive_force:
@@ -357,6 +367,10 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
       return part_of(of.of[0]) * part_of(of.of[1]);
     case Kind::quotient:
       return part_of(of.of[0]) / part_of(of.of[1]);
+    case Kind::kinetic_energy:
+      return T(0);
+    case Kind::by_time:
+      return undefined("nothing changes with time at rest");
     case Kind::stress:
     case Kind::frequency:
     case Kind::damping:

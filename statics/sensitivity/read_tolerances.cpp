@@ -79,8 +79,9 @@ void check_range(const Scene& scene, const ParameterRow& row, double value, cons
     place.fail(fmt::format("{} = {} may fall to {}, {}", tolerance.number, value / unit, (value - reach) / unit,
                            out_of_range(row.range, (value - reach) / unit)));
   }
-  if (row.place.owner == Owner::force && value == 0.0) {
-    place.fail(tolerance.number + " is zero and has no direction; give the force a vector that is not zero");
+  if (row.place.owner == Owner::force &&
+      scene.forces[static_cast<std::size_t>(row.place.item)].line_of_action() == Vec2{}) {
+    place.fail(tolerance.number + " is zero and has no direction; give the force a direction and a size");
   }
   if (row.place.owner == Owner::number) {
     for (const double end : {value - reach, value + reach}) {

@@ -41,8 +41,8 @@ bool is_kinked_in(const Law& law, int number) {
 std::string why_not_by(const NumberedEquations& equations, const ParameterPlace& place,
                        const std::vector<NumberedEquations::Placed<double>>& placed) {
   const Scene& scene = equations.scene();
-  if (place.owner == Owner::force && norm(scene.forces[place.item].vector) == 0.0) {
-    return "a force of zero has no direction";
+  if (place.owner == Owner::force && scene.forces[place.item].line_of_action() == Vec2{}) {
+    return "a force with the vector [0, 0] has no direction";
   }
   if (place.owner == Owner::stop && scene.stops[place.item].min == scene.stops[place.item].max) {
     return "min and max of the stop are equal and can only change together";

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/equilibria_picture.hpp"
 #include "app/draw/equilibrium_figure.hpp"
 #include "app/draw/figure_json.hpp"
@@ -154,7 +155,8 @@ TEST(FigureBuilders, Motion) {
   const Motion motion = simulate(model, release(model, equilibrium_origin(model), displaced), options);
   ASSERT_TRUE(motion.completed()) << motion.why;
   const auto begin = std::chrono::steady_clock::now();
-  const Figure figure = motion_figure(model, motion, record(model, motion, 200.0), true);
+  const MotionRecord recorded = record(model, motion, 200.0);
+  const Figure figure = motion_figure(model, motion, recorded, motion_panels(model.scene(), recorded), true);
   std::printf("motion drawn in %.0f ms\n",
               std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   checked(figure, "motion");

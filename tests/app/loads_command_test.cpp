@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -44,6 +45,40 @@ TEST(LoadsCommand, FlexibleLinkHasTheLoadsOfItsBentShape) {
   EXPECT_NEAR(found["links"][0]["moment"].get<double>(), -400 * 0.6710587577531538, 1e-3);
   EXPECT_EQ(found["links"][0]["moment_at"].get<double>(), 0.0);
   EXPECT_TRUE(found["links"][0]["deflection"].is_null());
+}
+
+// All forces of the portal are linear in the wind: the largest are at an end of its range, and those between on a line.
+TEST(LoadsCommand, OverARangeHasTheLoadsOfItsEquilibria) {
+  const std::string portal = dataset("structures/three_hinged_portal");
+  const json found = loads_of(portal, 0, {"--vary", "load.wind=0..20", "--steps", "4"});
+  ASSERT_EQ(found["equilibria"]["parameter"].size(), 5U);
+  const json calm = loads_of(portal, 0, {"--set", "load.wind=0"}),
+             storm = loads_of(portal, 0, {"--set", "load.wind=20"});
+  for (const json& link : found["links"]) {
+    if (link["load"] != "moment") continue;
+    const auto of = [&](const json& all) {
+      for (const json& one : all["links"]) {
+        if (one["name"] == link["name"]) return one["moment"].get<double>();
+      }
+      return 0.0;
+    };
+    const double value = link["value"], at = link["at"];
+    EXPECT_NEAR(std::abs(value), std::max(std::abs(of(calm)), std::abs(of(storm))), 1e-9) << link["name"];
+    EXPECT_NEAR(value, at == 0.0 ? of(calm) : of(storm), 1e-9) << link["name"];
+  }
+}
+
+TEST(LoadsCommand, OverARangeNeedsNoLinks) {
+  const json found = loads_of(dataset("toggle_press"), 0, {"--vary", "angle.crank=110..130", "--steps", "4"});
+  EXPECT_EQ(found["parameter"]["driven"], "angle of crank in the world");
+  EXPECT_TRUE(found["links"].empty());
+  for (const json& joint : found["joints"]) {
+    EXPECT_LE(joint["least"].get<double>(), joint["largest"].get<double>());
+    const std::string key = "reaction." + joint["name"].get<std::string>() + ".size";
+    const std::vector<double> all = found["equilibria"][key];
+    EXPECT_EQ(*std::max_element(all.begin(), all.end()), joint["largest"].get<double>());
+  }
+  EXPECT_EQ(found["joints"].size(), 7U);
 }
 
 TEST(LoadsCommand, RefusesByNameWithoutDiagrams) {

@@ -193,6 +193,46 @@ TEST(ForcesCommand, ShowsPowerOnlyWhereSomethingMoves) {
   EXPECT_NE(moving.out.find("power (N mm/s)"), std::string::npos) << moving.out;
 }
 
+// A bar on a shaft needs the torque m g d cos(angle): its integral swings by 2 m g d, d = 0.5 m.
+TEST(ForcesCommand, SizesAFlywheel) {
+  const TempFolder folder;
+  const std::string scene = folder.write("bar.toml", R"(gravity = [0, -10]
+[units]
+angle = "deg"
+[ground]
+points = { O = [0, 0] }
+[body.bar]
+points = { O = [0, 0] }
+mass = 3
+center = [0.5, 0]
+inertia = 1
+[[pin]]
+points = ["ground.O", "bar.O"]
+)");
+  const std::string file = folder.path("a.json").string();
+  const ProgramRun run =
+      run_poise({"forces", scene, "--drive", "bar=0..360", "--rate", "90", "--flywheel", "0.1", "--json", file});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const json found = json::parse(contents(file))["fluctuation"];
+  EXPECT_NEAR(found["mean_torque"].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(found["greatest_torque"].get<double>(), 15.0, 1e-12);
+  EXPECT_NEAR(found["least_torque_at"].get<double>(), 180.0, 1e-6);
+  EXPECT_NEAR(found["energy_swing"].get<double>(), 30.0, 1e-8);
+  EXPECT_NEAR(found["slowest_at"].get<double>(), 90.0, 1e-4) << "above";
+  EXPECT_NEAR(found["flywheel"].get<double>(), 30.0 / (0.1 * M_PI * M_PI / 4), 1e-7);
+  EXPECT_NE(run.out.find("holds (largest - least speed) / mean at 0.1"), std::string::npos) << run.out;
+  for (const auto& [words, says] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"--drive", "bar=0..360", "--flywheel", "0.1"}, "--flywheel: its size depends on the speed"},
+           {{"--drive", "bar=0..90", "--rate", "90", "--flywheel", "0.1"}, "expected a range of whole turns"},
+           {{"--drive", "bar=0..360", "--rate", "90", "--flywheel", "2"}, "--flywheel: expected a coefficient"}}) {
+    std::vector<std::string> all = {"forces", scene};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramRun refused = run_poise(all);
+    EXPECT_EQ(refused.exit_code, 2) << refused.out;
+    EXPECT_NE(refused.err.find(says), std::string::npos) << refused.err;
+  }
+}
+
 TEST(ForcesCommand, DrawsTheMechanismInASinglePose) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor), svg = folder.path("f.svg");

@@ -105,6 +105,69 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   EXPECT_NE(run.out.find("equilibrium (stable), rail displaced by 7 mm and released"), std::string::npos) << run.out;
 }
 
+// With x from the equilibrium the spring pulls with 0.2 N/mm x and the damper with 0.004 N s/mm x'.
+TEST(MotionCommand, ShowsWhatIsAskedForAlone) {
+  const TempFolder folder;
+  const std::string csv = folder.path("a.csv").string(), file = folder.path("a.json").string();
+  const std::vector<std::string> names = {"travel.rail", "d(travel.rail)/dt", "force.S", "force.D", "reaction.rail.y"};
+  std::string show = "max(force.S)";
+  for (const std::string& name : names) show += "," + name;
+  const ProgramRun run =
+      run_poise(words(folder.write("a.toml", oscillator), {"--duration", "2", "--rate", "500", "--release", "rail=7",
+                                                           "--csv", csv, "--json", file, "--show", show}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_EQ(contents(csv).substr(0, contents(csv).find('\n')),
+            "time,travel.rail,d(travel.rail)/dt,force.S,force.D,reaction.rail.y");
+  const CsvTable table = read_csv(csv, {"time", names[0], names[1], names[2], names[3], names[4]});
+  ASSERT_EQ(table.values[0].size(), 1001U);
+  const double decay = 1.0, w = std::sqrt(100.0 - decay * decay);
+  for (std::size_t i = 0; i < table.values[0].size(); ++i) {
+    const double t = table.values[0][i];
+    const double x = 7 * std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t));
+    const double rate = -7 * std::exp(-decay * t) * (w + decay * decay / w) * std::sin(w * t);
+    ASSERT_NEAR(table.values[1][i], 100 + x, 1e-8);
+    ASSERT_NEAR(table.values[2][i], rate, 1e-7);
+    ASSERT_NEAR(table.values[3][i], 0.2 * x, 1e-8);
+    ASSERT_NEAR(table.values[4][i], 0.004 * rate, 1e-8);
+    ASSERT_NEAR(table.values[5][i], 0.0, 1e-12) << "there is no gravity";
+  }
+  const json found = json::parse(contents(file));
+  ASSERT_EQ(found["quantities"].size(), 6U);
+  EXPECT_EQ(found["quantities"][0]["name"], "max(force.S)");
+  EXPECT_NEAR(found["quantities"][0]["value"].get<double>(), 1.4, 1e-9) << "at the start";
+  // It first turns round after half a period, pi / w.
+  const json& travel = found["quantities"][1];
+  EXPECT_EQ(travel["unit"], "mm");
+  EXPECT_NEAR(travel["least_at"].get<double>(), M_PI / w, 1e-4) << "between the samples";
+  EXPECT_NEAR(travel["least"].get<double>(), 100 - 7 * std::exp(-decay * M_PI / w), 1e-8);
+  EXPECT_EQ(travel["values"].size(), 1001U);
+  EXPECT_EQ(run.out.find("Slides"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("Quantities over time"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("max(force.S)"), std::string::npos) << run.out;
+}
+
+// Beside everything else, also in the record.
+TEST(MotionCommand, ShowsTheOutputsOfItsScene) {
+  const TempFolder folder;
+  const std::string csv = folder.path("a.csv").string();
+  const std::string scene =
+      folder.write("a.toml", std::string(oscillator) + "[outputs]\npull = \"2 * force.S\"\npeak = \"max(pull)\"\n" +
+                                 "speed = \"d(travel.rail)/dt\"\npushed = \"push.block.C.x\"\n");
+  const ProgramRun run = run_poise(words(scene, {"--duration", "1", "--release", "rail=7", "--csv", csv}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const CsvTable table = read_csv(csv, {"rail", "rail.rate", "pull", "speed"});
+  for (std::size_t i = 0; i < table.values[0].size(); ++i) {
+    ASSERT_NEAR(table.values[2][i], 0.4 * (table.values[0][i] - 100), 1e-8);
+    ASSERT_NEAR(table.values[3][i], table.values[1][i], 1e-9);
+  }
+  EXPECT_NE(run.out.find("Slides"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("peak"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("pushed: a push takes the place of the drive"), std::string::npos) << run.out;
+  // At rest the rate is undefined, and nothing else.
+  const ProgramRun still = run_poise({"solve", scene});
+  EXPECT_EQ(still.exit_code, 0) << still.out << still.err;
+}
+
 // Two drives of one arm that part: what is left of the motion is not confirmed, and says so wherever it is read.
 TEST(MotionCommand, MarksEachRowOfARecordThatIsNotConfirmed) {
   const TempFolder folder;
@@ -269,6 +332,11 @@ TEST(MotionCommand, BadWordsAreNamed) {
       {{"--duration", "1", "--release", "rail"}, "there is no \"=\""},
       {{"--duration", "1", "--release-rate", "rail=fast"}, "is not a number"},
       {{"--duration", "1", "--release", "rail=inf"}, "expected a finite number"},
+      {{"--duration", "1", "--show", "force.SS"}, "--show force.SS: "},
+      {{"--duration", "1", "--show", "push.block.C.x"}, "--show push.block.C.x: a push takes the place of the drive"},
+      {{"--duration", "1", "--show", "mode.1.frequency"}, "belongs to an equilibrium, not to a motion"},
+      {{"--duration", "1", "--show", "d(travel.rail)/d"}, "--show d(travel.rail)/d: "},
+      {{"--duration", "1", "--show", "travel.rail", "--noise", "0.1", "--csv", csv}, "expected no --show with it"},
       {{"--duration", "1", "--csv", scene}, "is the scene too"},
       {{"--duration", "1", "--csv", csv, "--json", csv}, "--csv"}};
   const std::vector<std::string> before = folder.names();

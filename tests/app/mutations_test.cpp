@@ -76,6 +76,32 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
   }
 }
 
+/// An arm on a spring and a shock absorber, with a force of zero along a direction.
+const char* const sized = R"([ground]
+points = { O = [0, 0], B = [0, 1] }
+[body.arm]
+points = { O = [0, 0], A = [1, 0] }
+mass = 1
+inertia = 0.1
+[[pin]]
+name = "O"
+points = ["ground.O", "arm.O"]
+[[torsion_spring]]
+name = "coil"
+bodies = ["ground", "arm"]
+stiffness = 3
+free_angle = 0.1
+[[damper]]
+name = "shock"
+points = ["ground.B", "arm.A"]
+coefficient = 2
+[[force]]
+name = "P"
+at = "arm.A"
+direction = [0, 1]
+size = 0
+)";
+
 const char* const measured_run = R"([[run]]
 name = "measured"
 data = "turn.csv"
@@ -163,6 +189,17 @@ std::vector<Command> all_commands() {
     out.push_back({{"path", "clamp.toml", "--vary", "load.P=0..60", "--at", "10,20", "--measure", "arm", "--csv",
                     "o.csv", "--json", "o.json"},
                    {{"clamp.toml", dataset_file("toggle_clamp").text}}});
+    out.push_back(
+        {{"path", "clamp.toml", "--vary", "load.P=0..20", "--at", "10", "--show", "y.arm.T", "--variant",
+          "soft: spring.rubber.stiffness=200", "--beside", "other.toml", "--csv", "o.csv", "--json", "o.json"},
+         {{"other.toml", dataset_file("toggle_clamp").text}, {"clamp.toml", dataset_file("toggle_clamp").text}}});
+    out.push_back(
+        {{"loads", "arm.toml", "--vary", "load.P=0..2", "--steps", "2", "--csv", "o.csv"}, {{"arm.toml", sized}}});
+    out.push_back({{"forces", "arm.toml", "--drive", "length.shock=1.2..1.1", "--steps", "2", "--rate", "1"},
+                   {{"arm.toml", sized}}});
+    out.push_back({{"motion", "arm.toml", "--duration", "0.02", "--csv", "o.csv"},
+                   {{"arm.toml", std::string(sized) + "[[drive]]\nname = \"motor\"\npoints = [\"ground.B\", "
+                                                      "\"arm.A\"]\nrate = 0.1\n"}}});
     out.push_back({{"compare", "pendulum.toml", "--tolerances", "1e-2..1e-4", "--repeat", "1", "--methods",
                     "virtual-work,energy"},
                    {{"pendulum.toml", pendulum}}});

@@ -1,6 +1,7 @@
 // `poise path` through the command line.
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,48 @@ TEST(PathCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--from", "rest"}), "expected settle or equilibrium"));
   EXPECT_TRUE(contains(complaint({"--vary", "load.P=0..5", "--follow", "all"}), "expected unstable or jump"));
   EXPECT_TRUE(contains(complaint({}), "--vary is required"));
+}
+
+TEST(PathCommand, SaysInOneLineWhatCannotBeSideBySide) {
+  const auto with = [](std::vector<std::string> further) {
+    further.insert(further.begin(), {"--vary", "load.P=0..5"});
+    return complaint(further);
+  };
+  EXPECT_TRUE(contains(with({"--variant", "soft"}), "--variant soft: expected a label and settings"));
+  EXPECT_TRUE(contains(with({"--variant", "soft: "}), "expected a label and settings"));
+  EXPECT_TRUE(contains(with({"--variant", "A: load.P"}), "A: --set load.P: "));
+  EXPECT_TRUE(contains(with({"--variant", "A: spring.left.stiffness=900", "--variant", "A: load.P=1"}),
+                       "expected labels that differ, found \"A\" twice"));
+  EXPECT_TRUE(contains(with({"--beside", "nowhere.toml"}), "nowhere: nowhere.toml: cannot be read"));
+  EXPECT_TRUE(contains(with({"--beside", dataset("toggle_clamp")}), "expected a scene in the units of"));
+  EXPECT_TRUE(contains(with({"--beside", dataset("hanging_chain_10")}), "hanging_chain_10: --vary load.P: "));
+}
+
+// Two springs k of the length l0 hold the apex of Von Mises' toggle at the height h, 1 from their feet: up it needs
+// F = P - 2 k (l0 - l) h / l,  l^2 = 1 + h^2.
+TEST(PathCommand, ComparesScenesWithOneAnother) {
+  const TempFolder folder;
+  const std::string result = folder.path("p.json"), table = folder.path("p.csv"), chart = folder.path("p.svg");
+  const ProgramRun outcome =
+      run_poise({"path", dataset("von_mises_toggle"), "--vary", "travel.guide=0.4..0.1", "--at", "0.3,0.2", "--variant",
+                 "twice: spring.left.stiffness=2000, spring.right.stiffness=2000", "--variant", "unloaded: load.P=0",
+                 "--json", result, "--csv", table, "--svg", chart});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  const json answer = json::parse(contents(result));
+  ASSERT_EQ(answer["scenes"].size(), 3U);
+  const json& effort = answer["quantities"][0];
+  EXPECT_EQ(effort["name"], "force");
+  ASSERT_EQ(effort["values"].size(), 6U);
+  for (const json& one : effort["values"]) {
+    const double h = one["parameter"], l = std::hypot(1.0, h), P = 21.45716286561234384347652;
+    const double springs = -2000 * (std::sqrt(1.25) - l) * h / l;
+    const bool is_first = one["scene"] == "von_mises_toggle", is_twice = one["scene"] == "twice";
+    EXPECT_NEAR(one["value"].get<double>(), is_twice ? P + 2 * springs : is_first ? P + springs : springs, 1e-9);
+    EXPECT_NEAR(one["difference"].get<double>(), is_twice ? springs : is_first ? 0.0 : -P, 1e-9);
+  }
+  EXPECT_TRUE(contains(outcome.out, "twice - von_mises_toggle"));
+  EXPECT_TRUE(contains(contents(table), "scene,branch,parameter,effort,stability,proof"));
+  EXPECT_TRUE(contains(contents(chart), "twice"));
 }
 
 TEST(PathCommand, SaysInOneLineWhatACurveOfFoldsNeeds) {

@@ -205,7 +205,8 @@ TEST(PathReport, HasOneLineInCsvForEachPoint) {
 TEST(PathReport, HasEventsAndBranchesInJson) {
   const VariedScene varied = varied_toggle();
   const json answer = json::parse(json_text(path_result(varied, toggle_path(varied), with_guide(varied), {})));
-  EXPECT_EQ(answer["parameter"], json({{"name", "load.P"}, {"from", 0.0}, {"to", 60.0}, {"unit", "N"}}));
+  EXPECT_EQ(answer["parameter"],
+            json({{"name", "load.P"}, {"from", 0.0}, {"to", 60.0}, {"unit", "N"}, {"driven", nullptr}}));
   ASSERT_EQ(answer["events"].size(), 3u);
   EXPECT_EQ(answer["events"][0]["kind"], "fold");
   EXPECT_EQ(answer["events"][0]["digits"], 14);

@@ -365,6 +365,17 @@ TEST(JsonDocs, Hold) {
                          {{"hold", scene("friction/ladder"), "--vary", "slide.floor.friction.coefficient=0..0.1"}}});
 }
 
+TEST(JsonDocs, Find) {
+  const std::string stiffness = "spring.rubber.stiffness=200..800";
+  check_section("find",
+                {{{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "force.rubber = -700"}, with_csv},
+                 {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30", "--show",
+                   "transmission.lower.wrist"}},
+                 {{"find", scene("toggle_clamp"), "--vary", "load.P=20..25", "--for", "travel.none = 1"}, 2},
+                 {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}, 1},
+                 {{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "fold.load.P = 40"}}});
+}
+
 TEST(JsonDocs, Equilibria) {
   check_section("equilibria",
                 {{{"equilibria", scene("von_mises_toggle"), "--starts", "100", "--show",
@@ -392,6 +403,49 @@ TEST(JsonDocs, Path) {
                  {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}},
                  {{"path", scene("forced_machine"), "--vary", "body.machine.mass=20..30"}}},
                 Shared::all);
+}
+
+TEST(JsonDocs, PathBeside) {
+  check_section("path --beside",
+                {{{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--at", "10,39", "--show", "y.arm.T",
+                   "--variant", "soft: spring.rubber.stiffness=200", "--variant", "stiff: spring.rubber.stiffness=900"},
+                  with_csv},
+                 {{"path", scene("toggle_press"), "--vary", "angle.crank=120..150", "--at", "130", "--beside",
+                   scene("toggle_press")},
+                  with_csv}});
+}
+
+constexpr const char* hung_by_a_bar = R"([ground]
+points = { O = [0, 0], A = [2, 1] }
+[body.arm]
+points = { O = [0, 0], B = [1, 0] }
+[body.weight]
+points = { at = [0, 0] }
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[bar]]
+points = ["arm.B", "weight.at"]
+length = 1
+[[spring]]
+points = ["ground.A", "arm.B"]
+stiffness = 50
+free_length = 1
+[[force]]
+name = "W"
+at = "weight.at"
+direction = [0, -1]
+size = 0
+[start.position]
+weight = [1, -1]
+)";
+
+TEST(JsonDocs, LoadsOverARange) {
+  const TempFolder folder;
+  check_section("loads --vary",
+                {{{"loads", scene("structures/three_hinged_portal"), "--vary", "load.wind=0..20"}, with_csv},
+                 {{"loads", scene("toggle_press"), "--vary", "angle.crank=110..150"}, with_csv},
+                 {{"loads", folder.write("hung.toml", hung_by_a_bar), "--vary", "load.W=1..20"}, with_csv},
+                 {{"loads", scene("redundant_parallelogram"), "--vary", "load.W=1..2"}}});
 }
 
 TEST(JsonDocs, PathCurveOfFolds) {
@@ -465,6 +519,8 @@ TEST(JsonDocs, Motion) {
                 {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
                  {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
                  {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
+                 {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show",
+                   "force.oil,max(force.oil)"}},
                  {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
 }
 
@@ -510,7 +566,8 @@ TEST(JsonDocs, Forces) {
        {{"forces", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv},
        {{"forces", scene("offset_cam"), "--drive", "cam=30"}},
        {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
-       {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}}});
+       {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}},
+       {{"forces", scene("toggle_press"), "--drive", "crank=0..360", "--rate", "360", "--flywheel", "0.02"}}});
 }
 
 TEST(JsonDocs, Loads) {

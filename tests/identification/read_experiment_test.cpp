@@ -96,6 +96,36 @@ TEST(ReadExperiment, ReadsEveryKindOfSensorInSi) {
   EXPECT_DOUBLE_EQ(sensors[6].noise, 0.5);
 }
 
+// A name of a quantity reads the same as the key that says it.
+TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
+  const std::string tail = "\nnoise = 0.5\n";
+  const auto both = [&](const std::string& by_name, const std::string& by_key) {
+    const Experiment experiment =
+        Bench(header + "[[sensor]]\n" + by_name + tail + "[[sensor]]\n" + by_key + tail + run).read();
+    const Sensor &a = experiment.sensors[0], &b = experiment.sensors[1];
+    EXPECT_EQ(a.on.kind, b.on.kind) << by_name;
+    EXPECT_EQ(a.on.body_a, b.on.body_a) << by_name;
+    EXPECT_EQ(a.on.body_b, b.on.body_b) << by_name;
+    EXPECT_EQ(a.on.joint, b.on.joint) << by_name;
+    EXPECT_TRUE(a.on.b == b.on.b) << by_name;
+    EXPECT_EQ(a.element, b.element) << by_name;
+    EXPECT_EQ(a.rate, b.rate) << by_name;
+    EXPECT_DOUBLE_EQ(a.noise, b.noise) << by_name;
+  };
+  both("read = \"angle.crank\"", "angle = \"crank\"");
+  both("read = \"travel.rail\"", "travel = \"rail\"");
+  both("read = \"d(travel.rail)/dt\"", "travel = \"rail\"\nrate = true");
+  both("read = \"x.rod.B\"", "x = \"rod.B\"");
+  both("read = \"d(y.rod.B)/dt\"", "y = \"rod.B\"\nrate = true");
+  both("read = \"force.coil\"", "force = \"coil\"");
+  EXPECT_EQ(error_of_sensor("read = \"reaction.rail\"" + tail),
+            "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
+            "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING; found reaction.rail");
+  EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("did you mean \"crank\"?"), std::string::npos);
+  EXPECT_NE(error_of_sensor("read = \"d(angle.crank)/dt\"\nrate = true" + tail).find("is a rate already"),
+            std::string::npos);
+}
+
 TEST(ReadExperiment, ReadsUnknownsInSi) {
   const std::vector<Unknown> unknowns =
       Bench(header + sensor +
@@ -166,7 +196,7 @@ TEST(ReadExperiment, RejectsTheFile) {
 
 TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
-  const std::string kinds = "expected one of the keys angle, travel, distance, x, y, force";
+  const std::string kinds = "expected one of the keys read, angle, travel, distance, x, y, force";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
   EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"),
             place + kinds + ", found x and y; leave one in, or give each a sensor");
@@ -178,7 +208,7 @@ TEST(ReadExperiment, RejectsSensors) {
   EXPECT_EQ(
       error_of_sensor("angles = \"crank\"\n"),
       third +
-          "angles: expected one of the keys name, angle, travel, distance, x, y, force, rate, column, gaps, wraps, "
+          "angles: expected one of the keys name, read, angle, travel, distance, x, y, force, rate, column, gaps, wraps, "
           "noise, zero, factor, delay; did you mean \"angle\"?");
   EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");

@@ -197,6 +197,9 @@ TEST(Library, SimulatesAndKnowsItsModes) {
   const Motion motion = simulate(model, start, {.duration = 3.0});
   ASSERT_TRUE(motion.completed()) << motion.why;
   EXPECT_NEAR(motion.trajectory.q.back(), 0.1 * std::cos(3 * frequency), 1e-9);
+  QuantitiesAlong along(model.scene(), model, motion);
+  const SoughtQuantity kinetic = find_quantity(model.scene(), "energy.kinetic", AskedOf::motion);
+  EXPECT_NEAR(along.value(kinetic, 1.0), 50 * std::pow(0.1 * std::sin(frequency), 2) / 2, 1e-9);
 }
 
 TEST(Library, FindsForcesInMotion) {
@@ -204,6 +207,7 @@ TEST(Library, FindsForcesInMotion) {
   EXPECT_NEAR(forces_in_place(model).poses.front().drives.front().value, moment_of_weight, 1e-9);
   const ForcesAlong over = forces_over(model, {{"wheel", 0, pi / 3}}, {.steps = 2}, true);
   EXPECT_NEAR(over.poses.back().drives.front().value, moment_of_weight * std::cos(pi / 3), 1e-9);
+  EXPECT_NEAR(fluctuation_over(model, {"wheel", 0, 2 * pi}, {.rate = 5.0}).swing, 2 * moment_of_weight, 1e-8);
   const SoughtQuantity torque = find_quantity(model.scene(), "force.drive");
   EXPECT_NEAR(driven_quantities(model.scene(), over.poses.back(), {torque}).front().value,
               moment_of_weight * std::cos(pi / 3), 1e-9);

@@ -870,7 +870,7 @@ INSTANTIATE_TEST_SUITE_P(
         after("TorsionStiffnessMissing", "[[torsion_spring]]\nbodies = ['ground', 'rod']\n",
               "7: torsion_spring 1: expected the key stiffness; add stiffness = NUMBER"),
         after("ForceKey", "[[force]]\non = 'rod.B'\n",
-              "8: force 1.on: expected one of the keys name, at, vector, follows, time"),
+              "8: force 1.on: expected one of the keys name, at, vector, direction, size, follows, time"),
         after("ForceAtMissing", "[[force]]\nvector = [0, 1]\n", "7: force 1: expected the key at; add at = \"...\""),
         after("ForceVectorMissing", "[[force]]\nat = 'rod.B'\n",
               "7: force 1: expected the key vector; add vector = [X, Y]"),
@@ -940,17 +940,18 @@ INSTANTIATE_TEST_SUITE_P(
               "[[friction]]\nname = 'dry'\nbodies = ['ground', 'rod']\ntorque = 1\n[[friction]]\nname = 'dry'\n",
               "12: friction \"dry\".name: expected a name of its own; \"dry\" is taken in line 8"),
         after("DriveKey", "[[drive]]\nspeed = 1\n",
-              "8: drive 1.speed: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
-              "frequency, phase, time"),
-        after("DriveOfNothing", "[[drive]]\nrate = 1\n",
-              "7: drive 1: expected one of the keys bodies (relative angle), slide (travel)"),
+              "8: drive 1.speed: expected one of the keys name, bodies, points, slide, x, y, rope, sum, start, rate, "
+              "acceleration, amplitude, frequency, phase, time"),
+        after("DriveOfNothing", "[[drive]]\nrate = 1\n", "7: drive 1: expected one of the keys " + every_measure),
         after_slide("DriveOfTwoThings", "[[drive]]\nbodies = ['ground', 'rod']\nslide = 'ram'\n",
-                    "11: drive 1: expected one of the keys bodies (relative angle), slide (travel)"),
+                    "11: drive 1: expected one of the keys " + every_measure),
         after_slide("DriveSlideUnknown", "[[drive]]\nslide = 'rma'\n",
                     "12: drive 1.slide: expected the name of a slide or pin_in_slot, found \"rma\"; "
                     "did you mean \"ram\"?"),
         after("DriveOneBody", "[[drive]]\nbodies = ['rod', 'rod']\n",
               "8: drive 1.bodies: expected two different bodies, found \"rod\" twice"),
+        after("DriveOfALengthBelowZero", "[[drive]]\npoints = ['ground.O', 'rod.B']\nstart = -1\n",
+              "9: drive 1.start: expected a finite number >= 0, found -1"),
         after("DriveRateNotFinite", "[[drive]]\nbodies = ['ground', 'rod']\nrate = inf\n",
               "9: drive 1.rate: expected a finite number, found inf"),
         after("DriveFrequencyNegative", "[[drive]]\nbodies = ['ground', 'rod']\nfrequency = -1\n",
@@ -1002,9 +1003,14 @@ INSTANTIATE_TEST_SUITE_P(
               "8: spring 1.sum 1: expected one of the keys bodies (relative angle), points (distance, or component "
               "along an axis), slide (travel), "
               "x (of a point), y (of a point), rope (length over points and pulleys)"),
-        after("DriveOfAPoint", "[[drive]]\nx = 'rod.B'\n",
-              "8: drive 1.x: expected one of the keys name, bodies, slide, start, rate, acceleration, amplitude, "
-              "frequency, phase, time")),
+        after("DriveOfAPoint", "[[drive]]\nx = 'rod.C'\n",
+              "8: drive 1.x: expected a point of \"rod\", found \"rod.C\"; did you mean \"rod.B\"?"),
+        after("ForceInTwoWays", "[[force]]\nat = 'rod.B'\nvector = [0, 1]\ndirection = [0, 1]\nsize = 0\n",
+              "9: force 1.vector: expected vector, or direction and size, found both; leave one out"),
+        after("ForceWithoutDirection", "[[force]]\nat = 'rod.B'\ndirection = [0, 0]\nsize = 0\n",
+              "9: force 1.direction: expected a direction, found [0, 0]; give for example [0, 1]"),
+        after("ForceWithoutSize", "[[force]]\nat = 'rod.B'\ndirection = [0, 1]\n",
+              "7: force 1: expected the key size; add size = NUMBER")),
     name_of_case);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -269,7 +269,7 @@ TEST_F(SetValue, RejectsValuesOutOfRangeAndKeepsTheOld) {
 
 TEST_F(SetValue, NeedsADirectionToSetAMagnitude) {
   EXPECT_EQ(message("load.none", 1),
-            "load.none: expected a force with a direction, its vector is [0, 0]; give another vector");
+            "load.none: expected a force with a direction, its vector is [0, 0]; give it a direction and a size");
 }
 
 /// Every path of the scene, with the SI value of its unit.

@@ -124,7 +124,8 @@ TEST_F(Lift, KeepsItsTransmissionAnglesAndItsBranches) {
 // Condition of the loops in m and rad with the driven angle held.
 TEST_F(Lift, KeepsAwayFromSingularPosesAsItsFacts) {
   const MotionModel model(scene_);
-  const SplitClosure closure(model, {static_cast<int>(result_.drive_coordinates[0])});
+  const Measure on = find_drive(scene_, "obd").on;
+  const SplitClosure closure(model, {model.layout().links[static_cast<std::size_t>(on.body_b)].frame});
   std::vector<double> conditions;
   for (const KinematicSample& at : result_.samples) {
     const std::vector<double> x = model.from_si(at.q);

@@ -49,6 +49,9 @@ std::vector<Report> reports() {
       {"work_precision", {"compare", dataset("four_bar_gravity"), "--tolerances", "1e-2..1e-6"}},
       {"kinematics", {"kinematics", lift, "--drive", "stroke=0.5..0.79", "--point", "platform.Q"}},
       {"motion", {"motion", lift, "--duration", "1", "--release", "obd=0.005"}},
+      {"motion_of_quantities",
+       {"motion", dataset("double_pendulum"), "--duration", "1", "--show",
+        "reaction.shoulder,d(angle.arm1)/dt,max(shaking.size)"}},
       {"modes", {"modes", lift}},
       {"forces", {"forces", lift, "--drive", "stroke=0.5..0.79"}},
       {"forces_in_a_pose", {"forces", dataset("four_bar_gravity"), "--drive", "crank=60"}},
@@ -109,6 +112,48 @@ TEST_P(ReportPages, FitATelephoneAndTheKeyboard) {
   EXPECT_EQ(browser().run("return document.documentElement.dataset.theme"), "dark");
   EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the window";
   EXPECT_EQ(browser().missed_by_tab(), std::vector<std::string>());
+  for (const std::string& line : browser().console()) ADD_FAILURE() << line;
+}
+
+// The first click shows the curves of a name alone, the second one all of them; so does a click on the item itself.
+TEST(PlotThis, WhatIsClickedIsShownAlone) {
+  if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+  browser().emulate({});
+  const TempFolder folder;
+  const std::string file = folder.path("motion.html").string();
+  ASSERT_EQ(
+      run_poise({"motion", dataset("lift"), "--duration", "1", "--release", "obd=0.005", "--html", file}).exit_code, 0);
+  browser().open("file://" + file);
+  ASSERT_TRUE(browser().wait_for("document.querySelectorAll('.plot-this').length > 5"));
+  const auto shown = [] {
+    return browser().run(
+        "return [...document.querySelectorAll('.legend .entry[aria-pressed=\"true\"]')].map(e => e.textContent)");
+  };
+  const json all = shown();
+  ASSERT_GT(all.size(), 6U);
+  const std::string click =
+      "[...document.querySelectorAll('.plot-this')].find(b => b.textContent === 'fa').click();"
+      "return document.querySelectorAll('.chart.asked-for').length";
+  EXPECT_EQ(browser().run(click), 1);
+  json alone = shown();
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), json("fa")), 1);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), json("obd")), 0);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), json("stroke")), 1) << "other charts stay as they are";
+  EXPECT_EQ(browser().run(click), 0);
+  EXPECT_EQ(shown(), all);
+  const json at = browser().run(
+      "const stage = document.querySelector('.stage').getBoundingClientRect();"
+      "const tip = document.querySelector('.stage .tip');"
+      "for (let y = 20; y < stage.height; y += 6) for (let x = 20; x < stage.width; x += 6) {"
+      "  const place = {clientX: stage.left + x, clientY: stage.top + y, bubbles: true};"
+      "  document.querySelector('.stage').dispatchEvent(new PointerEvent('pointermove', place));"
+      "  if (tip.textContent.includes('click for its curves')) return [place.clientX, place.clientY];"
+      "} return null");
+  ASSERT_FALSE(at.is_null()) << "some item of the drawing has curves";
+  browser().press(at[0], at[1]);
+  browser().let_go();
+  EXPECT_TRUE(browser().wait_for("document.querySelectorAll('.chart.asked-for').length > 0", 5.0));
+  EXPECT_LT(shown().size(), all.size());
   for (const std::string& line : browser().console()) ADD_FAILURE() << line;
 }
 

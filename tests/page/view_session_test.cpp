@@ -210,6 +210,30 @@ TEST(ViewSession, ARefusedChangeChangesNothing) {
   }
 }
 
+TEST(ViewSession, PulledLoadKeepsItsDirectionAndSizeApart) {
+  const TempFolder folder;
+  std::string text = contents(dataset("toggle_clamp"));
+  const std::string vector = "vector = [0, 25]";
+  ASSERT_NE(text.find(vector), std::string::npos);
+  text.replace(text.find(vector), vector.size(), "direction = [0, 1]\nsize = 25");
+  ViewSession session(folder.write("clamp.toml", text));
+  const json before = look(session);
+  const json px = handle_of(before, "load", "P")["px"];
+  const json to = {px[0].get<double>() + 30.0, px[1].get<double>() + 10.0};
+  const json state = asked(session, {{"do", "load"}, {"name", "P"}, {"px", to}});
+  ASSERT_EQ(error_of(state), "");
+  const std::string written = look(session)["text"];
+  const Scene scene = parse_scene(written, "clamp.toml"), &shown = session.tracked().scene();
+  EXPECT_NE(written.find("direction = ["), std::string::npos);
+  EXPECT_EQ(written.find("direction = [0, 1]"), std::string::npos);
+  EXPECT_NEAR(scene.forces[0].vector.x, shown.forces[0].vector.x, 1e-12 * norm(shown.forces[0].vector));
+  EXPECT_NEAR(scene.forces[0].vector.y, shown.forces[0].vector.y, 1e-12 * norm(shown.forces[0].vector));
+  EXPECT_GT(std::abs(shown.forces[0].vector.x), 0.1);
+  EXPECT_EQ(error_of(asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", 0}})), "");
+  EXPECT_EQ(error_of(asked(session, {{"do", "set"}, {"path", "load.P"}, {"value", -3}})), "");
+  EXPECT_LT(apart_from_solve(session, look(session)["text"]), 1e-9);
+}
+
 TEST(ViewSession, RefusesWhatIsForAnotherState) {
   const OwnScene own("toggle_clamp");
   ViewSession session(own.file);

@@ -88,6 +88,9 @@ TEST(Quantities, WithoutANameAreRefusedInOneLine) {
   EXPECT_NE(refusal(clamp, "reaction.B.moment").find("a pin transmits no moment"), std::string::npos);
   EXPECT_NE(refusal(clamp, "travel.B").find("B is a pin"), std::string::npos);
   EXPECT_NE(refusal(clamp, "angle.ground").find("the ground does not turn"), std::string::npos);
+  EXPECT_NE(refusal(clamp, "along.arm.T.east").find("a point and an angle, BODY.POINT.DEGREES"), std::string::npos);
+  EXPECT_NE(refusal(clamp, "angle.arm.hndle"), "");
+  EXPECT_NE(refusal(clamp, "angle.arm.arm"), "");
   EXPECT_NE(refusal(clamp, "force.rubber + energy").find("one unit on both sides of +"), std::string::npos);
   EXPECT_NE(refusal(clamp, "d(reaction.B)/d(angle.handle)").find("expected angles"), std::string::npos);
   EXPECT_NE(refusal(clamp, "(force.rubber").find("closing parenthesis"), std::string::npos);
@@ -111,6 +114,10 @@ TEST(Quantities, OfALeverAreItsLaws) {
   const auto value = [&](const std::string& name) { return reader.value(find_quantity(varied.scene(), name), point); };
   const double L = 0.3, k = 2.0, angle = 0.4, s = std::sin(angle), c = std::cos(angle);
   EXPECT_NEAR(value("angle.lever"), angle, 1e-12);
+  EXPECT_NEAR(value("angle.ground.lever"), -angle, 1e-12);
+  EXPECT_NEAR(value("along.lever.B.30"), L * std::cos(angle - M_PI / 6), 1e-12);
+  EXPECT_NEAR(value("along.lever.B.-90 + y.lever.B"), 0.0, 1e-15);
+  EXPECT_NEAR(value("d(along.lever.B.90)/d(angle.lever.ground)"), L * c, 1e-12);
   EXPECT_NEAR(value("push.lever.B.y"), k * angle / (L * c), 1e-12);
   EXPECT_NEAR(value("push.lever.B.x"), -k * angle / (L * s), 1e-12);
   EXPECT_NEAR(value("push.lever.B.120"), k * angle / (L * std::cos(angle + M_PI / 2 - 2 * M_PI / 3)), 1e-11);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -370,6 +371,48 @@ void add_largest(Group& group, const MotionModel& model, const ForcesAlong& foun
   table.numbers("", "at " + places.title, places.unit, std::move(where), {.digits = place_digits});
 }
 
+/// The torque over the period and the flywheel that holds the speed.
+void add_fluctuation(Group& group, const MotionModel& model, const Fluctuation& found, double coefficient) {
+  const Units& units = model.scene().units;
+  const double angle_unit = unit_value(Quantity::angle, units), inertia_unit = dimension::inertia.unit(units);
+  const std::string angle_name = unit_name(Quantity::angle, units);
+  const auto at = [&](const Fluctuation::Place& place) {
+    return fmt::format("{} at {} {}", with_unit(model, place.value, Quantity::moment),
+                       significant(place.angle / angle_unit, force_digits), angle_name);
+  };
+  Group& data = group.group("fluctuation", "Fluctuation of the torque, and flywheel");
+  data.data("drive", found.drive);
+  data.data("speed", found.speed / angle_unit);
+  data.data("coefficient", coefficient);
+  for (const auto& [key, label, place] : {std::tuple("greatest_torque", "greatest", &found.greatest),
+                                          std::tuple("least_torque", "least", &found.least)}) {
+    data.data(key, in_unit(place->value, Quantity::moment, units));
+    data.data(std::string(key) + "_at", place->angle / angle_unit);
+    data.fact(label, at(*place));
+  }
+  data.data("mean_torque", in_unit(found.mean, Quantity::moment, units));
+  data.data("mean_torque_error", in_unit(found.mean_error, Quantity::moment, units));
+  data.fact("mean", with_unit(model, found.mean, Quantity::moment, force_digits, found.mean_error));
+  data.data("energy_swing", in_unit(found.swing, Quantity::energy, units));
+  data.data("energy_swing_error", in_unit(found.swing_error, Quantity::energy, units));
+  data.data("fastest_at", found.fastest_at / angle_unit);
+  data.data("slowest_at", found.slowest_at / angle_unit);
+  data.fact("energy", fmt::format("swings by {}; a flywheel is fastest at {} {}, slowest at {} {}",
+                                  with_unit(model, found.swing, Quantity::energy, force_digits, found.swing_error),
+                                  significant(found.fastest_at / angle_unit, 4), angle_name,
+                                  significant(found.slowest_at / angle_unit, 4), angle_name));
+  const double inertia = found.flywheel(coefficient) / inertia_unit;
+  const double error = found.flywheel_error(coefficient) / inertia_unit;
+  data.entry("flywheel", "flywheel", inertia, dimension::inertia.unit_name(units),
+             {.style = Format::Style::significant, .digits = force_digits, .radius = error},
+             fmt::format("holds (largest - least speed) / mean at {}", coefficient));
+  data.data("flywheel_error", error);
+  data.data("poses", found.poses);
+  data.fact("accuracy",
+            fmt::format("the swing changes by {} of it from half of {} poses to these",
+                        small_number(found.swing > 0.0 ? found.swing_error / found.swing : 0.0), found.poses));
+}
+
 void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& found) {
   const Forces& f = worst(found);
   double work = 0.0, power = 0.0;
@@ -528,6 +571,8 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   out.verdict = verdict(model.scene(), found, dead);
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("pose", answer.how);
+  content.data("drives", answer.drives);
+  for (const std::string& drive : answer.drives) content.fact("drive", drive);
   if (!found.complete && !found.stop) content.fact("range", found.why);
   const std::vector<std::vector<QuantityValue>> shown = quantities_in_poses(model.scene(), found, show);
   add_quantity_columns(add_data(content, model, answer, courses, parallels), show, shown, model.scene().units, true,
@@ -547,6 +592,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
     }
   } else {
     add_efforts(content, model, found, courses, moving);
+    if (answer.fluctuation) add_fluctuation(content, model, *answer.fluctuation, answer.coefficient);
     add_shown(content, model, found, show, shown);
     add_friction(content, model, found);
     add_largest(content, model, found, courses);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/result/result.hpp"
+#include "motion/fluctuation.hpp"
 #include "motion/forces_along.hpp"
 #include "statics/quantities/quantity.hpp"
 
@@ -13,6 +15,9 @@ namespace poise::app {
 struct ForcesAnswer {
   std::string how;  ///< in words: "standing still in every pose", "driven, crank at 1 rad/s", ...
   ForcesAlong found;
+  std::optional<Fluctuation> fluctuation{};  ///< where a flywheel was asked for
+  double coefficient = 0.0;                  ///< of fluctuation of the speed, that it is to hold
+  std::vector<std::string> drives{};  ///< what the drives of the command line are: "upper: angle of upper in the world"
 };
 
 /// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the

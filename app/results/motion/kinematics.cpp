@@ -241,6 +241,7 @@ void add_range_data(Group& group, const Scene& scene, const KinematicsResult& fo
   };
   Table& table = group.table("drives", "", Rows::list, Verbosity::data);
   table.words("name", "", each(ranges, &DriveRange::name));
+  table.words("measure", "", each(ranges, [&](const DriveRange& r) { return drive_in_words(scene, r.name); }));
   table.data("from", end(&DriveRange::from));
   table.data("to", end(&DriveRange::to));
 }
@@ -265,6 +266,10 @@ void add_met_stop(Group& group, const std::optional<MetStop>& met, const Scene& 
   out.data("value", in_unit(met->at_max ? stop.max : stop.min, poise::quantity_of(stop.on), scene.units));
 }
 
+std::vector<std::string> drives_in_words(const Scene& scene, const std::vector<std::string>& names) {
+  return each(names, [&](const std::string& name) { return fmt::format("{}: {}", name, drive_in_words(scene, name)); });
+}
+
 Result kinematics_result(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
                          double rate, const KinematicsView& view, const std::vector<std::string>& settings) {
   Result out = scene_result(scene, settings);
@@ -281,6 +286,7 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
       "mobility",
       fmt::format("{}, driven by {}", count(static_cast<int>(ranges.size()), "degree of freedom", "degrees of freedom"),
                   listed(each(ranges, &DriveRange::name))));
+  for (const std::string& drive : drives_in_words(scene, each(ranges, &DriveRange::name))) content.fact("drive", drive);
   content.fact("rate",
                fmt::format("{} at {} {}/s, {}", ranges[pace].name, significant(in_unit(rate, quantity, scene.units), 6),
                            unit_name(quantity, scene.units),

@@ -22,6 +22,9 @@ struct KinematicsView {
 Result kinematics_result(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
                          double rate, const KinematicsView& view, const std::vector<std::string>& settings);
 
+/// What drives are: "upper: angle of upper in the world".
+std::vector<std::string> drives_in_words(const Scene& scene, const std::vector<std::string>& names);
+
 /// {name, limit: "min" or "max", value} of the stop at which a range ends, or null.
 void add_met_stop(Group& group, const std::optional<MetStop>& stop, const Scene& scene);
 

@@ -189,8 +189,9 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
   table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 
-/// A motion that is not confirmed says so in each row.
-void add_record(Group& group, const Units& units, const MotionRecord& record, bool is_confirmed) {
+/// A motion that is not confirmed says so in each row. Outputs of the scene are at the end of each.
+void add_record(Group& group, const Units& units, const MotionRecord& record, const QuantitiesInTime& outputs,
+                bool is_confirmed) {
   Table& table = group.table("", "", Rows::columns, Verbosity::data);
   table.csv = true;
   table.data("time", record.time);
@@ -207,6 +208,12 @@ void add_record(Group& group, const Units& units, const MotionRecord& record, bo
   }
   table.data("energy.kinetic", in_unit(record.kinetic, Quantity::energy, units));
   table.data("energy.potential", in_unit(record.potential, Quantity::energy, units));
+  if (record.time.empty()) return;
+  for (std::size_t k = 0; k < outputs.of.size(); ++k) {
+    std::vector<double> values = outputs.value[k];
+    for (double& one : values) one /= outputs.of[k].dimension.unit(units);
+    table.data(outputs.of[k].name, std::move(values));
+  }
 }
 
 void add_data(Group& group, const MotionAnswer& answer) {
@@ -254,20 +261,28 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   if (!motion.singular.empty()) content.fact("singular", singular_poses(motion));
   add_moving_data(content, model, answer);
   add_energy_data(content, model, motion);
-  if (motion.trajectory.nodes() > 0) {
+  const bool asked = answer.shown.are_all;
+  if (!answer.shown.empty()) {
+    add_quantities_in_time(content, answer.shown, model, answer.found.error, answer.found.confirmed());
+  }
+  if (motion.trajectory.nodes() > 0 && !asked) {
     add_moving(content, model, answer, Moving::angle, "Angles");
     add_moving(content, model, answer, Moving::travel, "Slides");
     add_moving(content, model, answer, Moving::place, "Positions of free bodies");
   }
   add_drives(content, model, motion);
-  if (motion.trajectory.nodes() > 0) add_energies(content, model, motion);
-  add_record(content, model.scene().units, measured, answer.found.confirmed());
+  if (motion.trajectory.nodes() > 0 && !asked) add_energies(content, model, motion);
+  if (!asked) add_record(content, model.scene().units, measured, answer.shown, answer.found.confirmed());
   Group& numerics = content.group("", "Numerics");
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
   if (!motion.gap_of.empty()) {
     numerics.fact("closure", fmt::format("largest gap of a joint or drive {} of the mechanism's size, or rad: {}",
                                          small_number(motion.gap), motion.gap_of));
+  }
+  if (answer.shown.imbalance > 0.0) {
+    numerics.fact("forces", fmt::format("every body is in balance to {} of the largest force",
+                                        small_number(answer.shown.imbalance)));
   }
   numerics.fact("energy", fmt::format("kinetic + potential - work stays within {} of the energy exchanged",
                                       small_number(motion.energy_error)));

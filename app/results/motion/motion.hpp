@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
+#include "app/results/motion/quantities.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "motion/motion_record.hpp"
 
@@ -15,12 +16,13 @@ struct MotionAnswer {
   double duration = 0.0;  ///< asked for, s
   double accuracy = 0.0;  ///< asked for
   ConfirmedMotion found;
-  MotionRecord record;  ///< without noise
+  MotionRecord record;       ///< without noise
+  QuantitiesInTime shown{};  ///< what was asked for, or the outputs of the scene
 };
 
 /// What `poise motion` shows: verdict, start, where everything that moves began, ended and turned round, drives,
 /// energies, numerics. The table for CSV is `measured`: the record, with noise where that was asked for; empty
-/// where no CSV is.
+/// where no CSV is. Where quantities alone are asked for they take its place, and that of the tables of what moves.
 Result motion_result(const MotionModel& model, const MotionAnswer& answer, const MotionRecord& measured,
                      const std::vector<std::string>& settings);
 

@@ -121,9 +121,15 @@ void add_loads(Group& group, const Scene& scene) {
     const Dimension dimension = force.numbers()[0].dimension;
     const auto part = [&](double si) { return significant(si / dimension.unit(scene.units), force_digits); };
     const std::string follows = force.follows < 0 ? "" : ", follows " + scene.bodies[force.follows].name;
-    loads.push_back({force.name, scene.name_of(force.at) + (force.to ? " to " + scene.name_of(*force.to) : ""),
-                     fmt::format("[{}, {}] {}{}", part(force.vector.x), part(force.vector.y),
-                                 dimension.unit_name(scene.units), follows)});
+    const auto pair = [](const std::string& x, const std::string& y) { return fmt::format("[{}, {}]", x, y); };
+    const std::string unit = dimension.unit_name(scene.units);
+    const std::string value =
+        force.has_direction_of_its_own()
+            ? fmt::format("{} {} along {}", part(force.size()), unit,
+                          pair(significant(force.along.x, force_digits), significant(force.along.y, force_digits)))
+            : fmt::format("{} {}", pair(part(force.vector.x), part(force.vector.y)), unit);
+    loads.push_back(
+        {force.name, scene.name_of(force.at) + (force.to ? " to " + scene.name_of(*force.to) : ""), value + follows});
   }
   const std::vector<std::string> torques = numbers_of_items(scene, Owner::torque, scene.torques.size());
   for (std::size_t i = 0; i < scene.torques.size(); ++i) {

@@ -179,6 +179,7 @@ void add_path_data(Group& content, PathReport& report) {
   parameter.data("from", report.parameter(report.varied.from()));
   parameter.data("to", report.parameter(report.varied.to()));
   parameter.data("unit", report.varied.unit_name());
+  parameter.data("driven", report.varied.is_driven() ? Value(report.varied.driven_words()) : Value());
   Branch& points = content.array("points");
   Branch& branches = content.array("branches");
   for (std::size_t b = 0; b < found.branches.size(); ++b) {
@@ -655,6 +656,10 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
   add_path_data(out.content, report);
   add_csv(out.content, report, rows);
   if (rows.empty()) return out;
+  if (varied.is_driven()) {
+    out.content.fact("driven", fmt::format("{}: {}; the {} is positive where it tends to increase it", varied.name(),
+                                           varied.driven_words(), effort_name(varied)));
+  }
   add_events(out.content, report);
   add_wanted(out.content, report);
   add_points(out.content, report, rows);

@@ -30,8 +30,9 @@ RunInput find_input(const std::string& path, const TomlPlace& place, const Scene
   };
   for (std::size_t i = 0; i < scene.forces.size(); ++i) {
     if (!is_it("load." + scene.forces[i].name, MotionInput::Of::force, i)) continue;
-    if (norm(scene.forces[i].vector) == 0.0) {
-      place.fail("expected a force with a direction, its vector is [0, 0]; give another vector in the scene");
+    if (scene.forces[i].line_of_action() == Vec2{}) {
+      place.fail(
+          "expected a force with a direction, its vector is [0, 0]; give it a direction and a size in the scene");
     }
     return input;
   }

@@ -50,7 +50,16 @@ Scene displaced(Scene scene) {
   }
   const auto turn = [&](Vec2& vector) { vector = vector + some(1.0) * quarter_turn(vector); };
   turn(scene.gravity);
-  for (Force& force : scene.forces) turn(force.vector);
+  for (Force& force : scene.forces) {
+    if (!force.has_direction_of_its_own()) {
+      turn(force.vector);
+      continue;
+    }
+    const double size_along = force.size();
+    turn(force.along);
+    force.along = direction<double>(force.along);
+    force.vector = size_along * force.along;
+  }
   for (Joint& joint : scene.joints) turn(joint.axis);
   return scene;
 }

@@ -1,0 +1,709 @@
+#include "motion/quantities_along.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "model/input_error.hpp"
+#include "model/joint_friction.hpp"
+#include "motion/motion_input.hpp"
+#include "motion/reduced_motion.hpp"
+#include "statics/bodies/body_forces.hpp"
+#include "statics/quantities/quantity_value.hpp"
+
+namespace poise {
+namespace {
+
+using Kind = SoughtQuantity::Kind;
+using Part = SoughtQuantity::Part;
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+/// Rates below this, over the fastest, are none.
+constexpr double no_rate = 1e-9;
+
+/// A stop whose limits are equal, which acts in motion too.
+bool is_coupling(const Stop& stop) { return stop.min == stop.max; }
+
+std::vector<ActingStop> couplings_of(const Scene& scene) {
+  std::vector<ActingStop> out;
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (is_coupling(scene.stops[s])) out.push_back({static_cast<int>(s), false});
+  }
+  return out;
+}
+
+double kinetic_energy(const Scene& scene, const std::vector<BodyMotion>& motions) {
+  double twice = 0.0;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const Vec2 velocity = motions[i].velocity_of(body.center);
+    twice += body.mass * dot(velocity, velocity) + body.inertia * motions[i].rate * motions[i].rate;
+  }
+  return twice / 2;
+}
+
+/// The place of the point of a push along its direction.
+Measure along_of(const SoughtQuantity& push) {
+  return Measure::sum_of({{.factor = push.direction.x, .measure = Measure::x_of(push.point)},
+                          {.factor = push.direction.y, .measure = Measure::y_of(push.point)}});
+}
+
+double reaction_part(const Reaction& reaction, Part part) {
+  switch (part) {
+    case Part::x:
+      return reaction.force.x;
+    case Part::y:
+      return reaction.force.y;
+    case Part::moment:
+      return reaction.moment;
+    case Part::axial:
+      return reaction.axial;
+    case Part::size:
+      break;
+  }
+  return norm(reaction.force);
+}
+
+/// What the mechanism exerts on the ground: all other forces on the bodies less the rates of their momentum, and the
+/// same of moments about the origin of the world.
+double shaking(const Scene& then, const std::vector<BodyMotion>& motions, Part part) {
+  Vec2 force{};
+  double moment = 0.0;
+  const auto add = [&](const Vec2& at, const Vec2& one, double turning) {
+    force += one;
+    moment += cross(at, one) + turning;
+  };
+  const std::vector<BodyPose<double>> poses = poses_of(motions);
+  BodyForces(then, poses)
+      .push_loads([&](std::string_view, const std::string&, int body, const Vec2& at, const Vec2& one, double turning) {
+        if (body != 0) add(at, one, turning);
+      });
+  for (std::size_t i = 1; i < then.bodies.size(); ++i) {
+    const Body& body = then.bodies[i];
+    add(poses[i].world(body.center), -body.mass * motions[i].acceleration_of(body.center),
+        -body.inertia * motions[i].angular_acceleration);
+  }
+  if (part == Part::moment) return moment;
+  return part == Part::x ? force.x : part == Part::y ? force.y : norm(force);
+}
+
+}  // namespace
+
+bool is_constant_in_time(const SoughtQuantity& of) {
+  switch (of.kind) {
+    case Kind::number:
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return true;
+    case Kind::sum:
+    case Kind::difference:
+    case Kind::product:
+    case Kind::quotient:
+      return is_constant_in_time(of.of[0]) && is_constant_in_time(of.of[1]);
+    default:
+      return false;
+  }
+}
+
+void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of) {
+  if (of.has(Kind::load_at_fold)) {
+    throw InputError(of.name + ": a load at a fold belongs to equilibria, not to a motion; expected another quantity");
+  }
+  if (of.has(Kind::push) && scene.drives.size() != 1) {
+    throw InputError(
+        fmt::format("{}: a push takes the place of the drive of a motion, and this one has {}; expected "
+                    "another quantity, or one [[drive]] in the scene",
+                    of.name, scene.drives.empty() ? "none" : "several"));
+  }
+  if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
+    throw InputError(fmt::format("{}: it belongs to an equilibrium, not to a motion; expected another quantity{}",
+                                 of.name, of.kind == Kind::stress ? ", or poise loads --time" : ""));
+  }
+  if (of.kind == Kind::stop_reaction) {
+    const Stop& stop = scene.stops[static_cast<std::size_t>(of.item)];
+    if (is_coupling(stop)) return;
+    throw InputError(fmt::format("{}: the {} \"{}\" does not act in motion; expected another quantity", of.name,
+                                 stop.table, stop.name));
+  }
+  for (const SoughtQuantity& part : of.of) refuse_at_rest_only(scene, part);
+}
+
+/// The equations of the scaled scene with its couplings, and one motion.
+struct MovingQuantities::Place {
+  explicit Place(const Scene& scaled) : equations(scaled, couplings_of(scaled)) {}
+
+  NumberedEquations equations;
+};
+
+MovingQuantities::MovingQuantities(const Scene& scene, const MotionModel& model)
+    : scene_(scene), model_(model), place_(std::make_unique<Place>(model.scaled_scene())) {}
+
+MovingQuantities::~MovingQuantities() = default;
+
+bool MovingQuantities::needs_forces(const SoughtQuantity& of) {
+  switch (of.kind) {
+    case Kind::element_force:
+    case Kind::drive_force:
+    case Kind::reaction:
+    case Kind::stop_reaction:
+    case Kind::push:
+      return true;
+    default:
+      return std::any_of(of.of.begin(), of.of.end(), needs_forces);
+  }
+}
+
+double MovingQuantities::in_place(const SoughtQuantity& of, const std::vector<BodyMotion>& motions,
+                                  bool of_one_freedom) const {
+  const NumberedEquations& equations = place_->equations;
+  const double per_length = model_.scales().per_length();
+  std::vector<double> z, rates;
+  for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
+    const BodyMotion& one = motions[i];
+    z.insert(z.end(), {one.pose.origin.x * per_length, one.pose.origin.y * per_length, one.pose.angle});
+    rates.insert(rates.end(), {one.velocity.x * per_length, one.velocity.y * per_length, one.rate});
+  }
+  z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
+  QuantityPlace<double> at(equations, equations.numbers().data(), z.data());
+  if (at.freedoms() != 1) {
+    if (of_one_freedom) return undefined;
+    at.move(std::move(rates));
+  }
+  return at.value(of) / of.dimension.per_scale(model_.scales());
+}
+
+double MovingQuantities::effort(const SoughtQuantity& of, const Forces& forces) const {
+  if (forces.friction.has_no_forces()) return undefined;
+  for (std::size_t k = 0; k < forces.drives.size(); ++k) {
+    if (!is_same(scene_.drives[k].on, of.on)) continue;
+    return forces.drives[k].determined ? forces.drives[k].value : undefined;
+  }
+  return undefined;
+}
+
+// P dp = F dg  with g the measure of the drive and p = e . (x, y), both along the motion.
+double MovingQuantities::push(const SoughtQuantity& of, const Forces& forces) const {
+  const Measure& driven = scene_.drives.front().on;
+  SoughtQuantity lever{
+      .name = "lever", .kind = Kind::ratio, .dimension = driven.dimension() * dimension::length.power(-1)};
+  lever.of = {{.name = "drive", .on = driven}, {.name = "point", .on = along_of(of)}};
+  return effort({.name = "drive", .kind = Kind::drive_force, .on = driven}, forces) *
+         in_place(lever, forces.motions, true);
+}
+
+double MovingQuantities::rate(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {
+  switch (of.kind) {
+    case Kind::number:
+      return 0.0;
+    case Kind::measure:
+      return rate_of(scene_, forces.motions, of.on);
+    case Kind::sum:
+      return rate(of.of[0], forces, then) + rate(of.of[1], forces, then);
+    case Kind::difference:
+      return rate(of.of[0], forces, then) - rate(of.of[1], forces, then);
+    case Kind::product:
+      return rate(of.of[0], forces, then) * value(of.of[1], forces, then) +
+             value(of.of[0], forces, then) * rate(of.of[1], forces, then);
+    case Kind::quotient: {
+      const double by = value(of.of[1], forces, then);
+      return (rate(of.of[0], forces, then) - value(of.of[0], forces, then) / by * rate(of.of[1], forces, then)) / by;
+    }
+    default:
+      return undefined;
+  }
+}
+
+double MovingQuantities::value(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {
+  switch (of.kind) {
+    case Kind::measure:
+      return value_of(scene_, of.on, poses_of(forces.motions));
+    case Kind::energy:
+      return BodyForces(scene_, poses_of(forces.motions)).energy();
+    case Kind::kinetic_energy:
+      return kinetic_energy(scene_, forces.motions);
+    case Kind::element_force:
+      return forces.element_force[static_cast<std::size_t>(of.item)];
+    case Kind::reaction: {
+      const Reaction& reaction = forces.reactions[static_cast<std::size_t>(of.item)];
+      return reaction.determined && !forces.friction.has_no_forces() ? reaction_part(reaction, of.part) : undefined;
+    }
+    case Kind::stop_reaction: {
+      const Reaction* const reaction = reaction_of_stop(forces.reactions, static_cast<std::size_t>(of.item));
+      if (reaction == nullptr) return 0.0;
+      if (!reaction->determined || forces.friction.has_no_forces()) return undefined;
+      return scene_.stops[static_cast<std::size_t>(of.item)].on.is_angle() ? reaction->moment : -reaction->axial;
+    }
+    case Kind::drive_force:
+      return effort(of, forces);
+    case Kind::push:
+      return push(of, forces);
+    case Kind::shaking:
+      return shaking(then, forces.motions, of.part);
+    case Kind::element_rate:
+    case Kind::ratio:
+    case Kind::center:
+    case Kind::transmission:
+      return in_place(of, forces.motions, false);
+    case Kind::by_time:
+      return rate(of.of[0], forces, then);
+    case Kind::number:
+      return of.constant;
+    case Kind::sum:
+      return value(of.of[0], forces, then) + value(of.of[1], forces, then);
+    case Kind::difference:
+      return value(of.of[0], forces, then) - value(of.of[1], forces, then);
+    case Kind::product:
+      return value(of.of[0], forces, then) * value(of.of[1], forces, then);
+    case Kind::quotient: {
+      const double out = value(of.of[0], forces, then) / value(of.of[1], forces, then);
+      return std::isfinite(out) ? out : undefined;
+    }
+    case Kind::stress:
+    case Kind::frequency:
+    case Kind::damping:
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+    case Kind::load_at_fold:
+      break;
+  }
+  return undefined;
+}
+
+namespace {
+
+/// Loads of inertia and of what resists motion; friction that does not slide is asked for as if it were driven.
+class MovingLoads {
+ public:
+  /// `motions` are measured from any point of the world.
+  MovingLoads(const Scene& scene, const std::vector<BodyMotion>& motions, double size, double fastest)
+      : scene_(scene), motions_(motions), poses_(poses_of(motions)), size_(size), fastest_(fastest) {
+    additions.drives = scene.drives;
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      const Body& body = scene.bodies[i];
+      additions.loads.push_back({static_cast<int>(i), motions[i].pose.world(body.center),
+                                 -body.mass * motions[i].acceleration_of(body.center),
+                                 -body.inertia * motions[i].angular_acceleration});
+    }
+    for (std::size_t e = 0; e < scene.elements.size(); ++e) add_resistance(e);
+    for (int j = 0; j < static_cast<int>(scene.joints.size()); ++j) {
+      const Joint& joint = scene.joints[static_cast<std::size_t>(j)];
+      if (!joint.friction) continue;
+      const Measure on =
+          joint.has_travel() ? Measure::travel_of(j) : Measure::angle_between(joint.a.body, joint.b.body);
+      if (stands_still(on)) hold(on, -1);
+    }
+  }
+
+  Additions additions{};
+  std::vector<double> element_force{};  ///< of what resists motion
+  std::vector<int> held{};              ///< of the drives behind those of the scene: the element, or -1 of a joint
+
+ private:
+  bool stands_still(const Measure& on) const {
+    return std::abs(rate_of(scene_, motions_, on)) <= no_rate * fastest_ * (on.is_angle() ? 1.0 : size_);
+  }
+
+  /// Whether it stands for a joint's friction (resisted_by_joints()), which is found with the force in the joint.
+  bool is_of_joint(int element) const {
+    for (int j = 0; j < static_cast<int>(scene_.joints.size()); ++j) {
+      if (friction_element(scene_, j) == element) return true;
+    }
+    return false;
+  }
+
+  void hold(const Measure& on, int element) {
+    additions.drives.push_back({.name = "friction", .on = on, .start = {}});
+    held.push_back(element);
+  }
+
+  void add_resistance(std::size_t element) {
+    const Element& of = scene_.elements[element];
+    element_force.push_back(0.0);
+    if (!resists_motion(of.law) || is_of_joint(static_cast<int>(element))) return;
+    const auto* const friction = std::get_if<DryFriction>(&of.law);
+    if (friction != nullptr && friction->width == 0.0 && stands_still(of.on)) {
+      hold(of.on, static_cast<int>(element));
+      return;
+    }
+    const double force =
+        force_of_motion(of.law, value_of(scene_, of.on, poses_), rate_of(scene_, motions_, of.on)).value;
+    element_force.back() = force;
+    for (const UnitEffort& effort : unit_efforts(scene_, of.on, poses_)) {
+      additions.loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
+      additions.loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
+    }
+  }
+
+  const Scene& scene_;
+  const std::vector<BodyMotion>& motions_;
+  std::vector<BodyPose<double>> poses_;
+  double size_, fastest_;
+};
+
+}  // namespace
+
+Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
+                        const std::vector<double>& v, const std::vector<double>& a) {
+  Forces out;
+  out.motions = body_motions(model, x, v, a);
+  std::vector<BodyMotion> motions = out.motions;
+  const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
+  for (std::size_t i = 0; i < motions.size(); ++i) motions[i].pose = poses[i];
+  double fastest = 0.0;
+  for (const double one : v) fastest = std::max(fastest, std::abs(one));
+  const double size = model.scales().length;
+  const MovingLoads loads(then, motions, size, fastest);
+  std::vector<int> sides;
+  for (const Stop& stop : then.stops) sides.push_back(is_coupling(stop) ? 2 : 0);
+  auto [friction, bodies] = sliding_friction({then, motions, sides, size, loads.additions, fastest});
+  out.element_force = loads.element_force;
+  for (std::size_t e = 0; e < then.elements.size(); ++e) out.element_force[e] += bodies.element_force[e];
+  const std::size_t first_drive = bodies.reactions.size() - loads.additions.drives.size();
+  for (std::size_t k = 0; k < loads.additions.drives.size(); ++k) {
+    const Drive& drive = loads.additions.drives[k];
+    const Reaction& found = bodies.reactions[first_drive + k];
+    const double value = drive.on.is_angle() ? found.moment : -found.axial;
+    if (k < then.drives.size()) {
+      const double rate = rate_of(then, motions, drive.on);
+      out.drives.push_back({drive.name, drive.on.is_angle(), value, rate, value * rate, found.determined});
+    } else if (const int element = loads.held[k - then.drives.size()]; element >= 0) {
+      out.element_force[static_cast<std::size_t>(element)] = found.determined ? -value : undefined;
+    }
+  }
+  bodies.reactions.resize(first_drive);
+  out.reactions = std::move(bodies.reactions);
+  out.friction = std::move(friction);
+  out.redundancy = bodies.redundancy;
+  out.imbalance = bodies.imbalance;
+  out.worst_body = then.bodies.size() > 1 ? then.bodies[static_cast<std::size_t>(bodies.worst_body)].name : "";
+  out.largest_force = bodies.largest_force;
+  return out;
+}
+
+namespace {
+
+std::vector<int> all_coordinates(const Trajectory& path) {
+  std::vector<int> out(static_cast<std::size_t>(path.coordinates));
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+/// Chebyshev's points of an interval, between -1 and 1.
+constexpr std::size_t chebyshev_points = 12;
+double chebyshev_point(std::size_t k) {
+  return std::cos((static_cast<double>(k) + 0.5) * std::numbers::pi / chebyshev_points);
+}
+
+/// The Chebyshev coefficients of the derivative, by the argument in -1..1, of the polynomial with these values at the
+/// points.
+std::vector<double> slopes_of(const std::array<double, chebyshev_points>& values) {
+  constexpr std::size_t n = chebyshev_points;
+  std::vector<double> c(n, 0.0), slopes(n + 1, 0.0);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k < n; ++k) {
+      c[j] += 2.0 / n * values[k] *
+              std::cos(static_cast<double>(j) * (static_cast<double>(k) + 0.5) * std::numbers::pi / n);
+    }
+  }
+  for (std::size_t j = n - 1; j-- > 0;) {
+    slopes[j] = slopes[j + 2] + 2.0 * static_cast<double>(j + 1) * c[j + 1];
+  }
+  slopes[0] /= 2;
+  slopes.resize(n - 1);
+  return slopes;
+}
+
+/// The series at s, by Clenshaw's recurrence.
+double series_at(const std::vector<double>& coefficients, double s) {
+  double next = 0.0, after = 0.0;
+  for (std::size_t j = coefficients.size() - 1; j > 0; --j) {
+    const double here = coefficients[j] + 2 * s * next - after;
+    after = next;
+    next = here;
+  }
+  return coefficients[0] + s * next - after;
+}
+
+/// The place of the least value of f between `from` and `to`, and that value, by golden sections; `f` has one there.
+ValueInTime least_between(const std::function<double(double)>& f, double from, double to) {
+  constexpr double golden = 0.381966011250105;
+  constexpr int most_steps = 60;
+  const double narrow = 1e-8 * (to - from);  // rounding of f hides what is nearer
+  double a = from, b = to, x = a + golden * (b - a), y = b - golden * (b - a), fx = f(x), fy = f(y);
+  for (int k = 0; k < most_steps && b - a > narrow; ++k) {
+    if (fx <= fy) {
+      b = y;
+      y = x;
+      fy = fx;
+      x = a + golden * (b - a);
+      fx = f(x);
+    } else {
+      a = x;
+      x = y;
+      fx = fy;
+      y = b - golden * (b - a);
+      fy = f(y);
+    }
+  }
+  return fx <= fy ? ValueInTime{x, fx} : ValueInTime{y, fy};
+}
+
+/// Places at which extremes are looked for: all nodes, at which something may jump, with both sides of them, and
+/// between.
+std::vector<double> places_between(const std::vector<double>& nodes) {
+  constexpr int parts = 8;
+  std::vector<double> out;
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    const double from = nodes[k], to = nodes[k + 1];
+    if (from == to) continue;
+    for (int i = 0; i < parts; ++i) out.push_back(from + (to - from) * i / parts);
+    out.push_back(std::nextafter(to, from));
+  }
+  out.push_back(nodes.back());
+  return out;
+}
+
+/// Gauss's rule of five points between each two nodes, exact for polynomials of degree 9: visit(t, weight).
+template <class Visit>
+void for_each_gauss_point(const std::vector<double>& nodes, Visit visit) {
+  constexpr std::array<std::pair<double, double>, 5> gauss{{{-0.9061798459386640, 0.2369268850561891},
+                                                            {-0.5384693101056831, 0.4786286704993665},
+                                                            {0.0, 128.0 / 225},
+                                                            {0.5384693101056831, 0.4786286704993665},
+                                                            {0.9061798459386640, 0.2369268850561891}}};
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    const double half = (nodes[k + 1] - nodes[k]) / 2;
+    if (half == 0.0) continue;
+    for (const auto& [place, weight] : gauss) visit(nodes[k] + half * (1 + place), weight * half);
+  }
+}
+
+/// The force of which the work is asked for: of a push, an element or a drive, perhaps times a number.
+const SoughtQuantity& force_in(const SoughtQuantity& of) {
+  if (of.of.empty()) return of;
+  return force_in(of.of[0].kind == Kind::number ? of.of[1] : of.of[0]);
+}
+
+}  // namespace
+
+/// The equations of motion at single states.
+class QuantitiesAlong::Equations {
+ public:
+  /// `start`: scaled coordinates at which the motion began.
+  Equations(const MotionModel& model, const std::vector<double>& start)
+      : reduced_(model.scaled_scene(), model.mechanism(), model.inertia()) {
+    reduced_.set_inputs(model.scaled_scene(), scaled(inputs_of(model.scene()), model.scene(), model.scales()));
+    reduced_.start_drives(start.data());
+  }
+
+  /// Sets the accelerations at scaled coordinates and rates, of which the dependent ones are closed; false where they
+  /// are not known.
+  bool accelerate(double t, std::vector<double>& x, std::vector<double>& v, std::vector<double>& a) {
+    using Evaluated = ReducedMotion<double>::Status;
+    if (reduced_.choose(t, x.data(), true) != Evaluated::ok) return false;
+    reduced_.expect(x.data());
+    std::vector<double> z, w;
+    for (const int i : reduced_.independent()) {
+      z.push_back(x[static_cast<std::size_t>(i)]);
+      w.push_back(v[static_cast<std::size_t>(i)]);
+    }
+    constexpr double least_pivot = 1e-3;
+    if (reduced_.evaluate(t, z.data(), w.data()) != Evaluated::ok || reduced_.pivot() < least_pivot) return false;
+    x.assign(reduced_.q(), reduced_.q() + x.size());
+    v.assign(reduced_.v(), reduced_.v() + v.size());
+    a.assign(reduced_.a(), reduced_.a() + a.size());
+    return true;
+  }
+
+ private:
+  ReducedMotion<double> reduced_;
+};
+
+QuantitiesAlong::~QuantitiesAlong() = default;
+
+QuantitiesAlong::QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion)
+    : scene_(scene),
+      model_(model),
+      path_(motion.trajectory),
+      quantities_(scene, model),
+      reader_(path_, all_coordinates(path_)),
+      at_(undefined) {
+  const std::vector<Element>& elements = model.scene().elements;
+  const bool sticks = std::any_of(elements.begin(), elements.end(), [](const Element& one) {
+    const auto* const friction = std::get_if<DryFriction>(&one.law);
+    return friction != nullptr && friction->width == 0.0;
+  });
+  if (sticks) return;
+  const std::vector<double> start(path_.q.begin(), path_.q.begin() + path_.coordinates);
+  equations_ = std::make_unique<Equations>(model, model.from_si(start));
+}
+
+const Forces& QuantitiesAlong::state(double t, bool with_forces) {
+  if (t == at_ && (has_forces_ || !with_forces)) return forces_;
+  reader_.at(t);
+  const auto n = static_cast<std::size_t>(path_.coordinates);
+  std::vector<double> q(n), v(n), a(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    q[i] = reader_.q(i);
+    v[i] = reader_.v(i);
+    a[i] = reader_.a(i);
+  }
+  std::vector<double> x = model_.from_si(q), w = model_.from_si(v), b = model_.from_si(a);
+  if (equations_) equations_->accelerate(t, x, w, b);
+  at_ = t;
+  has_forces_ = with_forces;
+  if (!with_forces) {
+    forces_ = Forces{};
+    forces_.motions = body_motions(model_, x, w, b);
+    return forces_;
+  }
+  forces_ = forces_in_motion(then(t), model_, x, w, b);
+  imbalance_ = std::max(imbalance_, forces_.imbalance);
+  largest_force_ = std::max(largest_force_, forces_.largest_force);
+  return forces_;
+}
+
+const Scene& QuantitiesAlong::then(double t) {
+  if (scene_.time_functions.empty()) return scene_;
+  if (!then_ || then_at_ != t) then_ = at_time(scene_, t);
+  then_at_ = t;
+  return *then_;
+}
+
+// The later of two where t is a node, as TrajectoryReader has it.
+std::size_t QuantitiesAlong::interval_at(double t) const {
+  const std::vector<double>& times = path_.t;
+  const auto after = std::upper_bound(times.begin(), times.end(), t);
+  auto interval = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin() - 1, 0));
+  interval = std::min(interval, times.size() - 2);
+  while (interval > 0 && times[interval] == times[interval + 1]) --interval;
+  return interval;
+}
+
+double QuantitiesAlong::rate(const SoughtQuantity& of, double t) {
+  if (!MovingQuantities::needs_forces(of)) {
+    const SoughtQuantity by_time{.name = "rate", .kind = Kind::by_time, .of = {of}};
+    const double exact = quantities_.value(by_time, state(t, false), then(t));
+    if (!std::isnan(exact)) return exact;
+  }
+  const std::size_t interval = interval_at(t);
+  const double from = path_.t[interval], half = (path_.t[interval + 1] - from) / 2;
+  auto found =
+      std::find_if(polynomials_.begin(), polynomials_.end(), [&](const Polynomial& one) { return one.of == of.name; });
+  if (found == polynomials_.end() || found->interval != interval) {
+    std::array<double, chebyshev_points> values{};
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = value(of, from + half * (1 + chebyshev_point(k)));
+    // value() may have added others.
+    found = std::find_if(polynomials_.begin(), polynomials_.end(),
+                         [&](const Polynomial& one) { return one.of == of.name; });
+    if (found == polynomials_.end()) found = polynomials_.insert(polynomials_.end(), Polynomial{of.name, interval, {}});
+    found->interval = interval;
+    found->slopes = slopes_of(values);
+  }
+  return series_at(found->slopes, (t - from) / half - 1) / half;
+}
+
+double QuantitiesAlong::value(const SoughtQuantity& of, double t) {
+  switch (of.kind) {
+    case Kind::maximum:
+    case Kind::minimum:
+    case Kind::mean:
+    case Kind::span:
+    case Kind::work:
+      return over_motion(of);
+    case Kind::by_time:
+      return rate(of.of[0], t);
+    case Kind::sum:
+      return value(of.of[0], t) + value(of.of[1], t);
+    case Kind::difference:
+      return value(of.of[0], t) - value(of.of[1], t);
+    case Kind::product:
+      return value(of.of[0], t) * value(of.of[1], t);
+    case Kind::quotient: {
+      const double out = value(of.of[0], t) / value(of.of[1], t);
+      return std::isfinite(out) ? out : undefined;
+    }
+    default:
+      return quantities_.value(of, state(t, MovingQuantities::needs_forces(of)), then(t));
+  }
+}
+
+double QuantitiesAlong::work(const SoughtQuantity& of, double t) {
+  const SoughtQuantity& force = force_in(of);
+  const Measure on = force.kind == Kind::push          ? along_of(force)
+                     : force.kind == Kind::drive_force ? force.on
+                                                       : scene_.elements[static_cast<std::size_t>(force.item)].on;
+  return value(of, t) * rate_of(scene_, state(t, false).motions, on);
+}
+
+double QuantitiesAlong::over_motion(const SoughtQuantity& of) {
+  const auto known =
+      std::find_if(over_motion_.begin(), over_motion_.end(), [&](const auto& one) { return one.first == of.name; });
+  if (known != over_motion_.end()) return known->second;
+  double out = 0.0;
+  if (of.kind == Kind::work) {
+    for_each_gauss_point(path_.t, [&](double t, double weight) { out += weight * work(of.of[0], t); });
+  } else {
+    const QuantityRange range = ranges({of.of[0]}).front();
+    out = of.kind == Kind::maximum   ? range.greatest.value
+          : of.kind == Kind::minimum ? range.least.value
+          : of.kind == Kind::mean    ? range.mean
+                                     : range.greatest.value - range.least.value;
+  }
+  over_motion_.emplace_back(of.name, out);
+  return out;
+}
+
+std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuantity>& of) {
+  const std::vector<double> times = places_between(path_.t);
+  std::vector<std::vector<double>> values(of.size());
+  for (const double t : times) {
+    for (std::size_t k = 0; k < of.size(); ++k) values[k].push_back(value(of[k], t));
+  }
+  std::vector<QuantityRange> out(of.size());
+  for_each_gauss_point(path_.t, [&](double t, double weight) {
+    for (std::size_t k = 0; k < of.size(); ++k) out[k].mean += weight * value(of[k], t);
+  });
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    out[k].mean /= path_.t.back() - path_.t.front();
+    const auto is_none = [](double value) { return std::isnan(value); };
+    if (std::any_of(values[k].begin(), values[k].end(), is_none)) out[k].mean = undefined;
+    out[k].least = extreme(of[k], times, values[k], 1.0);
+    out[k].greatest = extreme(of[k], times, values[k], -1.0);
+  }
+  return out;
+}
+
+ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector<double>& times,
+                                     const std::vector<double>& values, double sign) {
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isnan(values[k])) return {undefined, undefined};
+    if (sign * values[k] < sign * values[best]) best = k;
+  }
+  ValueInTime found{times[best], values[best]};
+  for (const std::size_t from : {best == 0 ? 0 : best - 1, best}) {
+    if (from + 1 >= times.size() || !(times[from] < times[from + 1])) continue;
+    const ValueInTime refined =
+        least_between([&](double t) { return sign * value(of, t); }, times[from], times[from + 1]);
+    if (refined.value < sign * found.value) found = {refined.time, sign * refined.value};
+  }
+  return found;
+}
+
+}  // namespace poise
