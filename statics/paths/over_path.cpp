@@ -42,9 +42,7 @@ WorkPath work_path(const Scene& scene, const SoughtQuantity& work) {
             {force.direction.x, force.direction.y}};
   }
   if (force.kind == Kind::element_force) {
-    SoughtQuantity length = measured(scene.elements[static_cast<std::size_t>(force.item)].on);
-    length.item = force.item;
-    return {{std::move(length)}, {1.0}};
+    return {{measured(scene.elements[static_cast<std::size_t>(force.item)].on)}, {1.0}};
   }
   return {{measured(force.on)}, {1.0}};
 }

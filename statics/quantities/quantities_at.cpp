@@ -111,8 +111,7 @@ std::vector<QuantityValue> measures_in(const RestingPlace& place, const std::vec
   }
   std::vector<QuantityValue> out;
   for (const SoughtQuantity& one : of) {
-    out.push_back(
-        {value_of(place.scene, measure_in(place.scene, one), poses) / one.dimension.per_scale(place.scales), ""});
+    out.push_back({value_of(place.scene, one.on, poses) / one.dimension.per_scale(place.scales), ""});
   }
   return out;
 }

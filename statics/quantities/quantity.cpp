@@ -114,13 +114,7 @@ class Catalogue {
   }
 
   void add_measures() {
-    const std::vector<NamedMeasure> listed = named_measures(scene_);
-    const std::size_t before_elements = listed.size() - scene_.elements.size();
-    for (std::size_t k = 0; k < listed.size(); ++k) {
-      SoughtQuantity one = measured(listed[k].name, listed[k].on);
-      if (k >= before_elements) one.item = static_cast<int>(k - before_elements);
-      add(std::move(one), listed[k].also);
-    }
+    for (const NamedMeasure& one : named_measures(scene_)) add(measured(one.name, one.on), one.also);
     const std::vector<ElementName> names = names_of_elements(scene_);
     for (std::size_t e = 0; e < names.size(); ++e) {
       const auto& [own, whole] = names[e];

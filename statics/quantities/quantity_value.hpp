@@ -75,11 +75,6 @@ OneMotion<T> one_motion(const NumberedEquations& equations, const NumberedEquati
   return out;
 }
 
-/// The measure of a quantity, with the numbers of a scene that is measured in scales of its own.
-inline const Measure& measure_in(const Scene& scene, const SoughtQuantity& of) {
-  return of.item >= 0 ? scene.elements[static_cast<std::size_t>(of.item)].on : of.on;
-}
-
 /// Where a quantity is asked for: bodies at z with the numbers p, in the scalar T. Refers to the equations.
 template <class T>
 class QuantityPlace {
@@ -194,7 +189,7 @@ auto QuantityPlace<T>::rate(const SoughtQuantity& of) -> Rate {
   const auto size_of = [](const T& value) { return std::abs(plain_value(value)); };
   switch (of.kind) {
     case Kind::measure:
-      return rate_along_motion(equations_.measure_gradient(measure_in(equations_.scene(), of), bodies(), placed_));
+      return rate_along_motion(equations_.measure_gradient(of.on, bodies(), placed_));
     case Kind::energy: {
       std::vector<T> applied(motion_.rates.size(), T(0));
       equations_.push_applied(bodies(), placed_, applied.data());
@@ -336,7 +331,7 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
   using Kind = SoughtQuantity::Kind;
   switch (of.kind) {
     case Kind::measure:
-      return bodies().value(measure_in(equations_.scene(), of));
+      return bodies().value(of.on);
     case Kind::element_force: {
       const Element& element = equations_.scene().elements[static_cast<std::size_t>(of.item)];
       if (!stores_energy(element.law)) return undefined("a " + element.family() + " has no force at rest");
