@@ -41,6 +41,7 @@ struct Held {
 Held held_at(const NumberedEquations& equations, std::vector<double> z, const std::vector<double>& beside) {
   const Eigen::Index places = equations.poses(), efforts = equations.unknowns() - equations.poses();
   z.resize(static_cast<std::size_t>(equations.unknowns()), 0.0);
+  if (efforts == 0) return {std::move(z), {}};
   std::vector<NumberedEquations::Placed<double>> placed;
   equations.place(z.data(), placed);
   const NumberedEquations::Bodies<double> bodies = equations.bodies(equations.numbers().data(), placed);

@@ -555,7 +555,7 @@ class Reader {
   /// push.BODY.POINT. and an angle in degrees, where that is longer than the name found.
   std::optional<SoughtQuantity> push(std::size_t found) {
     for (const SoughtQuantity& one : catalogue_.all()) {
-      if (one.kind != Kind::push || one.direction.x != 1.0) continue;
+      if (one.kind != Kind::push || one.is_output || one.direction.x != 1.0) continue;
       const std::string stem = one.name.substr(0, one.name.size() - 1);
       if (!rest_.starts_with(stem)) continue;
       std::size_t end = stem.size();

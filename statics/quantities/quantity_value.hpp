@@ -321,7 +321,7 @@ T QuantityPlace<T>::transmission(const SoughtQuantity& of) {
 template <class T>
 T QuantityPlace<T>::value(const SoughtQuantity& of) {
   why_.clear();
-  const T out = part_of(of);
+  T out = part_of(of);
   if (!std::isfinite(plain_value(out))) undefined("it is divided by zero here");
   return out;
 }

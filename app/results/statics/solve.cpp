@@ -509,7 +509,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
                      : equilibrium.status == Status::elsewhere ? "another equilibrium"
                                                                : "reached, no equilibrium"},
                     radius_of(equilibrium));
-    if (equilibrium.found()) {
+    if (equilibrium.found() && !show.empty()) {
       const std::vector<int>& active = equilibrium.certificate.active_stops;
       const RestingPlace place = resting_place(model, equilibrium.x, active, -1, other_quantity);
       add_quantities(content, show, quantity_values(place, show), model.scene().units);
