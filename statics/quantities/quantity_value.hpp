@@ -322,8 +322,7 @@ template <class T>
 T QuantityPlace<T>::value(const SoughtQuantity& of) {
   why_.clear();
   const T out = part_of(of);
-  if (!std::isfinite(plain_value(out))) undefined("it is divided by zero here");
-  return out;
+  return std::isfinite(plain_value(out)) ? out : undefined("it is divided by zero here");
 }
 
 template <class T>
