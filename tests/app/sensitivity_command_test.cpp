@@ -35,7 +35,7 @@ TEST(SensitivityCommand, SaysInOneLineWhatItCannotRead) {
   EXPECT_TRUE(contains(complaint({"--of", "reaction.B.moment"}), "a pin transmits no moment"));
   EXPECT_TRUE(contains(complaint({"--of", "angle.ground"}), "the ground does not turn"));
   EXPECT_TRUE(contains(complaint({"--of", "load_at_fold.Q"}), "--of load_at_fold.Q: expected the name of a load"));
-  EXPECT_TRUE(contains(complaint({"--of", "travel.x"}), "a slide or pin in a slot; there is none here"));
+  EXPECT_TRUE(contains(complaint({"--of", "travel.x"}), "a slide or a pin in a slot; there is none here"));
   EXPECT_TRUE(contains(complaint({"--of", "travel.A"}), "expected a slide or pin in a slot, A is a pin"));
   EXPECT_TRUE(contains(complaint({"--of", "handle,"}), "\"handle,\": expected a name before and after each comma"));
   EXPECT_TRUE(contains(complaint({"--of", "bogus"}), "bogus: expected the name of a quantity; did you mean "));
