@@ -626,6 +626,7 @@ const Forces& QuantitiesAlong::state(double t, bool with_forces) {
     return forces_;
   }
   forces_ = forces_in_motion(then(t), model_, x, w, b, fastest_);
+  if (forces_.friction.has_no_forces()) return forces_;
   imbalance_ = std::max(imbalance_, forces_.imbalance);
   largest_force_ = std::max(largest_force_, forces_.largest_force);
   return forces_;
