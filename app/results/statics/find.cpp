@@ -180,7 +180,7 @@ void add_table(Group& content, const FindView& view, const FoundSet& found, cons
     const VariedScene& number = *view.numbers[k];
     table.numbers(number.name(), number.name(), number.unit_name(),
                   each(found.values, [&](const FoundNumbers& one) { return one.numbers[k] / number.unit(); }),
-                  {.style = Format::Style::significant, .digits = digits_of_found});
+                  {.style = Format::Style::significant, .digits = known_digits(found, k)});
     table.numbers(
         number.name() + ".radius", "+-", number.unit_name(),
         each(found.values,
