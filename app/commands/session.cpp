@@ -1,5 +1,6 @@
 #include "app/commands/session.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "app/present/text.hpp"
 #include "model/one_line.hpp"
 #include "model/set_parameter.hpp"
+#include "statics/quantities/quantities_at.hpp"
 
 namespace poise::app {
 namespace fs = std::filesystem;
@@ -116,8 +118,25 @@ Answer search(const StaticModel& model, const SolveOptions& options, Progress& p
   return measure(model, std::move(equilibrium));
 }
 
-std::string picture(const StaticModel& model, const Answer& answer) {
-  return draw_svg(model, answer.equilibrium, assemble(model));
+std::string picture(const StaticModel& model, const Answer& answer, const std::vector<SoughtQuantity>& shown) {
+  const Equilibrium& equilibrium = answer.equilibrium;
+  MechanismPicture out = picture_of(model, equilibrium, assemble(model));
+  const RestingPlace place = resting_place(model, equilibrium.x, equilibrium.certificate.active_stops);
+  for (const SoughtQuantity& one : shown) {
+    if (one.kind != SoughtQuantity::Kind::center) continue;
+    SoughtQuantity x = one, y = one;
+    x.part = SoughtQuantity::Part::x;
+    y.part = SoughtQuantity::Part::y;
+    const std::vector<QuantityValue> at = quantity_values(place, {x, y});
+    const std::vector<Body>& bodies = model.scene().bodies;
+    const std::string name =
+        bodies[static_cast<std::size_t>(one.item)].name + ", " + bodies[static_cast<std::size_t>(one.other)].name;
+    const bool is_new =
+        std::none_of(out.centres.begin(), out.centres.end(), [&](const auto& other) { return other.second == name; });
+    if (is_new && at[0].why.empty() && at[1].why.empty())
+      out.centres.emplace_back(Vec2{at[0].value, at[1].value}, name);
+  }
+  return draw_mechanism(model.scene(), out);
 }
 
 void print(const std::string& text) {

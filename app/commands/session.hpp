@@ -73,8 +73,8 @@ void print(const Request& request, const Result& result, const std::string& writ
 /// Searches by one method and measures what it found.
 Answer search(const StaticModel& model, const SolveOptions& options, Progress& progress);
 
-/// The picture of an answer that has readings.
-std::string picture(const StaticModel& model, const Answer& answer);
+/// The picture of an answer that has readings, with the instant centres among the quantities shown.
+std::string picture(const StaticModel& model, const Answer& answer, const std::vector<SoughtQuantity>& shown = {});
 
 /// Prints on standard output. Throws InputError where that fails (the disk is full).
 void print(const std::string& text);

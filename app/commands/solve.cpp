@@ -60,7 +60,7 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
   const bool drawn = answer.readings && !interrupted;
   Pictures pictures;
-  if (files.wants_svg() && drawn) pictures.svg = picture(model, answer);
+  if (files.wants_svg() && drawn) pictures.svg = picture(model, answer, show);
   if (files.wants_html() && drawn) {
     pictures.figures = {equilibrium_figure(model, answer.equilibrium, assemble(model))};
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/draw/canvas.hpp"
@@ -53,6 +54,8 @@ struct MechanismPicture {
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
   std::vector<Diagram> diagrams{};
+  /// Instant centres, m in the world, and what they are named: "crank, ground". Those far from the bodies are left out.
+  std::vector<std::pair<Vec2, std::string>> centres{};
   std::vector<Vec2> slipping{};  ///< m in the world: where what slips first is marked
   /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
   std::optional<Box> frame{};

@@ -68,7 +68,7 @@ std::string searched_in_words(const FindView& view, const FoundSet& found) {
   return fmt::format("on {} of equilibria", count(found.curves, "curve", "curves"));
 }
 
-/// ", where it is between 1 N and 2 N", at the points of the curves.
+/// "; it is between 1 N and 2 N there", at the points of the curves.
 std::string reach_in_words(const FindView& view, const FoundSet& found, const Units& units) {
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const QuantityCourse& course : found.courses) {
@@ -81,7 +81,7 @@ std::string reach_in_words(const FindView& view, const FoundSet& found, const Un
   if (!(least < most)) return "";
   const Dimension& of = view.wanted[0].of.dimension;
   constexpr int digits = 6;
-  return fmt::format(", where it is between {} and {}", significant(least / of.unit(units), digits),
+  return fmt::format("; it is between {} and {} there", significant(least / of.unit(units), digits),
                      with_unit_of(most / of.unit(units), of.unit_name(units), digits));
 }
 
@@ -180,7 +180,7 @@ void add_table(Group& content, const FindView& view, const FoundSet& found, cons
     const VariedScene& number = *view.numbers[k];
     table.numbers(number.name(), number.name(), number.unit_name(),
                   each(found.values, [&](const FoundNumbers& one) { return one.numbers[k] / number.unit(); }),
-                  {.style = Format::Style::significant, .digits = digits_of_found});
+                  {.style = Format::Style::significant, .digits = known_digits(found, k)});
     table.numbers(
         number.name() + ".radius", "+-", number.unit_name(),
         each(found.values,
