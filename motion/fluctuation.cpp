@@ -121,7 +121,7 @@ void expect_period(const std::vector<double>& torques) {
 
 Fluctuation fluctuation_of(const std::function<std::vector<double>(int)>& torques, double from, double to,
                            int least_poses, int most_poses) {
-  constexpr double enough = 1e-9;
+  constexpr double enough = 1e-9, enough_of_torque = 1e-6;
   std::vector<double> found = torques(least_poses);
   expect_period(found);
   Fluctuation out = found_in(found, from, to);
@@ -132,7 +132,12 @@ Fluctuation fluctuation_of(const std::function<std::vector<double>(int)>& torque
     out = found_in(found, from, to);
     out.mean_error = std::abs(out.mean - before.mean);
     out.swing_error = std::abs(out.swing - before.swing);
-    if (out.swing_error <= enough * largest_size_of(found) * std::abs(to - from) || 2 * poses > most_poses) return out;
+    const double largest = largest_size_of(found);
+    const double torque_error =
+        std::max(std::abs(out.least.value - before.least.value), std::abs(out.greatest.value - before.greatest.value));
+    const bool stays =
+        out.swing_error <= enough * largest * std::abs(to - from) && torque_error <= enough_of_torque * largest;
+    if (stays || 2 * poses > most_poses) return out;
   }
 }
 

@@ -36,7 +36,8 @@ struct Fluctuation {
 /// Finds it over a period `from`..`to` of the angle, rad, from `torques(n)`: M at n + 1 angles with equal distances,
 /// both ends included. By the trigonometric polynomial through these, which converges faster than any power of n where
 /// M is smooth; n is doubled, from `least_poses` on, until the swing changes by less than 1e-9 of the largest torque
-/// times the period or there are `most_poses`. Throws InputError where a torque is undefined or M is not the same at
+/// times the period, and the extremes, of the parabolas through three of the torques, by less than 1e-6 of it, or there
+/// are `most_poses`. Throws InputError where a torque is undefined or M is not the same at
 /// both ends.
 Fluctuation fluctuation_of(const std::function<std::vector<double>(int)>& torques, double from, double to,
                            int least_poses, int most_poses);

@@ -89,8 +89,8 @@ class Ball {
   /// texts that choose by an order, in scalars made of balls.
   class Undecided {
    public:
-    Undecided() : before_(watched_) { watched_ = &any_; }
-    ~Undecided() { watched_ = before_; }
+    Undecided() : before_(watched) { watched = &any_; }
+    ~Undecided() { watched = before_; }
     Undecided(const Undecided&) = delete;
     Undecided& operator=(const Undecided&) = delete;
 
@@ -145,7 +145,7 @@ class Ball {
   }
   /// |a| with the sign of b; with both signs where b may have either.
   friend Ball copysign(const Ball& a, const Ball& b) {
-    const Ball size = abs(a);
+    Ball size = abs(a);
     if (arb_is_nonnegative(b.v_) != 0) return size;
     return arb_is_negative(b.v_) != 0 ? -size : of_both(-size, size);
   }
@@ -211,13 +211,13 @@ class Ball {
   template <class Order>
   static bool decided(Order order, Order opposite, const Ball& a, const Ball& b) {
     if (order(a.v_, b.v_) != 0) return true;
-    if (watched_ != nullptr && opposite(a.v_, b.v_) == 0) *watched_ = true;
+    if (watched != nullptr && opposite(a.v_, b.v_) == 0) *watched = true;
     return false;
   }
 
   void add_half_unit();
 
-  inline static thread_local bool* watched_ = nullptr;
+  inline static thread_local bool* watched = nullptr;
   inline static thread_local long working_bits = 128;
   inline static thread_local bool input_is_rounded = false;
   arb_t v_;

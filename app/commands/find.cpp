@@ -34,7 +34,7 @@ struct FindRequest {
 /// "QUANTITY = VALUE", the value in the quantity's unit.
 WantedValue read_wanted(const std::string& text, const Scene& scene) {
   const std::size_t sign = text.rfind('=');
-  const auto trimmed = [](std::string word) {
+  const auto trimmed = [](const std::string& word) {
     const std::size_t first = word.find_first_not_of(' '), last = word.find_last_not_of(' ');
     return first == std::string::npos ? std::string() : word.substr(first, last - first + 1);
   };

@@ -78,9 +78,9 @@ inline constexpr std::array<Number, 6> Drive::numbers = [] {
     number.measure_power = 1;
     return number;
   };
-  Number start = of_measure(optional_number<&Drive::start>("start", {}));
-  start.range_of_measure = true;
-  return std::array{start,
+  Number at_start = of_measure(optional_number<&Drive::start>("start", {}));
+  at_start.range_of_measure = true;
+  return std::array{at_start,
                     of_measure(plain_number<&Drive::rate>("rate", dimension::time.power(-1))),
                     of_measure(plain_number<&Drive::acceleration>("acceleration", dimension::time.power(-2))),
                     of_measure(plain_number<&Drive::amplitude>("amplitude", {})),

@@ -166,7 +166,7 @@ SolutionProof ConditionedEquilibrium::Prover::run() {
   std::vector<Ball> point;
   for (const int i : unknowns_) {
     const auto k = static_cast<std::size_t>(i);
-    point.push_back(Ball(k < at_.z.size() ? at_.z[k] : at_.s[k - at_.z.size()]));
+    point.emplace_back(k < at_.z.size() ? at_.z[k] : at_.s[k - at_.z.size()]);
   }
   const solvers::KrawczykProof proof = solvers::krawczyk(
       std::move(point), inverse_, [&](const auto& u, auto& values, auto* by) { return evaluate(u, values, by); });

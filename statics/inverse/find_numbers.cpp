@@ -100,14 +100,15 @@ void NumberFinder::follow(const VariedScene& varied, PathOptions::From from, con
 /// Whether a pose at a value of the number is on a curve that was followed, or between its points.
 bool NumberFinder::is_on_curves(const StaticModel& model, const std::vector<double>& x, double value) const {
   const std::vector<double> here = poses_of(model, x);
-  for (const auto& [varied, path] : followed_) {
+  for (const Followed& followed : followed_) {
+    const VariedScene& varied = followed.varied;
     const double unit = varied.scales().length / model.scales().length;
     const auto like_here = [&](const PathPoint& point) {
       std::vector<double> poses = poses_of(*varied.model_at(point.parameter), point.x);
       for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : unit;
       return poses;
     };
-    for (const PathBranch& branch : path.branches) {
+    for (const PathBranch& branch : followed.path.branches) {
       for (std::size_t k = 0; k + 1 < branch.points.size(); ++k) {
         const PathPoint &a = branch.points[k], &b = branch.points[k + 1];
         if ((a.parameter - value) * (b.parameter - value) > 0.0) continue;
@@ -476,8 +477,7 @@ void FoldFinder::prove(FoundNumbers& found) const {
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
   const double range = std::abs(varied_.to() - varied_.from());
-  found.radii = {range * proof.radius[0] +
-                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
+  found.radii = {range * proof.radius[0] + std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
   found.at.statement =
       "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
       "proved";

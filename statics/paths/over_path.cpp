@@ -301,7 +301,7 @@ OverPathValue extreme_of(BranchCurve& curve, const SoughtQuantity& of) {
   Extremes extremes(curve, of.of.front());
   if (of.kind != Kind::span) return extremes.find(of.kind == Kind::maximum ? 1.0 : -1.0);
   OverPathValue most = extremes.find(1.0);
-  const OverPathValue least = extremes.find(-1.0);
+  OverPathValue least = extremes.find(-1.0);
   if (!least.why.empty()) return least;
   most.value -= least.value;
   most.at.insert(most.at.end(), least.at.begin(), least.at.end());
@@ -324,7 +324,7 @@ OverPathValue value_over(BranchCurve& curve, const Scene& scene, const SoughtQua
       break;
   }
   OverPathValue a = value_over(curve, scene, of.of[0]);
-  const OverPathValue b = value_over(curve, scene, of.of[1]);
+  OverPathValue b = value_over(curve, scene, of.of[1]);
   if (!a.why.empty()) return a;
   if (!b.why.empty()) return b;
   a.value = of.kind == Kind::sum          ? a.value + b.value

@@ -321,8 +321,9 @@ T QuantityPlace<T>::transmission(const SoughtQuantity& of) {
 template <class T>
 T QuantityPlace<T>::value(const SoughtQuantity& of) {
   why_.clear();
-  const T out = part_of(of);
-  return std::isfinite(plain_value(out)) ? out : undefined("it is divided by zero here");
+  T out = part_of(of);
+  if (!std::isfinite(plain_value(out))) undefined("it is divided by zero here");
+  return out;
 }
 
 template <class T>

@@ -371,8 +371,7 @@ TEST(JsonDocs, Find) {
                 {{{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "force.rubber = -700"}, with_csv},
                  {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30", "--show",
                    "transmission.lower.wrist"}},
-                 {{"find", scene("toggle_clamp"), "--vary", "load.P=20..25", "--for", "travel.none = 1"}, 2},
-                 {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}, 1},
+                 {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}},
                  {{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "fold.load.P = 40"}}});
 }
 
@@ -515,13 +514,13 @@ acceleration = 0.5
 
 TEST(JsonDocs, Motion) {
   const TempFolder folder;
-  check_section("motion",
-                {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
-                 {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
-                 {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
-                 {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show",
-                   "force.oil,max(force.oil)"}},
-                 {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
+  check_section(
+      "motion",
+      {{{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005"}, with_csv},
+       {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
+       {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
+       {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show", "force.oil,max(force.oil)"}},
+       {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
 }
 
 /// A slider-crank, driven at its block past the dead point.

@@ -108,7 +108,7 @@ double torque(double theta) {
 
 TEST(Fluctuation, OfASliderCrankIsThatOfAFineQuadrature) {
   const MotionModel model(slider_crank());
-  const Fluctuation found = fluctuation_over(model, {"motor", 0.0, 2 * pi}, {.steps = 36, .rate = speed});
+  const Fluctuation found = fluctuation_over(model, {"crank", 0.0, 2 * pi}, {.steps = 36, .rate = speed});
   // Midpoints, so many that their error is below what is asserted.
   constexpr int n = 400'000;
   const double h = 2 * pi / n;
@@ -137,7 +137,7 @@ TEST(Fluctuation, OfASliderCrankIsThatOfAFineQuadrature) {
 TEST(Fluctuation, WhatIsNoPeriodIsRefused) {
   const MotionModel model(slider_crank());
   EXPECT_NE(test::message_of([&] {
-              fluctuation_over(model, {"motor", 0.0, 2.0}, {.rate = 1.0});
+              fluctuation_over(model, {"crank", 0.0, 2.0}, {.rate = 1.0});
             }).find("whole turns"),
             std::string::npos);
   EXPECT_NE(test::message_of([&] {
@@ -148,7 +148,7 @@ TEST(Fluctuation, WhatIsNoPeriodIsRefused) {
   idle.drives.clear();
   const MotionModel none(std::move(idle));
   EXPECT_NE(test::message_of([&] {
-              fluctuation_over(none, {"motor", 0.0, 2 * pi}, {});
+              fluctuation_over(none, {"crank", 0.0, 2 * pi}, {});
             }).find("one --drive"),
             std::string::npos);
 }
