@@ -322,7 +322,7 @@ template <class T>
 T QuantityPlace<T>::value(const SoughtQuantity& of) {
   why_.clear();
   T out = part_of(of);
-  if (!std::isfinite(plain_value(out))) undefined("it is divided by zero here");
+  if (!std::isfinite(plain_value(out))) return undefined("it is divided by zero here");
   return out;
 }
 
