@@ -159,7 +159,8 @@ void NumberList::follow_in(std::vector<T> named, T* p) const {
     if (one.factor || one.at.of == DependentPlace::Of::left_out) continue;
     const T value = one.expression.template value_in<T>(named);
     if (one.at.place.owner == Owner::number) named[at(one.at.place.item)] = value;
-    if (dependent_[k] >= 0) p[dependent_[k]] = T(units_[k]) * value;
+    const double unit = one.dimension.unit(scene_.units) * one.dimension.per_scale(scene_.measured_in);
+    if (dependent_[k] >= 0) p[dependent_[k]] = T(units_[k]) * T(unit) * value;
   }
 }
 

@@ -38,7 +38,9 @@ Ball spread_of(std::size_t i, const Eigen::MatrixXd& inverse, const std::vector<
 
 KrawczykProof krawczyk(std::vector<Ball> point, const Eigen::MatrixXd& inverse, const BallFunction& evaluate) {
   constexpr int refinements = 3;
+  constexpr double farthest = 1e-6;  // that the refined point may be from the given one, which converged in double
   KrawczykProof out;
+  const std::vector<Ball> given = point;
   std::vector<Ball> values, step;
   for (int k = 0; k <= refinements; ++k) {
     if (!evaluate(point, values, nullptr)) {
@@ -48,6 +50,9 @@ KrawczykProof krawczyk(std::vector<Ball> point, const Eigen::MatrixXd& inverse, 
     step = times_vector(inverse, values);
     if (k == refinements) break;
     for (std::size_t i = 0; i < point.size(); ++i) point[i] = (point[i] - step[i]).midpoint();
+  }
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    if (!((point[i] - given[i]).greatest() <= farthest * std::max(1.0, std::abs(given[i].middle())))) return out;
   }
   for (const double reach : {1e-12, 1e-10, 1e-8}) {
     std::vector<Ball> box, away;

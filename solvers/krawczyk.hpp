@@ -27,7 +27,8 @@ using BallFunction =
 ///   K(U) = m - C H(m) + (I - C DH(U)) (U - m)   inside U
 ///
 /// proves that U has exactly one solution, and that it lies in K(U) (R. E. Moore, R. B. Kearfott, M. J. Cloud,
-/// "Introduction to Interval Analysis", 2009, chapter 8). m is `point` after some steps of  m - C H(m).
+/// "Introduction to Interval Analysis", 2009, chapter 8). m is `point` after some steps of  m - C H(m); nothing is
+/// proved where these lead away from it.
 KrawczykProof krawczyk(std::vector<Ball> point, const Eigen::MatrixXd& inverse, const BallFunction& evaluate);
 
 }  // namespace poise::solvers

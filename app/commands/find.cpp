@@ -1,5 +1,6 @@
 #include "app/results/statics/find.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -31,6 +32,12 @@ struct FindRequest {
   std::optional<double> proof_seconds;
 };
 
+/// A part of it is no number.
+bool depends_on_something(const SoughtQuantity& of) {
+  if (of.of.empty()) return of.kind != SoughtQuantity::Kind::number;
+  return std::any_of(of.of.begin(), of.of.end(), depends_on_something);
+}
+
 /// "QUANTITY = VALUE", the value in the quantity's unit.
 WantedValue read_wanted(const std::string& text, const Scene& scene) {
   const std::size_t sign = text.rfind('=');
@@ -46,6 +53,9 @@ WantedValue read_wanted(const std::string& text, const Scene& scene) {
   }
   const std::vector<SoughtQuantity> of = read_quantities("--for", {name}, scene);
   if (of.size() != 1) throw InputError(fmt::format("--for {}: expected one quantity, found {}", text, of.size()));
+  if (of[0].kind != SoughtQuantity::Kind::load_at_fold && !depends_on_something(of[0])) {
+    throw InputError(fmt::format("--for {}: expected a quantity of the mechanism, found a number", text));
+  }
   if (of[0].is_over_path() && of[0].kind != SoughtQuantity::Kind::load_at_fold) {
     throw InputError(fmt::format("--for {}: it belongs to a path, not to a position; expected another quantity", text));
   }
@@ -104,15 +114,26 @@ int run_find(const FindRequest& request, const Palette& palette) {
       });
     };
   };
+  const NamedRange first = read_vary_range(request.vary[0]);
   FindView view{.all = request.all};
   const auto read_conditions = [&](const Scene& varied) {
     view.shown = read_shown_in_position(request.show, varied);
     for (const std::string& text : request.wanted) view.wanted.push_back(read_wanted(text, varied));
+    std::erase_if(view.shown, [&](const SoughtQuantity& one) {
+      return std::any_of(view.wanted.begin(), view.wanted.end(),
+                         [&](const WantedValue& wanted) { return wanted.of.name == one.name; });
+    });
+    if (count == 2 && view.wanted[0].of.name == view.wanted[1].of.name) {
+      throw InputError(fmt::format("--for {}: given twice; expected two quantities", view.wanted[0].of.name));
+    }
     for (const WantedValue& one : view.wanted) {
+      if (one.of.kind == SoughtQuantity::Kind::load_at_fold && one.of.load == first.name) {
+        throw InputError(fmt::format("--for {}: it is a value of {} itself; expected another number for --vary",
+                                     one.of.name, first.name));
+      }
       refuse_fold(one, count == 2, "with two numbers");
     }
   };
-  const NamedRange first = read_vary_range(request.vary[0]);
   if (count == 1) {
     const VariedScene varied = naming_vary([&] { return VariedScene(scene, first.name, first.from, first.to); });
     read_conditions(named_scene(varied));
@@ -121,7 +142,8 @@ int run_find(const FindRequest& request, const Palette& palette) {
     OutputFiles files(request.common);
     options.path.progress = following(varied);
     progress.now("following the curve of equilibria");
-    return finish_find(request, view, find_numbers(varied, view.wanted[0], options), files, progress, palette);
+    const FoundSet found = naming_vary([&] { return find_numbers(varied, view.wanted[0], options); });
+    return finish_find(request, view, found, files, progress, palette);
   }
   const NamedRange second = read_vary_range(request.vary[1]);
   const VariedPair pair = naming_vary([&] {

@@ -76,6 +76,9 @@ int run_in_motion(const LoadsRequest& request, const Palette& palette) {
 
 /// At equal parts of the range of a number, or of a driven measure, as a machine passes them that is loaded slowly.
 int run_over_range(const LoadsRequest& request, const Palette& palette) {
+  if (!request.show.empty()) {
+    throw InputError("--show: not with --vary, which shows loads alone; expected poise path --show for quantities");
+  }
   if (request.time) throw InputError("--vary: over a range nothing moves; expected --vary or --time, leave one out");
   if (request.seek != LoadsRequest().seek) {
     throw InputError("--vary: the path begins where the mechanism comes to rest; leave out --seek");

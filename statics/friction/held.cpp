@@ -982,7 +982,7 @@ class RangeFinder {
       in = std::isfinite(open.value) ? open.value : std::max(1.0, out_.present);
       for (int step = 0; grows && std::isinf(open.value) && step < 40 && !held(in); ++step) in *= 2;
       if (!held(in)) {
-        out_.why = "no value of it holds the pose";
+        out_.why = "no value of the number that was asked for holds the pose";
         return;
       }
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <ceres/jet.h>
@@ -76,6 +77,41 @@ LeftSides ConditionedEquilibrium::differentiate(const Point& at) const {
       for (int l = 0; l < count; ++l) out.by(i, first + l) = values[static_cast<std::size_t>(i)].v[l];
     }
     for (int l = 0; l < count; ++l) seed(first + l, l, false);
+  }
+  return out;
+}
+
+std::vector<double> ConditionedEquilibrium::rounding_effect(const Point& at) const {
+  constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
+  const int n = equations_.unknowns(), all = size(), count = numbers_->count();
+  // Rows l of the inverse:  ds = -l dH.
+  const solvers::LeastSquares<double> transposed(differentiate(at).by.transpose(), solvers::known_to::solution);
+  Eigen::MatrixXd rows(all, count);
+  for (int k = 0; k < count; ++k) rows.col(k) = transposed.solve(Eigen::VectorXd::Unit(all, n + k));
+  std::vector<double> out(static_cast<std::size_t>(count), 0.0);
+  for (int k = 0; k < count; ++k) {
+    for (int c = 0; c < count; ++c) {
+      out[static_cast<std::size_t>(k)] +=
+          rounding * std::abs(rows(n + c, k) * conditions_[static_cast<std::size_t>(c)].value);
+    }
+  }
+  const std::vector<double> p = numbers_->at(at.s);
+  std::vector<ConditionDual> z(at.z.begin(), at.z.end()), numbers(p.begin(), p.end()), values;
+  const int last = static_cast<int>(p.size());
+  for (int first = 0; first < last; first += lanes_at_once) {
+    const int lanes = std::min(lanes_at_once, last - first);
+    for (int l = 0; l < lanes; ++l) numbers[static_cast<std::size_t>(first + l)].v[l] = 1.0;
+    evaluate(numbers.data(), z.data(), values);
+    for (int l = 0; l < lanes; ++l) {
+      const auto j = static_cast<std::size_t>(first + l);
+      numbers[j].v[l] = 0.0;
+      if (!std::isfinite(p[j])) continue;
+      Eigen::VectorXd by(all);
+      for (int i = 0; i < all; ++i) by[i] = values[static_cast<std::size_t>(i)].v[l];
+      if (!by.allFinite()) continue;
+      for (int k = 0; k < count; ++k)
+        out[static_cast<std::size_t>(k)] += rounding * std::abs(rows.col(k).dot(by) * p[j]);
+    }
   }
   return out;
 }

@@ -52,6 +52,9 @@ class ConditionedEquilibrium {
   bool solve(Point& at) const;
   /// The same with the equation  along . (u - through) = 0  in place of the conditions; of one number only.
   bool solve_across(Point& at, const Point& through, const Eigen::VectorXd& along) const;
+  /// To first order, how far each part s moves where every number of the scene, and every value, changes by two units
+  /// in its last place: what their rounding leaves open.
+  std::vector<double> rounding_effect(const Point& at) const;
   Eigen::VectorXd difference(const Point& from, const Point& to) const;
 
   /// Krawczyk's operator (solvers/krawczyk.hpp), without joints that repeat others. It is also proved that stops that

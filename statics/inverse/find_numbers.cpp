@@ -55,7 +55,7 @@ class NumberFinder {
   bool between_by_values(const VariedScene& varied, const PathPoint& a, const PathPoint& b);
   bool take(const SoughtNumbers& sought, const ConditionedEquilibrium& system, const Point& at, const CurvePoint& a,
             const CurvePoint& b);
-  void note_nearest(const PathPoint& point, double excess);
+  void note_nearest(const PathPoint& point, double value);
 
   const VariedScene& varied_;
   std::vector<WantedValue> wanted_;
@@ -69,11 +69,13 @@ class NumberFinder {
   std::vector<Followed> followed_;
   double least_ = not_known;
   bool has_start_ = false, has_value_ = false;
+  std::string does_not_apply_;  // why a curve could not be begun, of bad input
 };
 
 void NumberFinder::follow(const VariedScene& varied, PathOptions::From from, const std::vector<double>& x) {
   PathOptions options = options_.path;
   options.certify = false;
+  options.certificate = {};  // of the start, which is found whatever time the proof of a value has
   options.at.clear();
   options.from = from;
   options.start = x;
@@ -85,6 +87,7 @@ void NumberFinder::follow(const VariedScene& varied, PathOptions::From from, con
     // It cannot be assembled there, or does not depend on the number there.
     found.status = Path::Status::no_start;
     found.why = error.what();
+    if (does_not_apply_.empty()) does_not_apply_ = error.what();
   }
   if (found.status == Path::Status::no_start) {
     if (out_.why.empty()) out_.why = found.why;
@@ -93,6 +96,9 @@ void NumberFinder::follow(const VariedScene& varied, PathOptions::From from, con
   has_start_ = true;
   out_.curves += static_cast<int>(found.branches.size());
   out_.whole = out_.whole && found.status == Path::Status::traced;
+  out_.branch_points +=
+      static_cast<int>(std::count_if(found.events.begin(), found.events.end(),
+                                     [](const PathEvent& one) { return one.kind == PathEvent::Kind::branch; }));
   search(varied, found);
   followed_.push_back({varied, std::move(found)});
 }
@@ -168,13 +174,17 @@ void NumberFinder::follow_sets() {
                   : "the sets of equilibria at both ends of the range and in its middle are not proved to be complete";
 }
 
-void NumberFinder::note_nearest(const PathPoint& point, double excess) {
-  if (!(std::abs(excess) < least_)) return;
-  least_ = std::abs(excess);
+void NumberFinder::note_nearest(const PathPoint& point, double value) {
+  const double excess = std::abs(value - wanted_[0].value);
+  // Of a value far beyond all others the excess does not tell which is closer.
+  const bool is_closer = excess < least_ || (excess == least_ && out_.nearest &&
+                                             (value > out_.nearest->values[0]) == (wanted_[0].value > value));
+  if (!is_closer) return;
+  least_ = excess;
   FoundNumbers nearest;
   nearest.numbers = {point.parameter};
   nearest.radii = {not_known};
-  nearest.values = {wanted_[0].value + excess};
+  nearest.values = {value};
   nearest.at = point;
   out_.nearest = std::move(nearest);
 }
@@ -191,7 +201,7 @@ void NumberFinder::search(const VariedScene& varied, const Path& path) {
       excess.push_back(course.values.back() - wanted_[0].value);
       if (std::isfinite(excess.back())) {
         has_value_ = true;
-        note_nearest(point, excess.back());
+        note_nearest(point, course.values.back());
       }
     }
     search(sought, varied, branch.points, excess);
@@ -249,7 +259,7 @@ void NumberFinder::search(const SoughtNumbers& sought, const VariedScene& varied
 
 bool NumberFinder::take(const SoughtNumbers& sought, const ConditionedEquilibrium& system, const Point& at,
                         const CurvePoint& a, const CurvePoint& b) {
-  if (!within_ranges(at)) return false;
+  if (!within_ranges(at) || !sought.holds(system, at)) return false;
   const std::vector<double> poses = poses_at(at, varied_.scene());
   const double from_a = apart(a.poses, poses), from_b = apart(b.poses, poses);
   const double number_apart = std::abs(a.s[0] - b.s[0]);
@@ -358,11 +368,13 @@ FoundSet NumberFinder::run() {
             [](const Solution& a, const Solution& b) { return a.found.numbers[0] < b.found.numbers[0]; });
   for (Solution& one : solutions_) out_.values.push_back(std::move(one.found));
   using Status = FoundSet::Status;
-  out_.status = is_interrupted()       ? Status::interrupted
-                : !out_.values.empty() ? Status::found
-                : !has_start_          ? Status::no_start
-                : !has_value_          ? Status::undefined
-                                       : Status::none;
+  const bool has_found = !out_.values.empty() || !out_.all_along.empty();
+  out_.status = is_interrupted() ? Status::interrupted
+                : has_found      ? Status::found
+                : !has_start_    ? Status::no_start
+                : !has_value_    ? Status::undefined
+                                 : Status::none;
+  if (out_.status == Status::no_start && !does_not_apply_.empty()) throw InputError(does_not_apply_);
   if (out_.status == Status::found) {
     out_.why.clear();
     out_.nearest.reset();
@@ -446,6 +458,7 @@ void FoldFinder::prove(FoundNumbers& found) const {
   double part = varied_.part_at(found.numbers[0]);
   const double given = part;
   SolutionProof proof;
+  double open = 0.0;
   if (stop != followed.events.end()) {
     SoughtQuantity force;
     force.kind = SoughtQuantity::Kind::stop_reaction;
@@ -457,6 +470,7 @@ void FoldFinder::prove(FoundNumbers& found) const {
     Point at = equations.begin(poses, {part});
     if (!equations.solve(at)) return;
     part = at.s[0];
+    open = equations.rounding_effect(at)[0];
     proof = equations.prove(at);
   } else {
     const UnknownNumbers numbers(over_number.reference_scene(), over_number.scales(), {&over_number});
@@ -464,6 +478,7 @@ void FoldFinder::prove(FoundNumbers& found) const {
     FoldEquations::Point at;
     if (!equations.solve(poses, part, at)) return;
     part = at.s;
+    open = equations.rounding_effect(at);
     proof = equations.prove(at);
   }
   constexpr double near = 1e-6;
@@ -477,7 +492,8 @@ void FoldFinder::prove(FoundNumbers& found) const {
   found.values = {wanted_.value};
   found.at.parameter = found.numbers[0];
   const double range = std::abs(varied_.to() - varied_.from());
-  found.radii = {range * proof.radius[0] + std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
+  found.radii = {range * (proof.radius[0] + open) +
+                 std::numeric_limits<double>::epsilon() * (std::abs(varied_.from()) + range)};
   found.at.statement =
       "exactly one fold with that load is near this number; that the path over the load meets it first is found, not "
       "proved";

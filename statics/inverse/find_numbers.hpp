@@ -21,7 +21,8 @@ struct WantedValue {
 /// Numbers with which an equilibrium has the wanted values.
 struct FoundNumbers {
   std::vector<double> numbers;  ///< SI
-  /// The exact ones of the scene as written are this close, SI; infinite where that is not proved.
+  /// The exact ones are this close, SI; infinite where that is not proved. Proved of the numbers as the doubles that
+  /// they became; to first order also of those that round to them, and of the values.
   std::vector<double> radii;
   std::vector<double> values;  ///< of the quantities there, SI
   PathPoint at;                ///< the equilibrium; of a fold load the fold. `proof` is of both, `statement` says what
@@ -61,6 +62,7 @@ struct FoundSet {
   std::vector<std::pair<double, double>> all_along;
   std::optional<FoundNumbers> nearest;  ///< where none is found
   std::vector<QuantityCourse> courses;  ///< of one number, in the order of the curves
+  int branch_points = 0;                ///< of the curves, whose other branches were not followed
   int curves = 0;                       ///< that were followed
   bool whole = true;                    ///< each of them to an end of the range, or closed
   std::string sets;                     ///< with `all`: what is known of the sets that were begun from

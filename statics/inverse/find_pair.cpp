@@ -149,7 +149,7 @@ void PairFinder::solve_from(const Start& start) {
                                      {slice.varied->part_at(point.parameter), pair_.second().part_at(slice.second)});
   ConditionedEquilibrium system = sought.equations(seen.stops);
   ConditionedEquilibrium::Point at = system.begin(seen.poses, seen.s);
-  if (!system.solve(at) || !within_ranges(at)) return;
+  if (!system.solve(at) || !within_ranges(at) || !sought.holds(system, at)) return;
   const std::vector<double> poses = poses_at(at, slice.varied->scene());
   const std::vector<double> numbers{sought.range(0).value_at(at.s[0]), sought.range(1).value_at(at.s[1])};
   for (std::size_t k = 0; k < found_poses_.size(); ++k) {

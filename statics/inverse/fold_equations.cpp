@@ -138,6 +138,33 @@ bool FoldEquations::solve(std::vector<double> poses, double s, Point& out) {
   return converged;
 }
 
+double FoldEquations::rounding_effect(const Point& at) const {
+  using Along = AlongDual<double, fold_lanes>;
+  constexpr double rounding = 2.0 * std::numeric_limits<double>::epsilon();
+  const int n = unknowns(), all = 2 * n + 1;
+  const solvers::LeastSquares<double> transposed(differentiate(at).by.transpose(), solvers::known_to::solution);
+  const Eigen::VectorXd row = transposed.solve(Eigen::VectorXd::Unit(all, all - 1));
+  std::vector<Along> z(at.z.begin(), at.z.end());
+  for (std::size_t i = 0; i < z.size(); ++i) z[i].w = at.w[i];
+  const std::vector<double> p = numbers_->at({at.s});
+  double out = 0.0;
+  for (std::size_t first = 0; first < p.size(); first += fold_lanes) {
+    const std::size_t lanes = std::min<std::size_t>(fold_lanes, p.size() - first);
+    std::vector<Along> numbers(p.begin(), p.end());
+    for (std::size_t l = 0; l < lanes; ++l) numbers[first + l].by[l] = 1.0;
+    const std::vector<Along> r = evaluate(numbers, z);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      double effect = 0.0;
+      for (std::size_t i = 0; i < r.size(); ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        effect += row[k] * r[i].by[l] + row[n + k] * r[i].m[l];
+      }
+      if (std::isfinite(p[first + l]) && std::isfinite(effect)) out += rounding * std::abs(effect * p[first + l]);
+    }
+  }
+  return out;
+}
+
 SolutionProof FoldEquations::prove(const Point& at) const {
   const int n = unknowns(), bodies = equations_.poses();
   SolutionProof out;

@@ -35,6 +35,8 @@ class FoldEquations {
 
   /// That exactly one fold is near, in ball arithmetic, without joints that repeat others.
   SolutionProof prove(const Point& at) const;
+  /// To first order, how far s moves where every number of the scene changes by two units in its last place.
+  double rounding_effect(const Point& at) const;
 
  private:
   /// R(z, p) with its derivatives.

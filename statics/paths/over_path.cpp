@@ -1,6 +1,7 @@
 #include "statics/paths/over_path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -9,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "statics/bodies/body_measures.hpp"
 #include "statics/paths/private/path_pieces.hpp"
 
 namespace poise {
@@ -65,20 +67,11 @@ class BranchCurve {
     if (t == 0.0) return a;
     if (t == 1.0) return b;
     if (k != prepared_) prepare(k);
-    if (!spot_) return std::nullopt;
-    solvers::Curve& curve = pieces_.curve(spot_->piece);
-    Eigen::VectorXd chord = Eigen::VectorXd::Zero(spot_->point.z.size());
-    const Eigen::Index n = curve.variables();
-    const Eigen::VectorXd from = Eigen::VectorXd::Map(a.x.data(), n), to = Eigen::VectorXd::Map(b.x.data(), n);
-    const double p_from = varied_.part_at(a.parameter), p_to = varied_.part_at(b.parameter);
-    chord.head(n) = to - from;
-    chord[chord.size() - 1] = p_to - p_from;
-    if (chord.isZero()) return std::nullopt;
-    PathSpot spot = *spot_;
-    spot.point.z.head(n) = (1 - t) * from + t * to;
-    spot.point.z[chord.size() - 1] = (1 - t) * p_from + t * p_to;
-    if (!curve.correct(spot.point.z, chord / chord.norm()).converged) return std::nullopt;
-    return pieces_.report(spot);
+    for (const std::optional<PathSpot>& spot : spots_) {
+      const std::optional<PathPoint> point = spot ? between(*spot, k, t) : std::nullopt;
+      if (point && is_consistent(*point)) return point;
+    }
+    return std::nullopt;
   }
 
   /// Values of several quantities there, why the first has none in `why`.
@@ -95,19 +88,54 @@ class BranchCurve {
   }
 
  private:
-  // The multipliers of one end, from which those between are found.
+  std::optional<PathPoint> between(PathSpot spot, std::size_t k, double t) {
+    const PathPoint &a = branch_.points[k], &b = branch_.points[k + 1];
+    solvers::Curve& curve = pieces_.curve(spot.piece);
+    Eigen::VectorXd chord = Eigen::VectorXd::Zero(spot.point.z.size());
+    const Eigen::Index n = curve.variables();
+    const Eigen::VectorXd from = Eigen::VectorXd::Map(a.x.data(), n), to = Eigen::VectorXd::Map(b.x.data(), n);
+    const double p_from = varied_.part_at(a.parameter), p_to = varied_.part_at(b.parameter);
+    chord.head(n) = to - from;
+    chord[chord.size() - 1] = p_to - p_from;
+    if (chord.isZero()) return std::nullopt;
+    spot.point.z.head(n) = (1 - t) * from + t * to;
+    spot.point.z[chord.size() - 1] = (1 - t) * p_from + t * p_to;
+    if (!curve.correct(spot.point.z, chord / chord.norm()).converged) return std::nullopt;
+    return pieces_.report(spot);
+  }
+
+  // Springs act and stops hold there as the piece of curve says: at an event one end is of another piece.
+  bool is_consistent(const PathPoint& point) {
+    constexpr double rounding = 1e-9;
+    const Scene scene = varied_.scene_at(point.parameter);
+    const StaticModel& model = reader_.model(point);
+    std::vector<BodyPose<double>> poses = model.poses(point.x);
+    poses.resize(scene.bodies.size());
+    const auto nothing = [&](const Measure& on) { return rounding / on.dimension().per_scale(varied_.scales()); };
+    for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+      const auto* spring = std::get_if<LinearSpring>(&scene.elements[e].law);
+      if (spring == nullptr || spring->acts == LinearSpring::Acts::both) continue;
+      const double stretch = value_of(scene, scene.elements[e].on, poses) - spring->free_length;
+      const bool acts = (spring->acts == LinearSpring::Acts::tension) == (stretch > 0.0);
+      const bool is_slack = std::find(point.slack_springs.begin(), point.slack_springs.end(), static_cast<int>(e)) !=
+                            point.slack_springs.end();
+      if (acts == is_slack && std::abs(stretch) > nothing(scene.elements[e].on)) return false;
+    }
+    for (const Stop& stop : scene.stops) {
+      const double g = value_of(scene, stop.on, poses), aside = nothing(stop.on);
+      if (g < stop.min - aside || g > stop.max + aside) return false;
+    }
+    return true;
+  }
+
+  // The multipliers of both ends, from which those between are found: where the piece changes at one end, the stops of
+  // the other hold between.
   void prepare(std::size_t k) {
     prepared_ = k;
-    spot_.reset();
     const PathPoint &a = branch_.points[k], &b = branch_.points[k + 1];
-    // Where the piece changes at one end, the stops of the other hold between.
-    const PathPoint& inner = a.active_stops.size() <= b.active_stops.size() ? a : b;
-    // Beside an event the other end tells which springs act.
-    const bool from_b = a.proof == PointProof::critical && b.proof != PointProof::critical;
-    for (const PathPoint* end : {from_b ? &b : &a, from_b ? &a : &b}) {
-      spot_ = pieces_.spot(end->x, varied_.part_at(end->parameter), inner.active_stops, 1.0);
-      if (spot_) return;
-    }
+    const std::vector<int>& active = (a.active_stops.size() <= b.active_stops.size() ? a : b).active_stops;
+    spots_ = {pieces_.spot(a.x, varied_.part_at(a.parameter), active, 1.0),
+              pieces_.spot(b.x, varied_.part_at(b.parameter), active, 1.0)};
   }
 
   const VariedScene& varied_;
@@ -115,7 +143,7 @@ class BranchCurve {
   PathReader reader_;
   PathPieces pieces_;
   std::size_t prepared_ = static_cast<std::size_t>(-1);
-  std::optional<PathSpot> spot_;
+  std::array<std::optional<PathSpot>, 2> spots_;
 };
 
 OverPathValue none(std::string why) { return {std::numeric_limits<double>::quiet_NaN(), std::move(why), {}, false}; }

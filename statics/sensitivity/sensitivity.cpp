@@ -311,7 +311,8 @@ FoundFold first_fold(const StaticModel& model, const std::string& load, const st
   const double from = get_value(model.scene(), load);
   const double least = 1.0 / row.dimension.per_scale(model.scales()) / unit;
   const double size = std::max(std::abs(from), least);
-  for (const double times : {2.0, 8.0, 32.0, 128.0, 512.0, 2048.0}) {
+  // Where the scene's forces are small beside its springs, the first fold is at many times these.
+  for (const double times : {2.0, 8.0, 32.0, 128.0, 512.0, 2048.0, 0x1p14, 0x1p18, 0x1p22}) {
     PathOptions options;
     options.certify = false;
     options.interrupt = interrupt;

@@ -432,8 +432,9 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   const ProgramRun all = run_poise({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
-  for (const char* name : {"check", "solve", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes",
-                           "forces", "design", "identify", "validate", "identifiability", "plan", "montecarlo"}) {
+  for (const char* name :
+       {"check", "solve", "find", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes", "forces",
+        "design", "identify", "validate", "identifiability", "plan", "montecarlo"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
     const ProgramRun help = run_poise({name, "--help"});

@@ -22,6 +22,7 @@ std::vector<std::vector<std::string>> commands_on(const std::string& scene, cons
           {"equilibria", scene, "--seconds", "0", "--starts", "20", "--svg", svg},
           {"hold", scene, "--vary", "loads", "--json", json},
           {"path", scene, "--vary", "loads=0..2", "--csv", csv, "--svg", svg},
+          {"find", scene, "--vary", "loads=0.5..1.5", "--for", "energy = 0.1", "--csv", csv, "--svg", svg},
           {"sensitivity", scene, "--of", "energy", "--json", json},
           {"path", scene, "--vary", "loads=0.5..1", "--variant", "A: gravity.y=-1", "--at", "0.75", "--html", html},
           {"loads", scene, "--csv", csv},

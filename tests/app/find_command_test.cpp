@@ -106,6 +106,54 @@ TEST(FindCommand, TheLeastFrictionThatHoldsALadder) {
   EXPECT_EQ(range["upper"]["without_end"], true);
 }
 
+/// The quantities of these names at the values asked for, one row for each value.
+std::vector<std::vector<double>> shown_on_path(std::vector<std::string> words, const std::vector<std::string>& names) {
+  const TempFolder folder;
+  const std::string file = folder.path("path.json").string();
+  words.insert(words.begin(), "path");
+  words.insert(words.end(), {"--json", file, "--show"});
+  words.push_back(names[0] + "," + names[1]);
+  const ProgramRun run = run_poise(words);
+  EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
+  std::vector<std::vector<double>> out;
+  for (const json& at : json::parse(contents(file))["at"]) {
+    std::vector<double>& row = out.emplace_back();
+    for (const std::string& name : names) row.push_back(at["equilibria"][0]["measures"][name].get<double>());
+  }
+  return out;
+}
+
+// Links of equal length at the angle a from the ram's axis: the transmission angle is 90 deg - a, and
+// dx/dy = -1 / (2 tan a) of the knee sideways by the ram.
+TEST(CurvesOverTravel, KneePressHasTheTransmissionAngleOfItsLinks) {
+  const auto rows = shown_on_path({dataset("knee_press"), "--vary", "angle.upper=70..5", "--at", "60,30,10"},
+                                  {"transmission.lower.wrist", "d(x.upper.N)/d(travel.gib)"});
+  const std::vector<double> angles{60, 30, 10};
+  ASSERT_EQ(rows.size(), angles.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_NEAR(rows[k][0], 90 - angles[k], 1e-9);
+    EXPECT_NEAR(std::abs(rows[k][1]), 1 / (2 * std::tan(angles[k] * degree)), 1e-11);
+  }
+}
+
+// Law of cosines, datasets/bike_suspension.toml; the spring of 90 N/mm carries the wheel.
+TEST(CurvesOverTravel, SuspensionHasTheLeverageOfTheLawOfCosines) {
+  const auto rows =
+      shown_on_path({dataset("bike_suspension"), "--vary", "length.shock=200..145", "--at", "200,170,145"},
+                    {"d(y.arm.axle)/d(length.shock)", "push.arm.axle.y"});
+  const double f = std::hypot(130, 120), s = std::hypot(60, 140);
+  const double level = std::atan2(140, -60) - std::atan2(120, 130);
+  const std::vector<double> lengths{200, 170, 145};
+  ASSERT_EQ(rows.size(), lengths.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double b = std::acos((f * f + s * s - lengths[k] * lengths[k]) / (2 * f * s));
+    const double leverage = -440 * std::cos(b - level) / (f * s * std::sin(b) / lengths[k]);
+    EXPECT_NEAR(rows[k][0], leverage, 1e-10 * std::abs(leverage));
+    // 90 N/mm times the compression, over the leverage, is what wheel and hand hold together.
+    EXPECT_NEAR(rows[k][1], 90 * (200 - lengths[k]) / -leverage - 700, 1e-8);
+  }
+}
+
 TEST(FindCommand, SaysWhatItCannotRead) {
   const auto refused = [](std::vector<std::string> words, const std::string& expected) {
     words.insert(words.begin(), {"find", dataset("toggle_clamp")});

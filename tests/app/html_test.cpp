@@ -64,6 +64,7 @@ std::vector<Words> every_command(const TempFolder& folder) {
           {"path", dataset("von_mises_toggle"), "--vary", "load.P=0..60"},
           {"path", dataset("von_mises_toggle"), "--vary", "load.P=0..60", "--vary", "spring.left.stiffness=900..1100",
            "--curve", "fold"},
+          {"find", clamp, "--vary", "spring.rubber.stiffness=360..420", "--for", "force.rubber = -700"},
           {"sensitivity", clamp, "--of", "force.rubber"},
           {"tolerance", clamp, "--tolerances", dataset("toggle_clamp_tolerances"), "--of", "force.rubber", "--samples",
            "300"},

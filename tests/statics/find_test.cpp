@@ -76,6 +76,52 @@ TEST(Find, TheLoadThatGivesAForceInAJoint) {
   expect_one(find(sprung_lever(), "load.P", 1.0, 20.0, "reaction.O", 7.5), 7.5);
 }
 
+// Crank of 50 mm, coupler of 180 mm, near the outer dead centre, where the number answers by the root of the value's
+// rounding: the exact angle has  cos a = (V^2 + r^2 - l^2) / (2 r V).
+TEST(Find, TheRadiusHoldsTheExactNumberNearADeadCentre) {
+  std::string text = R"(
+title = "slider-crank"
+source = "ours"
+[units]
+length = "mm"
+angle = "deg"
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], A = [50, 0] }
+[body.rod]
+points = { A = [0, 0], B = [180, 0] }
+[body.ram]
+points = { B = [0, 0] }
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.A", "rod.A"]
+[[pin]]
+points = ["rod.B", "ram.B"]
+[[slide]]
+name = "g"
+points = ["ground.O", "ram.B"]
+axis = [1, 0]
+[start]
+crank = 30
+rod = -8
+g = 220
+)";
+  const Scene scene = parse_scene(text, "crank.toml");
+  for (const double value : {229.9999, 229.99999999, 200.0, 150.123}) {
+    const FoundSet found = find(scene, "angle.crank", 0.0001, 170.0, "travel.g", value);
+    ASSERT_EQ(found.values.size(), 1u) << value;
+    const long double v = value, r = 50.0L, l = 180.0L;
+    // 1 - cos a without cancellation.
+    const long double sine = std::sqrt((l * l - (v - r) * (v - r)) / (4.0L * r * v));
+    const long double exact = 2.0L * std::asin(sine);
+    EXPECT_TRUE(found.values[0].proved) << value;
+    EXPECT_LE(std::abs(static_cast<long double>(found.values[0].numbers[0]) - exact), found.values[0].radii[0])
+        << value;
+  }
+}
+
 TEST(Find, AValueThatIsNotReachedIsAnsweredWithTheNearest) {
   const FoundSet found = find(sprung_lever(), "load.P", 1.0, 20.0, "angle.lever", 2.0);
   ASSERT_EQ(found.status, Status::none);
@@ -146,6 +192,13 @@ TEST(Find, TheTravelAtWhichALeverageHasAValueIsFoundOnBothSidesOfItsExtreme) {
   }
   EXPECT_EQ(find(scene, "angle.crank", 10.0, 170.0, "d(travel.guide)/d(angle.crank)", -1.06 * unit).status,
             Status::none);
+}
+
+// A push at a point grows without bound where the point stands still: no value there is a solution.
+TEST(Find, APoleIsNoValue) {
+  const Scene scene = parse_scene(slider_crank, "slider_crank.toml");
+  const FoundSet found = find(scene, "angle.crank", -40.0, 40.0, "push.coupler.A.x", 0.5);
+  for (const FoundNumbers& one : found.values) EXPECT_NEAR(one.values[0], 0.5, 1e-9);
 }
 
 TEST(Find, TwoNumbersForTwoConditions) {

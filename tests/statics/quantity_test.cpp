@@ -359,6 +359,54 @@ TEST(Quantities, OverAPathOfASliderCrank) {
   EXPECT_NE(over(varied, "max(d(angle.crank)/d(travel.bore))").why, "");
 }
 
+// A block on a spring of 1 N/mm under a load P: a buffer of 10 N/mm acts from 20 mm on, a stop holds at 30 mm, reached
+// at 20 N and 130 N. The mean travel over 0 to 200 N is (200 + 2750 + 2100) / 200 mm, that of the buffer's pull
+// (0 + 100 x 110 / 2 + 100 x 70) / 200 N, whether the events are points of the branch or lie between.
+TEST(Quantities, MeansOverAPathCountItsKinks) {
+  const Scene scene = parse_scene(R"(
+title = "kinks"
+source = "ours"
+units = { length = "mm", angle = "deg" }
+[ground]
+points = { O = [0, 0] }
+[body.b]
+points = { C = [0, 0] }
+[[slide]]
+name = "s"
+points = ["ground.O", "b.C"]
+axis = [1, 0]
+[[spring]]
+name = "soft"
+slide = "s"
+stiffness = 1
+free_length = 0
+[[spring]]
+name = "buffer"
+slide = "s"
+stiffness = 10
+free_length = 20
+acts = "tension"
+[[stop]]
+name = "end"
+slide = "s"
+max = 30
+[[force]]
+name = "P"
+at = "b.C"
+direction = [1, 0]
+size = 0
+[start]
+s = 0
+)",
+                                  "kinks.toml");
+  const VariedScene varied(scene, "load.P", 0.0, 200.0);
+  EXPECT_NEAR(over(varied, "mean(travel.s)").value, 0.02525, 1e-9 * 0.03);
+  EXPECT_NEAR(over(varied, "mean(force.buffer)").value, 62.5, 1e-9 * 100);
+  EXPECT_NEAR(over(varied, "mean(stop.end)").value, 12.25, 1e-9 * 70);
+  const VariedScene part(scene, "load.P", 20.0, 130.0);
+  EXPECT_NEAR(over(part, "mean(travel.s)").value, 0.025, 1e-9 * 0.03);
+}
+
 // Over a part of the turn: the drive's work is that against gas and weights, of which the push at the piston has the
 // same.
 TEST(Quantities, WorkAlongAPathIsThatOfTheLoads) {

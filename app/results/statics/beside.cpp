@@ -198,11 +198,21 @@ Line verdict_beside(const std::vector<SceneBeside>& scenes) {
                   significant(varied.to() / varied.unit(), digits_beside), unit);
   const auto failed = chosen_of(scenes, [](const SceneBeside& one) { return !one.is_proved(); });
   if (failed.empty()) {
-    int points = 0;
-    for (const SceneBeside& one : scenes) points += points_followed(one.found);
-    return good(
-        fmt::format("Equilibria of {} scenes followed {}: all {} are proved; other curves of equilibria may exist.",
-                    scenes.size(), range, count(points, "point", "points")));
+    int points = 0, critical = 0;
+    for (const SceneBeside& one : scenes) {
+      points += points_followed(one.found);
+      for (const PathBranch& branch : one.found.branches) {
+        critical += static_cast<int>(std::count_if(branch.points.begin(), branch.points.end(), [](const PathPoint& at) {
+          return at.proof == PointProof::critical;
+        }));
+      }
+    }
+    const std::string proved = critical == 0
+                                   ? fmt::format("all {} are proved", count(points, "point", "points"))
+                                   : fmt::format("{} of {} points are proved, the {} critical", points - critical,
+                                                 points, critical == 1 ? "other is" : "others are");
+    return good(fmt::format("Equilibria of {} scenes followed {}: {}; other curves of equilibria may exist.",
+                            scenes.size(), range, proved));
   }
   const SceneBeside& first = failed.front();
   const std::string why = !first.found.why.empty() ? first.found.why

@@ -18,7 +18,7 @@
 namespace poise::app {
 namespace {
 
-constexpr int digits_of_found = 10;
+constexpr int digits_of_found = 10, digits_of_nearest = 5;  // the nearest is that of the points of the curves
 
 bool is_fold(const FoundNumbers& one) { return one.at.proof == PointProof::critical; }
 
@@ -32,27 +32,27 @@ std::string with_unit_of(double in_unit, const std::string& unit, int digits = d
   return significant(in_unit, digits) + (unit.empty() ? "" : " " + unit);
 }
 
-std::string number_in_words(const VariedScene& number, double si) {
-  return number.name() + " = " + with_unit_of(si / number.unit(), number.unit_name());
+std::string number_in_words(const VariedScene& number, double si, int digits = digits_of_found) {
+  return number.name() + " = " + with_unit_of(si / number.unit(), number.unit_name(), digits);
 }
 
-std::string quantity_in_words(const WantedValue& wanted, double si, const Units& units) {
+std::string quantity_in_words(const WantedValue& wanted, double si, const Units& units, int digits) {
   return wanted.of.name + " = " +
-         with_unit_of(si / wanted.of.dimension.unit(units), wanted.of.dimension.unit_name(units));
+         with_unit_of(si / wanted.of.dimension.unit(units), wanted.of.dimension.unit_name(units), digits);
 }
 
-std::string numbers_in_words(const FindView& view, const FoundNumbers& one) {
+std::string numbers_in_words(const FindView& view, const FoundNumbers& one, int digits = digits_of_found) {
   std::string out;
   for (std::size_t k = 0; k < view.numbers.size(); ++k) {
-    out += (k == 0 ? "" : ", ") + number_in_words(*view.numbers[k], one.numbers[k]);
+    out += (k == 0 ? "" : ", ") + number_in_words(*view.numbers[k], one.numbers[k], digits);
   }
   return out;
 }
 
-std::string quantities_in_words(const FindView& view, const FoundNumbers& one, const Units& units) {
+std::string quantities_in_words(const FindView& view, const FoundNumbers& one, const Units& units, int digits) {
   std::string out;
   for (std::size_t k = 0; k < view.wanted.size(); ++k) {
-    out += (k == 0 ? "" : ", ") + quantity_in_words(view.wanted[k], one.values[k], units);
+    out += (k == 0 ? "" : ", ") + quantity_in_words(view.wanted[k], one.values[k], units, digits);
   }
   return out;
 }
@@ -107,8 +107,9 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
     }
     case Status::none:
       return bad(fmt::format("None in the range {}{}; the nearest is {} at {}.", searched_in_words(view, found),
-                             reach_in_words(view, found, units), quantities_in_words(view, *found.nearest, units),
-                             numbers_in_words(view, *found.nearest)));
+                             reach_in_words(view, found, units),
+                             quantities_in_words(view, *found.nearest, units, digits_of_nearest),
+                             numbers_in_words(view, *found.nearest, digits_of_nearest)));
     case Status::no_start:
       return bad("No equilibrium to begin from: " + found.why + ".");
     case Status::undefined:
@@ -158,6 +159,17 @@ void add_found_data(Group& group, const FindView& view, const FoundNumbers& one,
   const Readings readings = read_off(*model, one.at.x);
   add_named(group, "angles", angles_of(*model, readings), Quantity::angle, units);
   add_named(group, "slides", travels_of(*model, readings), Quantity::length, units);
+}
+
+/// So many significant digits of a number that the last is within its radius; of what is not proved ten.
+int known_digits(const FoundSet& found, std::size_t number) {
+  constexpr int most = 16;
+  int out = digits_of_found;
+  for (const FoundNumbers& one : found.values) {
+    const double relative = one.radii[number] / std::abs(one.numbers[number]);
+    if (one.proved && relative > 0.0) out = std::max(out, static_cast<int>(std::ceil(-std::log10(relative))) + 1);
+  }
+  return std::min(out, most);
 }
 
 /// A row for each that was found, of the CSV file too.
@@ -225,8 +237,7 @@ std::vector<Panel> find_panels(const FindView& view, const FoundSet& found) {
 
 bool is_settled(const FoundSet& found) {
   return found.status == FoundSet::Status::found && found.all_along.empty() &&
-         std::all_of(found.values.begin(), found.values.end(),
-                     [](const FoundNumbers& one) { return one.proved || is_fold(one); });
+         std::all_of(found.values.begin(), found.values.end(), [](const FoundNumbers& one) { return one.proved; });
 }
 
 Result find_result(const FindView& view, const FoundSet& found, const std::vector<std::string>& settings) {
@@ -238,6 +249,11 @@ Result find_result(const FindView& view, const FoundSet& found, const std::vecto
     if (one.proved || is_fold(one)) continue;
     out.warnings.push_back(
         doubtful(sentence_of(fmt::format("Not proved at {}: {}", numbers_in_words(view, one), one.at.statement))));
+  }
+  if (found.branch_points > 0) {
+    out.warnings.push_back(doubtful(fmt::format(
+        "The curve meets {} at which others cross it; these are not followed, but through equilibria of --all.",
+        count(found.branch_points, "point", "points"))));
   }
   for (const auto& [from, to] : found.all_along) {
     out.warnings.push_back(doubtful(fmt::format("It has the value all along from {} to {}, to rounding.",
@@ -282,6 +298,7 @@ Result find_result(const FindView& view, const FoundSet& found, const std::vecto
     out.content.data("nearest", Value());
   }
   out.content.data("curves", found.curves);
+  out.content.data("branch_points", found.branch_points);
   out.content.data("whole", found.whole);
   out.content.data("sets", found.sets.empty() ? Value() : Value(found.sets));
   out.content.data("paths", found.paths);

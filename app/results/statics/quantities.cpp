@@ -64,6 +64,7 @@ void add_quantities(Group& group, const std::vector<SoughtQuantity>& of, const s
     why.push_back(values[k].why);
   }
   Table& table = group.table("quantities", "Quantities", Rows::list);
+  table.shown = Table::Shown::all;
   table.words("name", "quantity", names);
   table.words("", "value", in_words);
   table.data("value", in_units);

@@ -30,6 +30,16 @@ ConditionedEquilibrium SoughtNumbers::equations(const std::vector<ActingStop>& s
   return {numbers_, {stops, ranges_[0]->is_driven() ? static_cast<int>(stops.size()) - 1 : -1}, conditions_};
 }
 
+bool SoughtNumbers::holds(const ConditionedEquilibrium& system, const ConditionedEquilibrium::Point& at) const {
+  constexpr double rounding = 1e-8;  // of the value, or of lengths, forces and work of the mechanism
+  const Eigen::VectorXd excess = system.excess(at);
+  for (std::size_t k = 0; k < conditions_.size(); ++k) {
+    const double size = std::max(1.0, std::abs(conditions_[k].value));
+    if (!(std::abs(excess[static_cast<Eigen::Index>(k)]) <= rounding * size)) return false;
+  }
+  return true;
+}
+
 FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const ConditionedEquilibrium::Point& at,
                                     const StaticModel& model, const std::vector<double>& x,
                                     const CertificateOptions& options) const {
@@ -38,11 +48,12 @@ FoundNumbers SoughtNumbers::examine(const ConditionedEquilibrium& system, const 
   constexpr double from_a_line = 1e-2;  // how far a curve is from a straight line between two of its points
   FoundNumbers out;
   const SolutionProof proof = system.prove(at);
+  const std::vector<double> open = system.rounding_effect(at);
   for (std::size_t k = 0; k < count(); ++k) {
     out.numbers.push_back(range(k).value_at(proof.part[k]));
     const double length = std::abs(range(k).to() - range(k).from());
     const double rounding = std::numeric_limits<double>::epsilon() * (std::abs(range(k).from()) + length);
-    out.radii.push_back(proof.proved ? length * proof.radius[k] + rounding : infinity);
+    out.radii.push_back(proof.proved ? length * (proof.radius[k] + open[k]) + rounding : infinity);
   }
   const Eigen::VectorXd excess = system.excess(at);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {

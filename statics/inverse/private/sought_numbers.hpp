@@ -28,6 +28,9 @@ class SoughtNumbers {
   const Scene& scaled_scene() const { return numbers_.list()->scene(); }
   const VariedScene& range(std::size_t k) const { return *ranges_[k]; }
   std::size_t count() const { return ranges_.size(); }
+  /// Whether the quantities have their values at a point that Newton's method stopped at: beside a pole it may stop
+  /// where they are far from these.
+  bool holds(const ConditionedEquilibrium& system, const ConditionedEquilibrium::Point& at) const;
   /// A solution with its proof, and with the certificate of the equilibrium of `model`, the scene with these numbers,
   /// that is near x.
   FoundNumbers examine(const ConditionedEquilibrium& system, const ConditionedEquilibrium::Point& at,
