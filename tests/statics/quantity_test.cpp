@@ -2,7 +2,9 @@
 
 #include "statics/quantities/quantity.hpp"
 
+#include <array>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,10 +14,13 @@
 #include "model/parameters.hpp"
 #include "motion/driven_quantities.hpp"
 #include "motion/forces_along.hpp"
+#include "solvers/real50.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 #include "statics/paths/over_path.hpp"
 #include "statics/paths/path_measures.hpp"
+#include "statics/quantities/linear_response.hpp"
 #include "statics/quantities/quantities_at.hpp"
+#include "statics/quantities/quantity_value.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::statics_quantity_test {
@@ -460,6 +465,72 @@ TEST(Quantities, OfDrivenPositionsAgreeWithPaths) {
     }
     EXPECT_NEAR(at[2].value, moment, 1e-9 * std::abs(moment));
   }
+}
+
+/// f'(0) from f at -2h, -h, h, 2h.
+Real50 central(const std::array<Real50, 4>& f, double h) {
+  return (f[0] - 8 * f[1] + 8 * f[2] - f[3]) / (12 * Real50(h));
+}
+
+/// Compares the derivatives of all quantities of a driven position, by all places, efforts and numbers, with
+/// differences in 50 digits. Returns how many.
+int expect_differences(const VariedScene& varied, double at) {
+  PathOptions options;
+  options.at = {at};
+  options.certify = false;
+  const Path found = path(varied, options);
+  EXPECT_EQ(found.wanted.at(0).size(), 1U) << found.why;
+  const std::unique_ptr<StaticModel> model = varied.model_at(at);
+  std::vector<int> active = found.wanted.at(0).at(0).active_stops;
+  active.push_back(static_cast<int>(model->scene().stops.size()) - 1);
+  const LinearResponse response = response_at(*model, found.wanted.at(0).at(0).x, active, 1e-10);
+  const NumberedEquations& equations = response.equations();
+  const int driven = static_cast<int>(active.size()) - 1;
+  std::vector<SoughtQuantity> of;
+  std::vector<QuantityGradient> gradients;
+  for (SoughtQuantity& one : all_quantities(named_scene(varied))) {
+    QuantityGradient gradient = gradient_of(one, equations, equations.numbers(), response.z(), driven);
+    // An angle of 0 or 90 degrees is the least or largest: it turns back there.
+    const double from_middle = std::abs(gradient.value - M_PI / 4);
+    const bool turns = one.kind == SoughtQuantity::Kind::transmission && from_middle > M_PI / 4 - 1e-6;
+    if (!gradient.why.empty() || turns) continue;
+    of.push_back(std::move(one));
+    gradients.push_back(std::move(gradient));
+  }
+  int compared = 0;
+  const std::size_t unknowns = response.z().size();
+  for (std::size_t k = 0; k < unknowns + equations.numbers().size(); ++k) {
+    const double value = k < unknowns ? response.z()[k] : equations.numbers()[k - unknowns];
+    if (!std::isfinite(value)) continue;
+    const double h = std::ldexp(1.0, -28) * std::max(1.0, std::abs(value));
+    std::vector<std::array<Real50, 4>> values(of.size());
+    for (const auto& [slot, steps] : {std::pair(0, -2), std::pair(1, -1), std::pair(2, 1), std::pair(3, 2)}) {
+      std::vector<Real50> z(response.z().begin(), response.z().end());
+      std::vector<Real50> numbers(equations.numbers().begin(), equations.numbers().end());
+      Real50& changed = k < unknowns ? z[k] : numbers[k - unknowns];
+      changed += steps * Real50(h);
+      QuantityPlace<Real50> place(equations, numbers.data(), z.data(), driven);
+      for (std::size_t q = 0; q < of.size(); ++q) values[q][static_cast<std::size_t>(slot)] = place.value(of[q]);
+    }
+    for (std::size_t q = 0; q < of.size(); ++q) {
+      const QuantityGradient& one = gradients[q];
+      const double difference = static_cast<double>(central(values[q], h));
+      const double largest = std::max(one.by_unknowns.cwiseAbs().maxCoeff(), one.by_numbers.cwiseAbs().maxCoeff());
+      const double derivative = k < unknowns ? one.by_unknowns[static_cast<Eigen::Index>(k)]
+                                             : one.by_numbers[static_cast<Eigen::Index>(k - unknowns)];
+      EXPECT_NEAR(derivative, difference, 1e-10 * std::max({1.0, largest, std::abs(one.value)}))
+          << of[q].name << " by " << k;
+      ++compared;
+    }
+  }
+  return compared;
+}
+
+// Drives, pushes that hold something, and the derivatives by each coordinate alone.
+TEST(Quantities, OfDrivenPositionsHaveExactDerivatives) {
+  EXPECT_GT(expect_differences(VariedScene(slider_crank(), "angle.crank", 0.7, 1.4), 1.0), 1000);
+  const Scene four_bar = read_scene(dataset("four_bar_gravity.toml"));
+  EXPECT_GT(expect_differences(VariedScene(four_bar, "angle.crank", -1.4, -0.8), -1.0), 1000);
 }
 
 // Of a linear spring, the stiffness; of a drive that nothing drives, and of a push in several motions, no number.
