@@ -68,7 +68,7 @@ class BranchCurve {
     if (t == 1.0) return b;
     if (k != prepared_) prepare(k);
     for (const std::optional<PathSpot>& spot : spots_) {
-      const std::optional<PathPoint> point = spot ? between(*spot, k, t) : std::nullopt;
+      std::optional<PathPoint> point = spot ? between(*spot, k, t) : std::nullopt;
       if (point && is_consistent(*point)) return point;
     }
     return std::nullopt;

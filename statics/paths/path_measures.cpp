@@ -20,9 +20,8 @@ std::vector<SoughtQuantity> moving_measures(const StaticModel& model) {
     if (one.kind != SoughtQuantity::Kind::measure) continue;
     const Measure& on = one.on;
     const bool is_angle_of_body = on.kind == Measure::Kind::angle && on.body_a == 0 && one.name.starts_with("angle.");
-    if (is_angle_of_body && model.layout().links[on.body_b].frame >= 0)
-      out.push_back(std::move(one));
-    else if (on.kind == Measure::Kind::travel && one.name.starts_with("travel."))
+    const bool is_travel = on.kind == Measure::Kind::travel && one.name.starts_with("travel.");
+    if ((is_angle_of_body && model.layout().links[on.body_b].frame >= 0) || is_travel)
       out.push_back(std::move(one));
     else if (on.kind == Measure::Kind::x || on.kind == Measure::Kind::y)
       coordinates.push_back(std::move(one));

@@ -541,7 +541,7 @@ class Reader {
 
   std::optional<SoughtQuantity> name() {
     std::size_t length = 0;
-    const std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
+    std::optional<SoughtQuantity> found = catalogue_.longest(rest_, length);
     if (std::optional<SoughtQuantity> along = push(length)) return along;
     if (std::optional<SoughtQuantity> of_two = center(length)) return of_two;
     if (std::optional<SoughtQuantity> of_mode = mode_of_vibration()) return of_mode;
