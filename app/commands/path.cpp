@@ -180,14 +180,14 @@ std::vector<std::pair<std::string, Request>> requests_beside(const PathRequest& 
   add("SCENE", label_of(request.common.scene), request.common);
   for (const std::string& text : request.variants) {
     const auto [label, settings] = read_variant(text);
-    const std::string varied = request.vary.empty() ? "" : request.vary[0].substr(0, request.vary[0].find('='));
-    for (const std::string& setting : settings) {
-      if (setting.substr(0, setting.find('=')) != varied) continue;
-      throw InputError(fmt::format("--variant {}: {} is what --vary varies; expected other numbers", text, varied));
-    }
     Request variant = request.common;
     variant.settings.insert(variant.settings.end(), settings.begin(), settings.end());
     add("--variant " + text, label, variant);
+    const std::string varied = request.vary.empty() ? "" : request.vary[0].substr(0, request.vary[0].find('='));
+    for (const std::string& setting : settings) {
+      if (!setting.starts_with(varied + "=")) continue;
+      throw InputError(fmt::format("--variant {}: {} is what --vary varies; expected other numbers", text, varied));
+    }
   }
   for (const std::string& file : request.beside) {
     Request other = request.common;

@@ -55,6 +55,7 @@ TEST(PathCommand, SaysInOneLineWhatCannotBeSideBySide) {
   EXPECT_TRUE(contains(with({"--variant", "A: load.P"}), "A: --set load.P: "));
   EXPECT_TRUE(contains(with({"--variant", "A: spring.left.stiffness=900", "--variant", "A: load.P=1"}),
                        "expected labels that differ, found \"A\" twice"));
+  EXPECT_TRUE(contains(with({"--variant", "A: load.P=1"}), "load.P is what --vary varies"));
   EXPECT_TRUE(contains(with({"--beside", "nowhere.toml"}), "nowhere: nowhere.toml: cannot be read"));
   EXPECT_TRUE(contains(with({"--beside", dataset("toggle_clamp")}), "expected a scene in the units of"));
   EXPECT_TRUE(contains(with({"--beside", dataset("hanging_chain_10")}), "hanging_chain_10: --vary load.P: "));
