@@ -369,6 +369,7 @@ TEST(JsonDocs, Find) {
   const std::string stiffness = "spring.rubber.stiffness=200..800";
   check_section("find",
                 {{{"find", scene("toggle_clamp"), "--vary", stiffness, "--for", "force.rubber = -700"}, with_csv},
+                 {{"find", scene("knee_press"), "--vary", "load.P=5.5..6", "--for", "angle.upper = -10"}},
                  {{"find", scene("knee_press"), "--vary", "angle.upper=20..80", "--for", "angle.upper = 30", "--show",
                    "transmission.lower.wrist"}},
                  {{"find", scene("toggle_clamp"), "--vary", "load.P=10..25", "--for", "stop.over_centre = 1", "--all"}},
@@ -558,7 +559,7 @@ TEST(JsonDocs, Forces) {
       {{{"forces", scene("toggle_clamp"), "--drive", "handle=30..60", "--steps", "2", "--show",
          "force.handle,d(angle.arm)/d(angle.handle)"},
         with_csv},
-       {{"forces", scene("toggle_clamp"), "--drive", "handle=60", "--show", "shaking.x,d(angle.arm)/d(x.handle.O)"}},
+       {{"forces", scene("toggle_clamp"), "--drive", "handle=60", "--show", "shaking.x,d(angle.arm)/d(x.handle.C)"}},
        {{"forces", scene("car_hood"), "--drive", "hood=0..1.2", "--steps", "3"}},
        {{"forces", scene("lift"), "--drive", "stroke=0.6", "--rate", "0.1"}, with_csv},
        {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},

@@ -60,7 +60,8 @@ std::string quantities_in_words(const FindView& view, const FoundNumbers& one, c
 /// What was looked at: "on the curve of equilibria through the scene's own; others not searched".
 std::string searched_in_words(const FindView& view, const FoundSet& found) {
   if (view.wanted[0].of.kind == SoughtQuantity::Kind::load_at_fold) {
-    return fmt::format("where the first fold was compared at {} of the number", count(found.paths, "value", "values"));
+    return fmt::format("as a fold; that it is the first is found by paths at {} of the number",
+                       count(found.paths, "value", "values"));
   }
   if (view.numbers.size() == 2)
     return fmt::format("from the closest places on {}; others not searched", count(found.curves, "curve", "curves"));
@@ -102,8 +103,8 @@ Line verdict_of(const FindView& view, const FoundSet& found, const Units& units)
       }
       const bool all_proved =
           std::all_of(found.values.begin(), found.values.end(), [](const FoundNumbers& one) { return one.proved; });
-      return good(
-          fmt::format("{}{} {}.", what, folds && !all_proved ? "" : ", proved,", searched_in_words(view, found)));
+      return good(fmt::format("{}{} {}.", what, folds ? (all_proved ? ", proved" : ", not proved") : ", proved,",
+                              searched_in_words(view, found)));
     }
     case Status::none:
       return bad(fmt::format("None in the range {}{}; the nearest is {} at {}.", searched_in_words(view, found),
