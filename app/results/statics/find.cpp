@@ -60,6 +60,9 @@ std::string quantities_in_words(const FindView& view, const FoundNumbers& one, c
 /// What was looked at: "on the curve of equilibria through the scene's own; others not searched".
 std::string searched_in_words(const FindView& view, const FoundSet& found) {
   if (view.wanted[0].of.kind == SoughtQuantity::Kind::load_at_fold) {
+    if (found.values.empty()) {
+      return fmt::format("at {} at which the first fold was found", count(found.paths, "value", "values"));
+    }
     return fmt::format("as a fold; that it is the first is found by paths at {} of the number",
                        count(found.paths, "value", "values"));
   }
