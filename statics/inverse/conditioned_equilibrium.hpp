@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "statics/inverse/private/enclosing.hpp"
-#include "statics/inverse/private/least_norm_newton.hpp"
+#include "statics/inverse/enclosing.hpp"
+#include "statics/inverse/least_norm_newton.hpp"
 #include "statics/inverse/unknown_numbers.hpp"
 #include "statics/quantities/numbered_equations.hpp"
 #include "statics/quantities/quantity.hpp"

@@ -691,14 +691,14 @@ INSTANTIATE_TEST_SUITE_P(
             "friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, curved_slot, "
             "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, "
             "torque, "
-            "stop, start; "
+            "stop, start, outputs; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, "
-                 "distributed_load, torque, stop, start; did you mean \"body\"?"},
+                 "distributed_load, torque, stop, start, outputs; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",

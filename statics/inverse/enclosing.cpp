@@ -1,4 +1,4 @@
-#include "statics/inverse/private/enclosing.hpp"
+#include "statics/inverse/enclosing.hpp"
 
 #include <algorithm>
 
