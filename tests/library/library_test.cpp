@@ -235,7 +235,10 @@ TEST(Library, FindsDimensions) {
 // A wheel on a torsion spring of 20 N m/rad.
 class LibraryExperiment : public testing::Test {
  protected:
-  LibraryExperiment() : folder_(std::filesystem::path(testing::TempDir()) / "poise_library_test") {
+  // A folder for each test, since tests run side by side.
+  LibraryExperiment()
+      : folder_(std::filesystem::path(testing::TempDir()) /
+                (std::string("poise_library_test_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
     std::filesystem::create_directories(folder_);
     write("scene.toml", R"(
       [ground]
