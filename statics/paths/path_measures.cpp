@@ -61,9 +61,14 @@ Scene named_scene(const VariedScene& varied) {
   Scene out = varied.scene();
   if (!varied.is_driven()) return out;
   const std::string& name = varied.name();
-  const bool has_kind = name.starts_with("angle.") || name.starts_with("travel.") || name.starts_with("drive.");
+  // Of a body, a joint or a drive; other measures have no name but their whole.
+  const std::string item = name.substr(name.find('.') + 1);
+  const auto is_called = [&](const auto& one) { return one.name == item; };
+  const bool has_kind = (name.starts_with("angle.") && std::any_of(out.bodies.begin(), out.bodies.end(), is_called)) ||
+                        (name.starts_with("travel.") && std::any_of(out.joints.begin(), out.joints.end(), is_called)) ||
+                        name.starts_with("drive.");
   Drive drive;
-  drive.name = has_kind ? name.substr(name.find('.') + 1) : name;
+  drive.name = has_kind ? item : name;
   drive.on = out.stops.back().on;
   out.stops.pop_back();
   return naming_drives(std::move(out), {drive});
