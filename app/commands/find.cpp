@@ -164,12 +164,12 @@ Command find_command() {
   Command command{"find", "Find the number for which a quantity has a value in equilibrium, and prove it"};
   add_scene_options(command, request->common);
   command.add({"--vary", &request->vary, "NAME=FROM..TO",
-               "The number that is sought and its range, in its own units: a number of\nthe scene, loads, angle.BODY "
-               "or travel.JOINT; twice with two --for",
+               "The number that is sought and its range, in its own units: a number of\nthe scene, loads, or a measure "
+               "that is driven, angle.BODY or\nlength.ELEMENT; twice with two --for",
                Presence::required});
   command.add({"--for", &request->wanted, "\"Q = VALUE\"",
                "The quantity and the value that it is to have, in its unit\n(docs/quantities.md): \"force.rubber = "
-               "700\"",
+               "-700\"",
                Presence::required});
   command.add({"--all", &request->all, "",
                "Also on the curves through all equilibria at both ends of the range\nand in its middle"});
