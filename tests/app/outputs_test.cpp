@@ -59,6 +59,16 @@ double hand_at(double angle) {
   return 1.1 * (12 * 10 * 0.4 * std::cos(angle) - 100 * (1 - angle)) / (0.8 * std::cos(angle));
 }
 
+// The hood turns about where the lines of both links meet.
+TEST(Outputs, InstantCentresThatAreShownAreDrawn) {
+  const TempFolder folder;
+  const std::string file = folder.path("hood.svg").string();
+  const ProgramRun run =
+      run_poise({"solve", dataset("car_hood"), "--show", "center.hood.ground.x", "--svg", file, "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(contents(file).find("centre hood, ground"), std::string::npos);
+}
+
 TEST(Outputs, AreShownByAllCommandsWithPositions) {
   const TempFolder folder;
   const std::string scene = folder.write("lid.toml", lid(two));
