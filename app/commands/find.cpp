@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,7 +14,6 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/commands/vary.hpp"
-#include "app/result/numbers.hpp"
 #include "app/results/statics/quantities.hpp"
 #include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
@@ -73,8 +71,7 @@ void refuse_fold(const WantedValue& wanted, bool is_refused, const std::string& 
 
 FindOptions read_find_options(const FindRequest& request) {
   FindOptions options;
-  options.path.from = chosen("--from", request.from, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
-                                                                                     : PathOptions::From::equilibrium;
+  options.path.from = read_from(request.from);
   options.path.certificate = read_proof(request.proof_seconds);
   options.path.interrupt = &watch_for_interrupt();
   options.all = request.all;
@@ -106,14 +103,6 @@ int run_find(const FindRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the scene");
   const Scene scene = load_scene(request.common);
-  const auto following = [&](const VariedScene& varied) {
-    return [&](double parameter, int points) {
-      progress.now_and_then([&] {
-        return fmt::format("following the curve: {} = {:.4g} {}, {}", varied.name(), parameter / varied.unit(),
-                           varied.unit_name(), app::count(points, "point", "points"));
-      });
-    };
-  };
   const NamedRange first = read_vary_range(request.vary[0]);
   FindView view{.all = request.all};
   const auto read_conditions = [&](const Scene& varied) {
@@ -140,7 +129,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
     refuse_fold(view.wanted[0], varied.is_driven(), "of a driven measure");
     view.numbers = {&varied};
     OutputFiles files(request.common);
-    options.path.progress = following(varied);
+    options.path.progress = progress_of(progress, varied);
     progress.now("following the curve of equilibria");
     const FoundSet found = naming_vary([&] { return find_numbers(varied, view.wanted[0], options); });
     return finish_find(request, view, found, files, progress, palette);
@@ -152,7 +141,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
   read_conditions(named_scene(pair.first()));
   view.numbers = {&pair.first(), &pair.second()};
   OutputFiles files(request.common);
-  options.path.progress = following(pair.first());
+  options.path.progress = progress_of(progress, pair.first());
   progress.now("following curves of equilibria");
   return finish_find(request, view, find_numbers(pair, view.wanted, options), files, progress, palette);
 }

@@ -82,14 +82,9 @@ std::vector<double> read_at(const std::string& text, const VariedScene& varied) 
   return out;
 }
 
-PathOptions::From read_from(const PathRequest& request) {
-  return chosen("--from", request.from, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
-                                                                        : PathOptions::From::equilibrium;
-}
-
 PathOptions read_options(const PathRequest& request) {
   PathOptions options;
-  options.from = read_from(request);
+  options.from = read_from(request.from);
   options.follow = chosen("--follow", request.follow, {"unstable", "jump"}) == 0 ? PathOptions::Follow::unstable
                                                                                  : PathOptions::Follow::jump;
   options.branches = request.branches;
@@ -101,19 +96,9 @@ PathOptions read_options(const PathRequest& request) {
   return options;
 }
 
-/// Shows how far a path has come.
-std::function<void(double, int)> progress_of(Progress& progress, const VariedScene& varied) {
-  return [&](double parameter, int points) {
-    progress.now_and_then([&] {
-      return fmt::format("following the curve: {} = {:.4g} {}, {}", varied.name(), parameter / varied.unit(),
-                         varied.unit_name(), count(points, "point", "points"));
-    });
-  };
-}
-
 int run_fold_curve(const PathRequest& request, const Palette& palette) {
   FoldCurveOptions options;
-  options.from = read_from(request);
+  options.from = read_from(request.from);
   options.interrupt = &watch_for_interrupt();
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress;

@@ -2,7 +2,10 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/commands/session.hpp"
+#include "app/result/numbers.hpp"
 
 namespace poise::app {
 
@@ -13,6 +16,20 @@ NamedRange read_vary_range(const std::string& text) {
 VariedScene load_varied_scene(const Request& request, const NamedRange& range) {
   Scene scene = load_scene(request);
   return naming_vary([&] { return VariedScene(std::move(scene), range.name, range.from, range.to); });
+}
+
+PathOptions::From read_from(const std::string& word) {
+  return chosen("--from", word, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
+                                                                : PathOptions::From::equilibrium;
+}
+
+std::function<void(double, int)> progress_of(Progress& progress, const VariedScene& varied) {
+  return [&](double parameter, int points) {
+    progress.now_and_then([&] {
+      return fmt::format("following the curve: {} = {:.4g} {}, {}", varied.name(), parameter / varied.unit(),
+                         varied.unit_name(), count(points, "point", "points"));
+    });
+  };
 }
 
 }  // namespace poise::app

@@ -2,11 +2,14 @@
 
 // The option --vary of commands that follow equilibria.
 
+#include <functional>
 #include <string>
 
 #include "app/commands/options.hpp"
+#include "app/terminal/progress.hpp"
 #include "model/input_error.hpp"
 #include "statics/model/varied_scene.hpp"
+#include "statics/paths/path.hpp"
 
 namespace poise::app {
 
@@ -27,5 +30,11 @@ NamedRange read_vary_range(const std::string& text);
 
 /// The scene of a request with that number varying over its range. Throws InputError.
 VariedScene load_varied_scene(const Request& request, const NamedRange& range);
+
+/// Where a path begins, by the word of --from: settle or equilibrium. Throws InputError.
+PathOptions::From read_from(const std::string& word);
+
+/// Shows how far a path has come. Refers to both.
+std::function<void(double, int)> progress_of(Progress& progress, const VariedScene& varied);
 
 }  // namespace poise::app
