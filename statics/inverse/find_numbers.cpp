@@ -110,9 +110,7 @@ bool NumberFinder::is_on_curves(const StaticModel& model, const std::vector<doub
     const VariedScene& varied = followed.varied;
     const double unit = varied.scales().length / model.scales().length;
     const auto like_here = [&](const PathPoint& point) {
-      std::vector<double> poses = poses_of(*varied.model_at(point.parameter), point.x);
-      for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : unit;
-      return poses;
+      return with_lengths_in(unit, poses_of(*varied.model_at(point.parameter), point.x));
     };
     for (const PathBranch& branch : followed.path.branches) {
       for (std::size_t k = 0; k + 1 < branch.points.size(); ++k) {
@@ -176,7 +174,7 @@ void NumberFinder::follow_sets() {
 
 void NumberFinder::note_nearest(const PathPoint& point, double value) {
   const double excess = std::abs(value - wanted_[0].value);
-  // Of a value far beyond all others the excess does not tell which is closer.
+  // The excess does not tell which is closer to a value far beyond all others.
   const bool is_closer = excess < least_ || (excess == least_ && out_.nearest &&
                                              (value > out_.nearest->values[0]) == (wanted_[0].value > value));
   if (!is_closer) return;
@@ -272,8 +270,7 @@ bool NumberFinder::take(const SoughtNumbers& sought, const ConditionedEquilibriu
   const VariedScene& varied = sought.range(0);
   const double number = varied.value_at(at.s[0]);
   const double unit = varied.scales().length;
-  std::vector<double> poses_si = poses;
-  for (std::size_t i = 0; i < poses_si.size(); ++i) poses_si[i] *= i % 3 == 2 ? 1.0 : unit;
+  const std::vector<double> poses_si = with_lengths_in(unit, poses);
   for (const Solution& other : solutions_) {
     const double near = 1e-9 * std::abs(varied.to() - varied.from());
     if (std::abs(other.found.numbers[0] - number) > near) continue;
@@ -445,9 +442,8 @@ void FoldFinder::prove(FoundNumbers& found) const {
   set_value(loaded, wanted_.of.load, wanted);
   const VariedScene over_number(loaded, varied_.name(), varied_.from() / varied_.unit(), varied_.to() / varied_.unit());
   const auto model = over_load.model_at(fold->at.parameter);
-  std::vector<double> poses = poses_of(*model, fold->at.x);
-  const double length = over_load.scales().length / over_number.scales().length;
-  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : length;
+  const std::vector<double> poses =
+      with_lengths_in(over_load.scales().length / over_number.scales().length, poses_of(*model, fold->at.x));
   // Where a stop comes off the curve turns in a corner: its force is zero there.
   const auto stop = std::find_if(followed.events.begin(), followed.events.end(), [&](const PathEvent& event) {
     constexpr double same = 1e-9;

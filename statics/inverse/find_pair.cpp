@@ -92,8 +92,10 @@ std::vector<PairFinder::Start> PairFinder::find_starts() {
       const std::vector<PathPoint>& points = slices_[k].path.branches[b].points;
       for (std::size_t i = 0; i < points.size(); ++i) {
         Start one{k, b, i};
+        // Both come from one solve of the efforts.
+        const std::vector<QuantityValue> values = reader.values({wanted_[0].of, wanted_[1].of}, points[i]);
         for (std::size_t c = 0; c < 2; ++c) {
-          one.excess[c] = reader.value(wanted_[c].of, points[i]) - wanted_[c].value;
+          one.excess[c] = values[c].value - wanted_[c].value;
           if (!std::isfinite(one.excess[c])) continue;
           least[c] = std::min(least[c], one.excess[c]);
           most[c] = std::max(most[c], one.excess[c]);

@@ -93,6 +93,11 @@ std::vector<double> poses_at(const ConditionedEquilibrium::Point& at, const Scen
   return {at.z.begin(), at.z.begin() + 3 * (static_cast<std::ptrdiff_t>(scene.bodies.size()) - 1)};
 }
 
+std::vector<double> with_lengths_in(double unit, std::vector<double> poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] *= i % 3 == 2 ? 1.0 : unit;
+  return poses;
+}
+
 bool within_ranges(const ConditionedEquilibrium::Point& at) {
   constexpr double rounding = 1e-12;
   return std::all_of(at.s.begin(), at.s.end(), [](double s) { return s >= -rounding && s <= 1.0 + rounding; });

@@ -49,6 +49,9 @@ double apart(const std::vector<double>& a, const std::vector<double>& b);
 /// Places of the bodies at a solution, scaled.
 std::vector<double> poses_at(const ConditionedEquilibrium::Point& at, const Scene& scene);
 
+/// Places of bodies, three values of each, with lengths in a unit of which the old one is so many.
+std::vector<double> with_lengths_in(double unit, std::vector<double> poses);
+
 /// All parts are in the ranges, to rounding.
 bool within_ranges(const ConditionedEquilibrium::Point& at);
 
