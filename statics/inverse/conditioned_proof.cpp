@@ -59,7 +59,7 @@ void ConditionedEquilibrium::Prover::choose_rows() {
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix.row(i) /= std::max(matrix.row(i).norm(), 1e-300);
   for (const int k : independent_columns(matrix)) unknowns_.push_back(all[static_cast<std::size_t>(k)]);
   for (const int k : independent_columns(matrix.transpose())) rows_.push_back(all[static_cast<std::size_t>(k)]);
-  // Of a body that nothing loads no equation depends on anything.
+  // The equations of a body that nothing loads depend on nothing.
   constexpr double nothing = 1e-14;
   for (const int k : all) {
     const bool is_kept = std::find(rows_.begin(), rows_.end(), k) != rows_.end();

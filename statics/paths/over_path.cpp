@@ -288,7 +288,7 @@ class Integral {
     return node(*point);
   }
 
-  // Of parabolas in t through three nodes each:  Q dm/dt, by Simpson's rule, which is exact for them.
+  // Integrates Q dm/dt of parabolas in t through three nodes each by Simpson's rule, which is exact for them.
   static double of_parabolas(const Node& a, const Node& c, const Node& b) {
     const double at_a = -3 * a.m + 4 * c.m - b.m, at_c = b.m - a.m, at_b = a.m - 4 * c.m + 3 * b.m;
     return (a.q * at_a + 4 * c.q * at_c + b.q * at_b) / 6;
@@ -301,7 +301,7 @@ class Integral {
     const double left = of_parabolas(a, *d, c), right = of_parabolas(c, *e, b);
     const double change = left + right - whole;
     const double size = std::max({largest_, std::abs(left) + std::abs(right), std::numeric_limits<double>::min()});
-    // Of the order 4: what is left is a fifteenth of the change.
+    // The rule is of the order 4: what is left is a fifteenth of the change.
     if (deepest == 0 || std::abs(change) <= std::max(15 * 0.01 * accuracy * size, nothing_))
       return left + right + change / 15;
     return halved(k, from, middle, a, *d, c, deepest - 1) + halved(k, middle, to, c, *e, b, deepest - 1);

@@ -61,7 +61,7 @@ Scene named_scene(const VariedScene& varied) {
   Scene out = varied.scene();
   if (!varied.is_driven()) return out;
   const std::string& name = varied.name();
-  // Of a body, a joint or a drive; other measures have no name but their whole.
+  // A body, a joint and a drive have names; other measures are called by all of theirs.
   const std::string item = name.substr(name.find('.') + 1);
   const auto is_called = [&](const auto& one) { return one.name == item; };
   const bool has_kind = (name.starts_with("angle.") && std::any_of(out.bodies.begin(), out.bodies.end(), is_called)) ||
