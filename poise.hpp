@@ -44,6 +44,10 @@
 #include "motion/release.hpp"
 #include "motion/simulate.hpp"
 
+// Design: numbers of a scene for which quantities keep limits
+#include "design/goals/design_kind.hpp"
+#include "design/goals/design_search.hpp"
+
 // Identification: parameters from measured or simulated motion, how well they are known, models compared, runs planned
 #include "identification/assessment/bootstrap.hpp"
 #include "identification/assessment/compare_models.hpp"
