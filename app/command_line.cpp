@@ -56,7 +56,7 @@ std::vector<CommandEntry> all_commands() {
       {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},
       {modes_command(), "datasets/lift.toml"},
       {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
-      {design_command(), "datasets/lift_design.toml --scene found.toml"},
+      {design_command(), "datasets/wall_bed_design.toml --scene found.toml --html design.html"},
       {identify_command(), "datasets/lift_experiment.toml --svg fit.svg"},
       {validate_command(), "datasets/lift_experiment.toml --with fit.json"},
       {identifiability_command(), "datasets/lift_experiment_empty.toml"},

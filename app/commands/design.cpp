@@ -1,4 +1,4 @@
-#include "app/results/motion/design.hpp"
+#include "app/commands/design.hpp"
 
 #include <chrono>
 #include <memory>
@@ -10,29 +10,24 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/motion_pictures.hpp"
+#include "app/results/motion/design.hpp"
 #include "app/terminal/interrupt.hpp"
+#include "design/goals/design_kind.hpp"
+#include "model/input_error.hpp"
 
 namespace poise::app {
-namespace {
 
-struct DesignRequest {
-  Request common;  // `scene` is the design file
-  std::uint64_t seed = 1;
-  int starts = 300;
-};
-
-int run_design(const DesignRequest& request, const Palette& palette) {
-  expect_between("--starts", request.starts, 1, 1'000'000);
+int run_guidance(const DesignRequest& request, const Palette& palette) {
   Progress progress;
   progress.now("reading the design");
   const DesignProblem problem = read_design(request.common.scene);
   OutputFiles files(request.common, {problem.scene.file});
   DesignOptions options;
   options.seed = request.seed;
-  options.starts = request.starts;
+  options.starts = request.starts.value_or(300);
   options.interrupt = &watch_for_interrupt();
   options.progress = [&](int start, double misfit) {
-    progress.now(fmt::format("searching: start {} of {}, best misfit {:.3g}", start, request.starts, misfit));
+    progress.now(fmt::format("searching: start {} of {}, best misfit {:.3g}", start, options.starts, misfit));
   };
   progress.now("searching");
   const auto begin = std::chrono::steady_clock::now();
@@ -59,17 +54,57 @@ int run_design(const DesignRequest& request, const Palette& palette) {
   return best.met && check.met ? solved : not_solved;
 }
 
+namespace {
+
+solvers::ProgramMethod read_program_method(const std::string& word) {
+  if (word == "slsqp") return solvers::ProgramMethod::slsqp;
+  if (word == "mma") return solvers::ProgramMethod::mma;
+  if (word == "auglag") return solvers::ProgramMethod::auglag;
+  throw InputError(fmt::format("--method {}: expected slsqp, mma or auglag", word));
+}
+
+int run_design(const DesignRequest& request, const Palette& palette) {
+  if (request.starts) expect_between("--starts", *request.starts, 1, 1'000'000);
+  expect_between("--trade-off", request.trade_off, 0, 1000);
+  DesignRequest chosen = request;
+  chosen.method = read_program_method(request.method_word);
+  const DesignKind kind = kind_of_design(request.common.scene);
+  const auto refuse = [&](const char* option, bool is_given) {
+    if (is_given && kind != DesignKind::goals) {
+      throw InputError(fmt::format("{}: expected a design with [[goal]], of which alone it is an option", option));
+    }
+  };
+  refuse("--trade-off", request.trade_off > 0);
+  refuse("--method", request.method_word != "slsqp");
+  refuse("--svg", !request.common.svg.empty());
+  switch (kind) {
+    case DesignKind::synthesis:
+      return run_synthesis(chosen, palette);
+    case DesignKind::balance:
+      return run_balance(chosen, palette);
+    case DesignKind::goals:
+      return run_goals(chosen, palette);
+    case DesignKind::guidance:
+      break;
+  }
+  return run_guidance(request, palette);
+}
+
 }  // namespace
 
 Command design_command() {
   const auto request = std::make_shared<DesignRequest>();
   request->common.kind = "design";
-  Command command{"design", "Find dimensions that meet the goals of a design file"};
+  Command command{"design", "Find numbers that meet the goals of a design file"};
   command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required});
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
-  command.add({"--starts", &request->starts, "N", "Searches before it gives up (300)"});
-  command.add({"--scene", &request->common.written_scene, "FILE", "Write the geometry found to FILE, as a scene"});
-  add_output_options(command, request->common, {});
+  command.add({"--starts", &request->starts, "N", "Searches before it gives up (300; of [[goal]] 100)"});
+  command.add({"--method", &request->method_word, "NAME", "Of aims: slsqp (the default), mma or auglag"});
+  command.add({"--trade-off", &request->trade_off, "N", "So many points of the trade-off of two aims"});
+  command.add({"--scene", &request->common.written_scene, "FILE", "Write what was found to FILE, as a scene"});
+  add_jobs_option(command, request->jobs, "Threads of the search; the answer is the same for any number");
+  add_output_options(command, request->common,
+                     {.svg = "Draw the quantities over their ranges, before and after, into FILE"});
   command.run = [request](const Palette& palette) { return run_design(*request, palette); };
   return command;
 }
