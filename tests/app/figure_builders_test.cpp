@@ -17,6 +17,7 @@
 #include "app/draw/equilibrium_figure.hpp"
 #include "app/draw/figure_json.hpp"
 #include "app/draw/followed.hpp"
+#include "app/draw/goals_figures.hpp"
 #include "app/draw/modes_figure.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/draw/path_picture.hpp"
@@ -223,6 +224,22 @@ TEST(FigureBuilders, Design) {
   const Figure figure = design_figure(problem, best, best.met);
   checked(figure, "design");
   EXPECT_EQ(figure.title, "The mechanism found");
+}
+
+TEST(FigureBuilders, DesignForGoals) {
+  const GoalProblem problem = read_goals(app_tests::dataset("wall_bed_design"));
+  const GoalDesign found = design_for_goals(problem);
+  const std::vector<Figure> figures = goals_figures(problem, found);
+  ASSERT_EQ(figures.size(), 2u);
+  EXPECT_EQ(figures[0].title, "Before and after");
+  EXPECT_EQ(figures[0].drawing.frames.size(), 2u);
+  EXPECT_FALSE(figures[0].play);
+  checked(figures[1], "design for goals");
+  EXPECT_EQ(figures[1].play->values.front(), 0.0);
+  EXPECT_EQ(figures[1].play->values.back(), 90.0);
+  ASSERT_EQ(figures[1].charts.panels.size(), 1u);
+  ASSERT_EQ(figures[1].charts.panels[0].curves.size(), 4u);  // after, before, both limits
+  for (const double force : figures[1].charts.panels[0].curves[0].y) EXPECT_LE(std::abs(force), 25.0);
 }
 
 TEST(FigureBuilders, EveryDatasetIsDrawn) {

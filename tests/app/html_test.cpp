@@ -76,6 +76,7 @@ std::vector<Words> every_command(const TempFolder& folder) {
           {"forces", lift, "--drive", "stroke=0.5..0.79", "--steps", "6"},
           {"forces", clamp, "--drive", "handle=60"},
           {"design", dataset("lift_design")},
+          {"design", dataset("wall_bed_design")},
           {"identify", experiment},
           {"identify", experiment, folder.write("again.toml", again)},
           {"validate", experiment, "--with", fit},

@@ -174,6 +174,26 @@ std::vector<Command> all_commands() {
                    {dataset_file("toggle_clamp_tolerances"), dataset_file("toggle_clamp")}});
     out.push_back({{"design", "lift_design.toml", "--starts", "1", "--scene", "found.toml"},
                    {dataset_file("lift_design"), dataset_file("lift")}});
+    for (const auto& [design, scene] :
+         {std::pair{"desk_lamp_design", "desk_lamp"}, {"four_bar_shaking_design", "four_bar_gravity"}}) {
+      out.push_back({{"design", std::string(design) + ".toml", "--scene", "found.toml"},
+                     {dataset_file(design), dataset_file(scene)}});
+    }
+    out.push_back({{"design", "wall_bed_design.toml", "--starts", "1", "--json", "o.json", "--scene", "found.toml"},
+                   {dataset_file("wall_bed_design"), dataset_file("wall_bed")}});
+    out.push_back(
+        {{"design", "sprung_design.toml", "--starts", "1", "--jobs", "1", "--svg", "o.svg"},
+         {{"sprung_design.toml",
+           "scene = \"wall_bed.toml\"\ntolerances = \"half_widths.toml\"\nshare = \"99.7 %\"\n[variables]\n"
+           "\"point.bed.B.y\" = [-0.1, 0]\n\"spring.balance.stiffness\" = { range = [9000, 9009], whole = true }\n"
+           "[ties]\n\"point.ground.S.y\" = \"0.1 + point.bed.B.y\"\n[[catalogue]]\nfile = \"free.csv\"\n"
+           "items = [\"spring.balance\"]\n[[goal]]\nof = \"mean(force.drive)\"\nalong = \"angle.bed\"\n"
+           "over = [5, 60]\npositions = 5\nequals = 80\nwithin = 40\n[[goal]]\nof = \"force.drive\"\n"
+           "along = \"angle.bed\"\nat = [5, 20]\naim = \"flat\"\nweight = 2\n[[goal]]\n"
+           "equilibrium = \"none\"\nalong = \"angle.bed\"\nover = [5, 30]\n"},
+          {"free.csv", "name,free_length,shortest,longest\nlong,0.3,0.2,0.6\nshort,0.2,0.15,0.5\n"},
+          {"half_widths.toml", "[tolerances]\n\"body.bed.mass\" = 0.1\n"},
+          dataset_file("wall_bed")}});
     out.push_back({{"stress", "balanced-arm", "--catalogue", ".", "--starts", "1", "--work", "1000", "--methods",
                     "virtual-work,energy"},
                    {{"catalogue.toml", "files = [\"neutral.cases.toml\"]\n"},

@@ -24,6 +24,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "design/goals/goal_problem.hpp"
 #include "identification/experiment/experiment.hpp"
 #include "model/scene.hpp"
 #include "motion/design.hpp"
@@ -172,6 +173,8 @@ class Walk {
     workplace_.save(name, text);
     if (text.find("[[sensor]]") != std::string::npos) {
       EXPECT_FALSE(read_experiment(workplace_.path(name)).sensors.empty());
+    } else if (text.find("[[goal]]") != std::string::npos) {
+      EXPECT_FALSE(read_goals(workplace_.path(name)).goals.empty());
     } else if (text.find("[variables]") != std::string::npos) {
       EXPECT_FALSE(read_design(workplace_.path(name)).variables.empty());
     } else if (text.find("[[case]]") == std::string::npos && !text.starts_with("files = ") &&

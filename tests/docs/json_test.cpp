@@ -605,7 +605,106 @@ vector = [-3, 0]
                  {{"loads", folder.write("clamped.toml", clamped_twice)}}});
 }
 
+/// A lamp whose springs have a free length, and one whose springs are too soft.
+constexpr const char* lamp_springs = R"(scene = "SCENE"
+[balance]
+of = "weights"
+springs = { "spring.lower.stiffness" = [0, 1000], "spring.upper.stiffness" = [0, GREATEST] }
+)";
+
+TEST(JsonDocs, Balance) {
+  const TempFolder folder;
+  const std::string lamp = contents(scene("desk_lamp"));
+  const auto replace = [](std::string text, const std::string& old, const std::string& by) {
+    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + by.size())) {
+      text.replace(at, old.size(), by);
+    }
+    return text;
+  };
+  folder.write("lamp.toml", replace(lamp, "free_length = 0", "free_length = 0.02"));
+  folder.write("soft.toml", replace(replace(lamp_springs, "SCENE", scene("desk_lamp")), "GREATEST", "200"));
+  folder.write("real.toml", replace(replace(lamp_springs, "SCENE", "lamp.toml"), "GREATEST", "1000") +
+                                "over = { \"angle.lower\" = [-60, 60], \"angle.upper\" = [-60, 60] }\n");
+  check_section("design of a balance", {{{"design", scene("desk_lamp_design")}},
+                                        {{"design", folder.path("soft.toml").string()}},
+                                        {{"design", folder.path("real.toml").string()}},
+                                        {{"design", scene("four_bar_shaking_design")}}});
+}
+
 TEST(JsonDocs, Design) { check_section("design", {{{"design", scene("lift_design")}}}); }
+
+TEST(JsonDocs, DesignOfFourBars) {
+  const TempFolder folder;
+  // The origin of the body travels along a line.
+  const std::string slide = folder.write("slide_design.toml", R"(
+[synthesis]
+kind = "poses"
+poses = [[0, 0, 0], [0, 1, 10], [0, 2.5, -20], [0, 3, 35], [0, -1, 15]]
+)");
+  check_section("design of four-bars", {{{"design", scene("five_poses_design")}},
+                                        {{"design", scene("four_poses_design")}},
+                                        {{"design", scene("three_poses_design")}},
+                                        {{"design", scene("function_design")}},
+                                        {{"design", scene("free_start_design")}},
+                                        {{"design", slide}}});
+}
+
+TEST(JsonDocs, DesignOfPaths) {
+  const TempFolder folder;
+  const std::string slider = folder.write("slider_design.toml", R"(
+[synthesis]
+kind = "path"
+linkage = "slider-crank"
+points = [[0, 0], [1, 0.5], [2, 0.4], [2.5, 0]]
+)");
+  check_section("design of paths", {{{"design", scene("nine_points_design")}},
+                                    {{"design", scene("eighteen_points_design")}},
+                                    {{"design", scene("foot_path_design"), "--starts", "20"}},
+                                    {{"design", slider, "--starts", "20"}}});
+}
+
+/// A hand that pushes evenly and a weak spring: two aims, and goals that no bed meets together.
+constexpr const char* even_bed = R"(
+[variables]
+"spring.balance.stiffness" = [5000, 30000]
+"spring.balance.free_length" = [0.2, 0.4]
+[[goal]]
+of = "force.drive / 2"
+along = "angle.bed"
+over = [0, 90]
+least = -60
+most = 60
+)";
+constexpr const char* two_aims = R"(
+[[goal]]
+of = "force.drive / 2"
+along = "angle.bed"
+over = [0, 90]
+aim = "flat"
+[[goal]]
+of = "force.balance"
+along = "angle.bed"
+at = 0
+aim = "least"
+)";
+constexpr const char* too_much = R"(
+[[goal]]
+of = "force.drive / 2"
+along = "angle.bed"
+at = 45
+least = 70
+)";
+
+TEST(JsonDocs, DesignForGoals) {
+  const TempFolder folder;
+  const std::string bed = "scene = \"" + scene("wall_bed") + "\"\n" + even_bed;
+  check_section("design for goals", {{{"design", scene("wall_bed_robust_design")}},
+                                     {{"design", scene("tailgate_design")}},
+                                     {{"design", scene("knee_press_design")}},
+                                     {{"design", scene("constant_force_design")}},
+                                     {{"design", folder.write("aims.toml", bed + two_aims), "--trade-off", "3"}},
+                                     {{"design", folder.write("conflict.toml", bed + too_much), "--starts", "5"}}});
+}
 
 /// A measured run beside simulated ones.
 constexpr const char* measured = R"(

@@ -232,6 +232,16 @@ TEST(Library, FindsDimensions) {
   EXPECT_TRUE(check_design(problem, found).met);
 }
 
+TEST(Library, FindsNumbersForGoals) {
+  const char* const file = POISE_SOURCE_DIR "/datasets/wall_bed_design.toml";
+  ASSERT_EQ(kind_of_design(file), DesignKind::goals);
+  const GoalProblem problem = read_goals(file);
+  EXPECT_FALSE(check_goals(problem, problem.scene, {}).met);
+  const GoalDesign found = design_for_goals(problem);
+  ASSERT_EQ(found.status, GoalDesign::Status::met) << found.why;
+  EXPECT_TRUE(check_goals(problem, *found.scene, found.point.rows).met);
+}
+
 // A wheel on a torsion spring of 20 N m/rad.
 class LibraryExperiment : public testing::Test {
  protected:

@@ -56,6 +56,7 @@ std::vector<Report> reports() {
       {"forces", {"forces", lift, "--drive", "stroke=0.5..0.79"}},
       {"forces_in_a_pose", {"forces", dataset("four_bar_gravity"), "--drive", "crank=60"}},
       {"design", {"design", dataset("lift_design"), "--starts", "1"}, -1},
+      {"design_for_goals", {"design", dataset("tailgate_design")}},
       {"identify", {"identify", dataset("lift_experiment")}},
       {"identifiability", {"identifiability", dataset("lift_experiment_empty")}},
       {"montecarlo", {"montecarlo", dataset("lift_experiment"), "--trials", "4"}, -1},
