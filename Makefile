@@ -11,7 +11,7 @@ JOBS ?= $(shell nproc)
 comma := ,
 BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 
-SOURCE_FOLDERS := model solvers studies statics comparison motion identification app
+SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
@@ -58,6 +58,7 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_identification_ratios $(wildcard ../shared/data/multi_arm_pendulum/double.csv)
 	$(BUILD)/benchmarks/poise_studies_benchmark
 	$(BUILD)/benchmarks/poise_path_ratios
+	$(BUILD)/benchmarks/poise_design_cost
 	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
 	$(MAKE) figures PRESET=$(PRESET)
 
