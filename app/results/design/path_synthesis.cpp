@@ -94,11 +94,11 @@ void add_dimensions_of_linkages(Group& group, const PathProblem& problem, const 
   if (is_four_bar(problem)) table.numbers("", "output", "", link(at_output), format);
   table.numbers("", "P x", "", at(at_point), format);
   table.numbers("", "P y", "", at(at_point + 1), format);
-  table.footnotes.emplace_back(is_four_bar(problem)
-                                ? "A: pivot of the crank, B: of the output link; P: in the frame of the coupler, whose "
-                                  "x axis goes from the crank's pin to the other"
-                                : "A: pivot of the crank; the slider's line by its direction and its distance from A, "
-                                  "positive to the left; P: in the frame of the coupler, x from crank to slider");
+  table.footnotes.emplace_back(
+      is_four_bar(problem) ? "A: pivot of the crank, B: of the output link; P: in the frame of the coupler, whose "
+                             "x axis goes from the crank's pin to the other"
+                           : "A: pivot of the crank; the slider's line by its direction and its distance from A, "
+                             "positive to the left; P: in the frame of the coupler, x from crank to slider");
 }
 
 void add_motions_of_linkages(Group& group, const PathProblem& problem, const std::vector<PathSolution>& shown) {
