@@ -279,7 +279,8 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
       for (const json& answer : record["seen"]) {
         // The spring leaves the rocker of this four-bar in a dead centre, where it cannot be turned.
         const bool stands = GetParam() == "torque_profile" && answer["error"] == point + " cannot move";
-        EXPECT_TRUE(stands || answer["error"] == "") << answer["error"] << " in drag " << drag << ": " << answer["request"];
+        EXPECT_TRUE(stands || answer["error"] == "")
+            << answer["error"] << " in drag " << drag << ": " << answer["request"];
         for (const auto& [what, is] : answer["is"].items()) {
           EXPECT_EQ(is, true) << what << " after drag " << drag << ": " << answer["request"];
         }
