@@ -230,10 +230,11 @@ bool DesignSearch::correct_ranges(const LocalEnd& end, const GoalCheck& check) {
     const CheckedGoal& found = check.goals[k];
     if (!problem_.goals[k].is_range || !problem_.goals[k].of.is_over_path() || !found.has_value) continue;
     const double off = found.most - values.terms[k].front().value;
-    constexpr double nothing = 1e-10;
+    // A correction that is out of date would hold the aims back, or mislead tolerances.
+    constexpr double nothing = 1e-8;
     if (std::abs(off) <= nothing * evaluation.size_of(static_cast<int>(k))) continue;
     corrections_[k] += off;
-    any = any || !found.met || !problem_.goals[k].is_limit();
+    any = true;
   }
   return any;
 }
