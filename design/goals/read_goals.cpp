@@ -504,6 +504,9 @@ void GoalReader::spread_positions() {
       const DesignGoal& goal = out_.goals[k];
       if (goal.sweep != static_cast<int>(s)) continue;
       falls = falls && goal.is_range && goal.first > goal.last;
+      // Derivatives of what belongs to a range, and what tolerances do to it, are those of the positions.
+      constexpr int fewest_of_range = 33;
+      if (goal.is_range && goal.of.is_over_path()) positions_[k] = std::max(positions_[k], fewest_of_range);
       at.insert(at.end(), goal.at.begin(), goal.at.end());
       for (int i = 0; goal.is_range && i < positions_[k]; ++i) {
         at.push_back(i + 1 == positions_[k] ? goal.last
