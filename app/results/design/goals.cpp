@@ -17,7 +17,8 @@
 namespace poise::app {
 namespace {
 
-constexpr int digits_of_choice = 10, digits_of_value = 6;
+constexpr int digits_of_choice = 6, digits_of_value = 6;  // the scene written has all
+constexpr double at_limit = 1e-6;                         // parts of a goal's size: a margin of rounding
 constexpr double without_value = std::numeric_limits<double>::quiet_NaN();
 
 /// "12.5 N", "3" without a unit.
@@ -85,6 +86,7 @@ std::string margin_in_words(const GoalProblem& problem, const DesignGoal& goal, 
       goal.is_limit() && !(goal.is_equation && found.met) && goal.kind == DesignGoal::Kind::quantity;
   if (!has_limits || !found.has_value || !std::isfinite(found.margin)) return "";
   constexpr int digits = 3;
+  if (found.met && found.margin <= at_limit * goal.size()) return "none";
   return measured(found.margin, goal.of.dimension, problem.scene.units, digits);
 }
 

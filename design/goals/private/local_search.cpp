@@ -78,7 +78,9 @@ class AimProgram {
       if (goal.aim == DesignGoal::Aim::flat) bounds.push_back(least);
     }
     is_margin_ = values.aims.empty();
-    if (is_margin_) bounds.push_back(-margin_of(values));
+    // A start that keeps all constraints strictly: from where one is just met SLSQP often does not move.
+    constexpr double slack = 1e-3;
+    if (is_margin_) bounds.push_back(slack - margin_of(values));
     const auto count = static_cast<Eigen::Index>(bounds.size());
     start.resize(parts + count);
     lower = Eigen::VectorXd::Constant(parts + count, -HUGE_VAL);
