@@ -194,7 +194,8 @@ bool PoseForm::follow(int angle, int coordinate, Vec2 factor) {
 }
 
 void PoseForm::find_parallelograms() {
-  // Of pairs (a, b) of vectors of a loop whose sums vanish in the start; the other two of four are then opposite too.
+  // Pairs (a, b) of vectors of a loop are sought whose sums vanish in the start; the other two of four are then
+  // opposite.
   const auto found_in = [&](const PhasorTerms& closure) {
     std::vector<std::pair<Phasor, Vec2>> terms(closure.begin(), closure.end());
     if (terms.size() != 2 && terms.size() != 4) return false;

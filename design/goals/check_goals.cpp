@@ -94,17 +94,18 @@ class GoalChecker {
                      const DesignGoal& goal, CheckedGoal& out);
   void check_equilibrium(const VariedScene& varied, const PathPoint& point, const DesignGoal& goal, CheckedGoal& out);
   void check_lengths(const std::string& where, const std::function<double(const SoughtQuantity&, bool)>& extreme);
-  void judge(const DesignGoal& goal, CheckedGoal& out) const;
+  void judge(const DesignGoal& goal, CheckedGoal& out);
 
   const GoalProblem& problem_;
   const Scene& scene_;
   const std::vector<int>& rows_;
   const std::atomic<bool>* interrupt_;
+  std::optional<Scales> scales_;  // of the scene, once they are needed
   GoalCheck out_;
 };
 
 /// Compares least and most with the limits.
-void GoalChecker::judge(const DesignGoal& goal, CheckedGoal& out) const {
+void GoalChecker::judge(const DesignGoal& goal, CheckedGoal& out) {
   out.has_value = std::isfinite(out.least) && std::isfinite(out.most);
   if (!out.has_value) {
     if (out.why.empty()) out.why = goal.of.name + " has no value at some position";
@@ -125,8 +126,9 @@ void GoalChecker::judge(const DesignGoal& goal, CheckedGoal& out) const {
     if (goal.least) see(out.least - *goal.least, out.least_at);
     if (goal.most) see(*goal.most - out.most, out.most_at);
   }
-  // Of a value that is asked for exactly what rounding leaves is that of the mechanism's own forces and lengths.
-  const double natural = 1.0 / goal.of.dimension.per_scale(StaticModel(scene_).scales());
+  // What rounding leaves of a value that is asked for exactly is that of the mechanism's own forces and lengths.
+  if (!scales_) scales_ = StaticModel(scene_).scales();
+  const double natural = 1.0 / goal.of.dimension.per_scale(*scales_);
   const double size = std::max(goal.size(), (goal.is_equation ? 1.0 : 1e-6) * natural);
   out.met = !goal.is_limit() || out.margin >= -by_rounding * size;
 }
@@ -223,10 +225,6 @@ void GoalChecker::check_on_path(const VariedScene& varied, const Path& found, co
   const PathBranch part = part_of(branch, goal.first, goal.last, wanted);
   if (!goal.curve.empty()) {
     for (const PathPoint& point : part.points) {
-      see(reader.value(goal.of, point) - goal.wanted_at(point.parameter), point.parameter);
-    }
-    for (const PathPoint& point : wanted) {
-      if (!goal.covers(point.parameter)) continue;
       see(reader.value(goal.of, point) - goal.wanted_at(point.parameter), point.parameter);
     }
     judge(goal, out);

@@ -58,6 +58,22 @@ std::vector<ChosenValue> chosen_values(const GoalProblem& problem, const DesignP
   return out;
 }
 
+std::vector<std::pair<int, double>> slopes_of_tie(const GoalProblem& problem, const DesignPoint& point,
+                                                  std::size_t tie) {
+  const TiedNumber& of = problem.ties[tie];
+  const Units& units = problem.scene.units;
+  const std::vector<double> shown = shown_values(problem, point);
+  std::vector<std::pair<int, double>> out;
+  for (const int k : of.of.uses()) {
+    const ChosenNumber& one = problem.variables[static_cast<std::size_t>(k)];
+    std::vector<double> along(shown.size(), 0.0);
+    along[static_cast<std::size_t>(k)] = (one.to - one.from) / one.row.dimension.unit(units);
+    const double slope = of.of.slope(shown, along) * of.row.dimension.unit(units);
+    if (std::isfinite(slope)) out.emplace_back(k, slope);
+  }
+  return out;
+}
+
 Scene scene_at(const GoalProblem& problem, const DesignPoint& point) {
   Scene out = problem.scene;
   std::vector<ChosenValue> left = chosen_values(problem, point);
@@ -135,22 +151,14 @@ DesignNumbers::Slopes DesignNumbers::slopes(const DesignPoint& point, const std:
     out[k].emplace_back(row, slope);
     for (const auto& [place, by] : list_->followers(row, p)) out[k].emplace_back(place, by * slope);
   };
-  const Units& units = problem_->scene.units;
   for (std::size_t k = 0; k < variables; ++k) {
     const ChosenNumber& one = problem_->variables[k];
     add(k, rows_[k], (one.to - one.from) * one.row.dimension.per_scale(scales_));
   }
-  if (problem_->ties.empty()) return out;
-  const std::vector<double> shown = shown_values(*problem_, point);
   for (std::size_t t = 0; t < problem_->ties.size(); ++t) {
-    const TiedNumber& tie = problem_->ties[t];
-    for (const int used : tie.of.uses()) {
-      const auto k = static_cast<std::size_t>(used);
-      const ChosenNumber& one = problem_->variables[k];
-      std::vector<double> along(variables, 0.0);
-      along[k] = (one.to - one.from) / one.row.dimension.unit(units);
-      const double slope = tie.of.slope(shown, along) * tie.row.dimension.unit(units);
-      if (std::isfinite(slope)) add(k, rows_[variables + t], slope * tie.row.dimension.per_scale(scales_));
+    const double unit = problem_->ties[t].row.dimension.per_scale(scales_);
+    for (const auto& [k, slope] : slopes_of_tie(*problem_, point, t)) {
+      add(static_cast<std::size_t>(k), rows_[variables + t], slope * unit);
     }
   }
   return out;

@@ -25,6 +25,11 @@ struct ChosenValue {
 };
 std::vector<ChosenValue> chosen_values(const GoalProblem& problem, const DesignPoint& point);
 
+/// Derivatives of the tied number of that index by the parts of the variables that it follows from, SI: variable and
+/// derivative. What has no derivative is left out.
+std::vector<std::pair<int, double>> slopes_of_tie(const GoalProblem& problem, const DesignPoint& point,
+                                                  std::size_t tie);
+
 /// The scene with these. Throws InputError where numbers contradict each other.
 Scene scene_at(const GoalProblem& problem, const DesignPoint& point);
 

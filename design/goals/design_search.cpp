@@ -11,7 +11,6 @@
 #include "design/goals/private/local_search.hpp"
 #include "design/goals/private/robust_goals.hpp"
 #include "model/input_error.hpp"
-#include "solvers/nonnegative_least_squares.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
 
@@ -35,6 +34,12 @@ std::vector<int> rows_of(const GoalProblem& problem, long combination) {
     combination /= count;
   }
   return out;
+}
+
+/// Ends that are as good stay in their order.
+void sort_best_first(std::vector<LocalEnd>& ends) {
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
 }
 
 class DesignSearch {
@@ -69,6 +74,7 @@ class DesignSearch {
   void count(const EvaluationCounts& more);
   void search_starts();
   bool confirm(LocalEnd end);
+  void confirm_ends();
   bool add_positions(const LocalEnd& end, const GoalCheck& check);
   bool correct_ranges(const LocalEnd& end, const GoalCheck& check);
   bool make_robust(LocalEnd& end);
@@ -173,8 +179,7 @@ void DesignSearch::search_starts() {
     stale = is_better ? 0 : stale + 1;
     if (!best_.keeps || (has_aims() && stale < stale_batches)) continue;
     // The best of those that the check has not refused yet.
-    std::stable_sort(ends_.begin(), ends_.end(),
-                     [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
+    sort_best_first(ends_);
     while (!ends_.empty() && ends_.front().keeps && confirmed < most_confirmed && !is_interrupted()) {
       const LocalEnd end = ends_.front();
       ends_.erase(ends_.begin());
@@ -185,8 +190,7 @@ void DesignSearch::search_starts() {
     best_ = ends_.empty() ? LocalEnd{} : ends_.front();
   }
   // What is left where aims were still rising, or nothing keeps all limits.
-  std::stable_sort(ends_.begin(), ends_.end(),
-                   [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
+  sort_best_first(ends_);
   while (!ends_.empty() && confirmed < most_confirmed) {
     const LocalEnd end = ends_.front();
     ends_.erase(ends_.begin());
@@ -307,6 +311,16 @@ bool DesignSearch::confirm(LocalEnd end) {
   return out_.check.met && is_robust;
 }
 
+/// Checks the best ends of a search of rows until one is confirmed, or none of those left keeps all limits.
+void DesignSearch::confirm_ends() {
+  sort_best_first(ends_);
+  if (!ends_.empty()) best_ = ends_.front();
+  for (int k = 0; k < most_confirmed && k < static_cast<int>(ends_.size()) && !is_interrupted(); ++k) {
+    const LocalEnd& end = ends_[static_cast<std::size_t>(k)];
+    if (confirm(end) || !end.keeps) return;
+  }
+}
+
 /// Of each catalogue the rows that block a path by their own stops, where poses follow from the drive and the numbers
 /// of the rows alone.
 std::vector<std::vector<char>> DesignSearch::blocked_rows() {
@@ -375,8 +389,7 @@ void DesignSearch::try_all_rows() {
           if (!end.has_values) continue;
           if (end.keeps) ++kept[c];
           best[c].push_back(std::move(end));
-          std::stable_sort(best[c].begin(), best[c].end(),
-                           [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
+          sort_best_first(best[c]);
           if (best[c].size() > most_confirmed) best[c].pop_back();
         }
         this->count(evaluation.counts());
@@ -390,13 +403,7 @@ void DesignSearch::try_all_rows() {
   }
   out_.catalogue.left = static_cast<long>(problem_.combinations()) - out_.catalogue.tried - out_.catalogue.by_length -
                         out_.catalogue.by_proof;
-  std::stable_sort(ends_.begin(), ends_.end(),
-                   [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
-  for (int k = 0; k < most_confirmed && k < static_cast<int>(ends_.size()) && !is_interrupted(); ++k) {
-    const LocalEnd& end = ends_[static_cast<std::size_t>(k)];
-    if (k == 0) best_ = end;
-    if (confirm(end) || !end.keeps) return;
-  }
+  confirm_ends();
 }
 
 /// With other variables: combinations in the order of what they miss at the scene's own numbers, each searched.
@@ -418,8 +425,7 @@ void DesignSearch::search_rows() {
     ranks[k].index = static_cast<int>(k);
     count(evaluation.counts());
   });
-  std::stable_sort(ranks.begin(), ranks.end(),
-                   [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
+  sort_best_first(ranks);
   const std::size_t tried = std::min(ranks.size(), static_cast<std::size_t>(std::max(options_.starts, 1)));
   for (std::size_t first = 0; first < tried && !is_interrupted(); first += starts_at_once) {
     const std::size_t count_here = std::min(static_cast<std::size_t>(starts_at_once), tried - first);
@@ -450,12 +456,7 @@ void DesignSearch::search_rows() {
     if (best_.keeps && !has_aims()) break;
   }
   out_.catalogue.left = static_cast<long>(all) - out_.catalogue.tried;
-  std::stable_sort(ends_.begin(), ends_.end(),
-                   [](const LocalEnd& a, const LocalEnd& b) { return a.is_better_than(b, 0.0); });
-  for (int k = 0; k < most_confirmed && k < static_cast<int>(ends_.size()) && !is_interrupted(); ++k) {
-    const LocalEnd end = ends_[static_cast<std::size_t>(k)];
-    if (confirm(end) || !end.keeps) return;
-  }
+  confirm_ends();
 }
 
 /// The problem with some of its goals, and the positions that these need.
@@ -560,7 +561,7 @@ void DesignSearch::find_active() {
   count(evaluation.counts());
   for (const HeldBack& one : held) {
     ActiveLimit limit{"", one.variable >= 0, one.goal, 0.0};
-    // Of parts of sizes to units: those of the aim over those of the limit.
+    // The multiplier is of parts of sizes, and the gain of units: of those of the aim over those of the limit.
     limit.gain = one.gain * evaluation.size_of(aim);
     if (one.variable >= 0) {
       const ChosenNumber& number = problem_.variables[static_cast<std::size_t>(one.variable)];

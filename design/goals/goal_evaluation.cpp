@@ -71,15 +71,6 @@ GoalTerm combined(Asked kind, const GoalTerm& a, const GoalTerm& b) {
 
 }  // namespace
 
-double GoalValues::missed() const {
-  double out = 0.0;
-  for (const GoalLimit& one : limits) {
-    const double miss = one.is_equation ? one.c : std::max(0.0, one.c);
-    out += miss * miss;
-  }
-  return out;
-}
-
 GoalEvaluation::GoalEvaluation(const GoalProblem& problem)
     : problem_(&problem),
       asked_(problem.sweeps.size()),
@@ -233,23 +224,9 @@ bool GoalEvaluation::put_fold(std::size_t goal, const DesignPoint& point, bool w
       const ChosenNumber& one = problem_->variables[static_cast<std::size_t>(k)];
       term.by[k] = derivative(one.path) * (one.to - one.from);
     }
-    if (!problem_->ties.empty()) {
-      // What is tied follows by differences of its expression, which is exact in its variables' slopes.
-      std::vector<double> shown;
-      for (Eigen::Index k = 0; k < variables; ++k) {
-        const ChosenNumber& one = problem_->variables[static_cast<std::size_t>(k)];
-        shown.push_back((one.from + point.parts[k] * (one.to - one.from)) /
-                        one.row.dimension.unit(problem_->scene.units));
-      }
-      for (const TiedNumber& tie : problem_->ties) {
-        for (const int used : tie.of.uses()) {
-          const ChosenNumber& one = problem_->variables[static_cast<std::size_t>(used)];
-          std::vector<double> along(shown.size(), 0.0);
-          along[static_cast<std::size_t>(used)] = (one.to - one.from) / one.row.dimension.unit(problem_->scene.units);
-          term.by[used] +=
-              derivative(tie.path) * tie.of.slope(shown, along) * tie.row.dimension.unit(problem_->scene.units);
-        }
-      }
+    for (std::size_t t = 0; t < problem_->ties.size(); ++t) {
+      const double by_tie = derivative(problem_->ties[t].path);
+      for (const auto& [k, slope] : slopes_of_tie(*problem_, point, t)) term.by[k] += by_tie * slope;
     }
   }
   out.terms[goal] = {std::move(term)};

@@ -40,8 +40,6 @@ struct GoalValues {
   std::vector<GoalLimit> limits;
   std::vector<GoalAim> aims;
   std::vector<std::vector<GoalTerm>> terms;  ///< of each goal, as they are
-  /// Sum of the squares of what conditions miss: 0 where all are met.
-  double missed() const;
 };
 
 /// Evaluates goals with exact derivatives. Refers to the problem; one for each thread.

@@ -186,16 +186,10 @@ std::string SweepPositions::where_it_ends(const Path& found, std::size_t missing
                      branch.why.empty() ? "" : ", " + branch.why);
 }
 
+/// Places the spots anew, only some of them where it fails.
 bool SweepPositions::follow_path(const DesignPoint& point, std::string& why) {
   ++counts_.paths;
-  std::vector<Spot> before = std::exchange(spots_, {});
-  const bool is_reached = trace(point, why);
-  if (!is_reached) spots_ = std::move(before);
-  return is_reached;
-}
-
-/// Places the spots anew; some of them where it fails.
-bool SweepPositions::trace(const DesignPoint& point, std::string& why) {
+  spots_.clear();
   try {
     if (is_at_rest()) return follow_rest(point, why);
     const VariedScene varied = varied_in(scene_at(*problem_, point));
@@ -358,8 +352,11 @@ bool SweepPositions::find_positions(const DesignPoint& point, const std::vector<
                                     bool anew, std::string& why) {
   blocking_ = -1;
   std::vector<Spot> before;
-  if (anew) before = spots_;
-  if (anew && !follow_path(point, why)) return false;
+  if (anew) before = std::move(spots_);
+  if (anew && !follow_path(point, why)) {
+    spots_ = std::move(before);
+    return false;
+  }
   std::vector<std::vector<double>> kept;
   for (const Spot& spot : spots_) kept.push_back(spot.z);
   const bool is_near = !anew && last_rows_ == point.rows;

@@ -59,7 +59,6 @@ class SweepPositions {
   };
   bool is_at_rest() const { return sweep_->along.empty(); }
   VariedScene varied_in(Scene scene) const;
-  bool trace(const DesignPoint& point, std::string& why);
   bool follow_path(const DesignPoint& point, std::string& why);
   std::string where_it_ends(const Path& found, std::size_t missing) const;
   bool follow_rest(const DesignPoint& point, std::string& why);

@@ -177,7 +177,7 @@ class SvgPath {
     now_ = end;
   }
 
-  // By the centre of the ellipse (SVG 2, appendix B.2.4); radii that are too short are stretched, as there.
+  // The centre of the ellipse is found first (SVG 2, appendix B.2.4); radii that are too short are stretched, as there.
   void arc(double rx, double ry, double turned, bool large, bool sweep, const Vec2& end) {
     const Vec2 begin = now_;
     now_ = end;

@@ -150,7 +150,7 @@ double least_transmission(PathLinkage linkage, std::span<const double> x, const 
                           std::span<const PathVisit> visits) {
   const double crank = std::exp(x[at_crank]), coupler = std::exp(x[at_coupler]), output = std::exp(x[at_output]);
   const Vec2 ground{x[at_b] - x[at_a], x[at_b + 1] - x[at_a + 1]};
-  // By the cosine of the crank's angle from `zero`.
+  // The angle at the output follows from the cosine of the crank's angle from `zero`.
   const auto angle_at = [&](double cosine) {
     if (linkage == PathLinkage::slider_crank) return folded_angle((x[at_b + 1] - crank * cosine) / coupler);
     const double square = dot(ground, ground) + crank * crank - 2 * norm(ground) * crank * cosine;

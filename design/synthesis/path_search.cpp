@@ -259,7 +259,7 @@ class Searches {
     std::optional<PathStart> solved = by_links(task_, std::move(links), exact_, options_.interrupt);
     if (!solved) return;
     if (exact_) {
-      // That the crank does not turn fully is said of it later.
+      // A crank that does not turn fully is told later, as a defect.
       PathFit::Task free = task_;
       free.limits.full_turn = false;
       out.push_back(fitted(free, *solved, exact_, options_.interrupt));

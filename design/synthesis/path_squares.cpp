@@ -67,7 +67,7 @@ class Linearised {
     const double root = std::sqrt(damping);
     Eigen::MatrixXd left(points * m + more + n, n);
     Eigen::VectorXd right(left.rows());
-    // Of each point, the row that the elimination of its own unknown leaves for it: scale, by shared, right side.
+    // The elimination of a point's own unknown leaves one row for it: scale, by shared, right side.
     Eigen::MatrixXd kept(points, n + 2);
     Eigen::MatrixXd block(m + 1, n + 1);
     Eigen::VectorXd pivot(m + 1);

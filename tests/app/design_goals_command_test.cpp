@@ -93,7 +93,7 @@ TEST(DesignForGoals, NamesTheGoalsThatConflict) {
   ASSERT_EQ(answer["conflict"].size(), 3u);
   for (const int k : {0, 1, 2, 3}) EXPECT_EQ(answer["goals"][k]["conflicts"], k < 3) << k;
   EXPECT_NE(run.out.find("that no numbers meet the goals is not proved"), std::string::npos) << run.out;
-  // By the closed form: no stiffness and free length within their ranges keep these three.
+  // The closed form says that no stiffness and free length within their ranges keep these three.
   for (double stiffness = 5000; stiffness <= 30000; stiffness += 25) {
     for (double free_length = 0.2; free_length <= 0.4; free_length += 2.5e-4) {
       const Bed bed{stiffness, free_length};

@@ -89,7 +89,7 @@ TEST(FunctionGeneration, LargestErrorIsThatOfManySamples) {
       double largest = 0.0;
       for (int k = 0; k <= 20000; ++k) {
         const Vec2 turns = wanted.turns_at(1.3 * k / 20000);
-        // By the equation itself, not by the pose of the linkage.
+        // The equation itself is asked, not the pose of the linkage.
         const double phi = linkage.input_start + turns.x, psi = linkage.output_start + turns.y;
         const auto value = [&](double at) {
           const double a = linkage.input, b = linkage.linkage.coupler, c = linkage.output;

@@ -66,7 +66,7 @@ TEST(SvgCurve, CircleOfArcs) {
 
 TEST(SvgCurve, BezierCurves) {
   const auto cubic = [](const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double t) {
-    // By de Casteljau.
+    // De Casteljau's construction gives the point.
     const auto mix = [&](const Vec2& p, const Vec2& q) { return (1 - t) * p + t * q; };
     const Vec2 ab = mix(a, b), bc = mix(b, c), cd = mix(c, d);
     return conj(mix(mix(ab, bc), mix(bc, cd)));

@@ -354,7 +354,8 @@ TEST(PathDefectsTest, KnownMotions) {
   EXPECT_EQ(defects(known, {{0, 1}, {2, 1}, {1, 1}}), "none");  // backwards once round
   EXPECT_EQ(defects(known, {{0, 1}, {2, 1}, {1, 1}, {3, 1}}), "order");
   EXPECT_EQ(defects(known, {{0, 1}, {1, -1}}), "circuit");
-  // The same with the rocker as the input, which stands between 46.57 and 104.48 deg from the ground, or below it.
+  // The same linkage is given with the rocker as the input, which stands between 46.57 and 104.48 deg from the ground,
+  // or below it.
   const FourBar rocker{{0, 0}, {4, 0}, 3.0, 3.5, 1.5, {}};
   EXPECT_EQ(defects(rocker, {{0.9, 1}, {1.2, 1}, {1.5, 1}}), "none");
   EXPECT_EQ(defects(rocker, {{0.9, 1}, {1.2, -1}}), "branch");

@@ -159,7 +159,7 @@ TEST(ShakingBalance, SliderCrankHasALeastLargestForce) {
   EXPECT_TRUE(found.complete);
   ASSERT_TRUE(found.is_least);
   EXPECT_NEAR(found.before->force, 677.5, 1e-6);
-  // By golden sections over the moment and over the angle, of the closed form of the slider-crank.
+  // Golden sections over the moment and over the angle search the closed form of the slider-crank.
   EXPECT_NEAR(found.after->force, 231.0230563364, 1e-7);
   EXPECT_NEAR(found.lower, 231.0230563364, 1e-7);
   EXPECT_NEAR(found.weights[0].first_moment.x, -0.04464769436636, 1e-11);
