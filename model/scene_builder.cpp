@@ -1,6 +1,11 @@
 #include "model/scene_builder.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -34,6 +39,90 @@ toml::array pairs_of(const std::vector<Vec2>& pairs) {
   toml::array rows;
   for (const Vec2& pair : pairs) rows.push_back(pair_of(pair));
   return rows;
+}
+
+/// A value that has no members, or a key. Numbers have the digits that the same double is read from.
+std::string written(const toml::node& node) {
+  if (const std::optional<double> number = node.value_exact<double>()) {
+    return *number == 0.0 && std::signbit(*number) ? "-0.0" : fmt::format("{}", *number);
+  }
+  std::ostringstream out;
+  out << toml::toml_formatter{node, toml::format_flags::allow_unicode_strings};
+  return out.str();
+}
+
+std::string written_key(std::string_view name) {
+  const auto is_bare = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  if (!name.empty() && std::all_of(name.begin(), name.end(), is_bare)) return std::string(name);
+  return written(toml::value<std::string>(std::string(name)));
+}
+
+/// Members in the order of their places, in which the reader takes them.
+std::vector<std::pair<std::string, const toml::node*>> members_of(const toml::table& table) {
+  std::vector<std::pair<const toml::key*, const toml::node*>> found;
+  for (const auto& [key, node] : table) found.emplace_back(&key, &node);
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return a.first->source().begin.column < b.first->source().begin.column;
+  });
+  std::vector<std::pair<std::string, const toml::node*>> out;
+  for (const auto& [key, node] : found) out.emplace_back(written_key(key->str()), node);
+  return out;
+}
+
+std::string in_one_line(const toml::node& node) {
+  std::vector<std::string> parts;
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, member] : members_of(*table)) parts.push_back(key + " = " + in_one_line(*member));
+    return fmt::format("{{ {} }}", fmt::join(parts, ", "));
+  }
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& member : *array) parts.push_back(in_one_line(member));
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+  }
+  return written(node);
+}
+
+bool is_list_of_tables(const toml::node& node) {
+  const toml::array* array = node.as_array();
+  return array != nullptr && !array->empty() &&
+         std::all_of(array->begin(), array->end(), [](const toml::node& one) { return one.is_table(); });
+}
+
+/// A table with the line above it.
+struct Block {
+  std::uint32_t place = 0;
+  std::string header;
+  const toml::table* table = nullptr;
+};
+
+/// The place of a table of a list, which is that of its first key.
+std::uint32_t place_of(const toml::table& table) {
+  std::uint32_t first = std::numeric_limits<std::uint32_t>::max();
+  for (const auto& [key, node] : table) first = std::min(first, key.source().begin.column);
+  return first;
+}
+
+/// The tables of a document in the order in which they were added, those of bodies each by itself.
+std::vector<Block> blocks_of(const toml::table& root) {
+  std::vector<Block> out;
+  for (const auto& [key, node] : root) {
+    const std::string name = written_key(key.str());
+    if (const toml::table* table = node.as_table(); table != nullptr && name != "body") {
+      out.push_back({key.source().begin.column, fmt::format("[{}]", name), table});
+    } else if (table != nullptr) {
+      for (const auto& [body, data] : *table) {
+        out.push_back({body.source().begin.column, fmt::format("[body.{}]", written_key(body.str())), data.as_table()});
+      }
+    } else if (is_list_of_tables(node)) {
+      for (const toml::node& one : *node.as_array()) {
+        out.push_back({place_of(*one.as_table()), fmt::format("[[{}]]", name), one.as_table()});
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), [](const Block& a, const Block& b) { return a.place < b.place; });
+  return out;
 }
 
 }  // namespace
@@ -462,6 +551,20 @@ SceneBuilder& SceneBuilder::start_position(const std::string& body, Vec2 at) {
   toml::table& positions = document_->part(document_->part(document_->root, "start"), "position");
   document_->add(positions, "start.position", body, pair_of(at));
   return *this;
+}
+
+std::string SceneBuilder::text() const {
+  std::string out;
+  for (const auto& [key, member] : members_of(document_->root)) {
+    if (!member->is_table() && !is_list_of_tables(*member)) out += fmt::format("{} = {}\n", key, in_one_line(*member));
+  }
+  for (const Block& block : blocks_of(document_->root)) {
+    out += fmt::format("\n{}\n", block.header);
+    for (const auto& [key, member] : members_of(*block.table)) {
+      out += fmt::format("{} = {}\n", key, in_one_line(*member));
+    }
+  }
+  return out;
 }
 
 Scene SceneBuilder::build() const { return read_document(document_->root, {document_->title, 0, ""}); }

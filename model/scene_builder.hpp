@@ -199,6 +199,10 @@ class SceneBuilder {
   /// A name that a body, a point or a guess has already is refused when the second one is added.
   Scene build() const;
 
+  /// The same as a scene file, in the order in which it was added; read_scene() of it gives the scene of build(), to
+  /// the last bit. Items are not checked.
+  std::string text() const;
+
  private:
   struct Document;
   std::unique_ptr<Document> document_;
