@@ -16,6 +16,7 @@
 #include "statics/equilibrium/settle.hpp"
 #include "statics/friction/held.hpp"
 #include "statics/inverse/find_numbers.hpp"
+#include "statics/many/solve_many.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/paths/fold_curve.hpp"
 #include "statics/paths/loads_along.hpp"

@@ -178,7 +178,10 @@ void mark_needed(const Certificate& certificate, Check& check) {
 void certify_answer(const StaticModel& model, const SolveOptions& options, Equilibrium& out) {
   out.reached = out.x;
   // Where a search of a large mechanism failed a proof would take long, and there is little to prove.
-  if (out.claimed || (out.status != Status::interrupted && model.mechanism().coordinates() <= most_unclaimed)) {
+  if (!options.prove) {
+    out.certificate.unfinished = true;
+    out.certificate.statement = "no proof was asked for";
+  } else if (out.claimed || (out.status != Status::interrupted && model.mechanism().coordinates() <= most_unclaimed)) {
     out.certificate = certify(model, out.x, options.certificate);
   } else {
     out.certificate.statement = "the search did not end at an equilibrium";

@@ -46,6 +46,7 @@ struct SolveOptions {
   std::optional<int> iterations{};    ///< at most, of the method; where it is less than its own limit (MethodTraits)
   CheckTolerances check{};
   CertificateOptions certificate{};
+  bool prove = true;                 ///< off: what the search finds is checked by free bodies alone, which is no proof
   solvers::Safeguards safeguards{};  ///< of virtual work
   bool scaling = true;               ///< off: the search runs in m and N, to measure the effect of scaling
   const std::atomic<bool>* interrupt = nullptr;

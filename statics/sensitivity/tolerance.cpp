@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "solvers/linear_algebra.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
+#include "statics/many/scene_in_lanes.hpp"
 #include "statics/quantities/linear_response.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -29,8 +31,9 @@ constexpr double converged_sample = 1e-11;  // rad, mechanism sizes, parts of it
 constexpr double decided_within = 1e-6;     // the same; an equilibrium that rounding moves further is not decided
 constexpr int most_chords = 20;
 constexpr double farthest_normal = 6.0;         // standard deviations; beyond, a number is drawn again
-constexpr std::size_t chunk = 500;              // samples computed by a thread at a time
+constexpr std::size_t chunk = 2000;             // samples computed by a thread at a time
 constexpr std::size_t followed_besides = 1000;  // one in so many
+constexpr std::size_t fewest_in_lanes = 2000;   // samples, for which compiling pays
 constexpr std::size_t bins = 40;
 
 /// An equilibrium: the unknowns of equations in which the stops act that act there.
@@ -253,6 +256,7 @@ class Sampler {
     const ResidualDerivatives at{{}, response.by_unknowns(), response.by_numbers()};
     rounding_ = rounding_of(at, inverse_, equations().numbers(), response.z());
     one_way_ = slack_of(equations().numbers(), response.z());
+    if (options.samples >= fewest_in_lanes) compile_for_lanes();
   }
 
   bool is_regular() const { return regular_; }
@@ -275,6 +279,9 @@ class Sampler {
 
   /// Buffers of a thread.
   struct Work {
+    std::unique_ptr<SceneInLanes::Work> lanes;
+    std::vector<std::vector<double>> columns;  // of each tolerated number those of the samples of a chunk
+    std::vector<double> q;
     std::vector<double> numbers, z, r;
     std::vector<Placed> placed;
     Eigen::VectorXd by, dz, residual;
@@ -287,7 +294,37 @@ class Sampler {
     out.by.resize(static_cast<Eigen::Index>(rows_.size()));
     out.dz.resize(static_cast<Eigen::Index>(out.z.size()));
     out.residual.resize(static_cast<Eigen::Index>(out.z.size()));
+    if (!lanes_) return out;
+    out.lanes = lanes_->work(simd_);
+    out.columns.resize(rows_.size());
+    for (std::vector<double>& column : out.columns) column.resize(chunk);
+    out.q.resize(SceneInLanes::block(simd_) * static_cast<std::size_t>(lanes_model_->mechanism().coordinates()));
     return out;
+  }
+
+  /// Computes samples first .. first + count - 1 together and marks those that are taken so. Those are left out that
+  /// are followed besides, which are taken one by one.
+  void sample_in_lanes(std::size_t first, std::size_t count, Work& work, double* values, char* taken) const {
+    if (!lanes_) return;
+    std::vector<const double*> numbers;
+    for (std::size_t k = 0; k < count; ++k) {
+      draw(first + k, work);
+      for (std::size_t t = 0; t < rows_.size(); ++t) {
+        work.columns[t][k] = equations().numbers()[rows_[t]] + work.by[static_cast<Eigen::Index>(t)];
+      }
+    }
+    for (const std::vector<double>& column : work.columns) numbers.push_back(column.data());
+    const std::vector<std::size_t> strides(rows_.size(), 1);
+    const std::size_t block = SceneInLanes::block(simd_);
+    std::vector<SceneInLanes::Lane> lanes(block);
+    for (std::size_t at = 0; at < count; at += block) {
+      const std::size_t some = std::min(block, count - at);
+      lanes_->solve(numbers, strides, at, some, *work.lanes, work.q.data(), values + at * of_.size(), lanes.data());
+      for (std::size_t l = 0; l < some; ++l) {
+        const bool is_solved = lanes[l] == SceneInLanes::Lane::with_values && (first + at + l) % followed_besides != 0;
+        taken[at + l] = is_solved ? 1 : 0;
+      }
+    }
   }
 
   /// Draws the numbers of sample k into work.by, scaled.
@@ -376,6 +413,26 @@ class Sampler {
   }
 
  private:
+  // The equilibrium, and all quantities that are sampled, for many samples at once.
+  void compile_for_lanes() {
+    if (!(rounding_ < decided_within)) return;
+    std::vector<ParameterRow> rows;
+    std::vector<ParameterPlace> places;
+    for (const int row : rows_) {
+      rows.push_back(equations().rows()[static_cast<std::size_t>(row)]);
+      places.push_back(rows.back().place);
+    }
+    lanes_model_ =
+        std::make_unique<StaticModel>(model_.scene(), model_.scales(), VaryingNumbers(model_.scene(), places));
+    const Equilibrium there = solve(*lanes_model_, options_.solve);
+    if (!there.found()) return;
+    SceneInLanes lanes(*lanes_model_, there, rows, std::vector<double>(rows.size(), 1.0),
+                       {.start = LaneStart::equilibrium, .keeps_sides = true, .quantities = of_});
+    if (!lanes.why_not().empty() || lanes.values() != of_.size()) return;
+    simd_ = simd_to_use();
+    lanes_.emplace(std::move(lanes));
+  }
+
   /// One-way springs that do not act.
   std::vector<char> slack_of(const std::vector<double>& numbers, const std::vector<double>& z) const {
     std::vector<Placed> placed;
@@ -483,6 +540,9 @@ class Sampler {
   std::vector<double> per_;
   bool leaders_vary_ = false;
   std::vector<char> one_way_;
+  std::unique_ptr<StaticModel> lanes_model_;
+  std::optional<SceneInLanes> lanes_;  // where samples can be computed so
+  Simd simd_ = Simd::plain;
 };
 
 SampleStatistics statistics_of(std::vector<double> values) {
@@ -668,8 +728,16 @@ ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Toler
   if (options.progress) parallel.progress = [&](std::size_t ended) { options.progress(ended * chunk); };
   solvers::parallel_for(chunks, parallel, [&](std::size_t c) {
     Sampler::Work work = sampler.work();
-    for (std::size_t k = c * chunk; k < std::min(options.samples, (c + 1) * chunk); ++k) {
+    const std::size_t begin = c * chunk, end = std::min(options.samples, (c + 1) * chunk);
+    std::array<char, chunk> taken{};
+    sampler.sample_in_lanes(begin, end - begin, work, values.data() + begin * quantities, taken.data());
+    for (std::size_t k = begin; k < end; ++k) {
       if (sampler.interrupted()) return;
+      if (taken[k - begin] != 0) {
+        fates[k] = Sampler::Fate::taken;
+        done[k] = 1;
+        continue;
+      }
       const Sampler::Sample sample = sampler.sample(k, work, values.data() + k * quantities);
       if (!sample.ended) return;
       fates[k] = sample.fate;

@@ -87,13 +87,15 @@ struct ToleranceStudy {
 
 /// What tolerances do to quantities at the settled equilibrium.
 ///
-/// Each sample p is solved by the chord method  z <- z - A^-1 R(z, p)  with A = dR/dz of the nominal scene, from
-/// z + dz/dp (p - nominal). It is taken where every step is at most 0.3 of the one before and no stop or one-way spring
-/// comes on or off. All others are followed from the nominal scene in small steps of all numbers together, by Newton's
-/// method, with stops that come on and off; a stable equilibrium remains one as long as det dR/dz keeps its sign. Both
-/// end where the steps are at most 1e-11 or what rounding moves, 4 eps |A^-1| (|A| |z| + |dR/dp| |p|); a sample whose
-/// steps end in rounding of more than 1e-6 is not decided. Where none continues, the sample settles anew from the
-/// scene's start. One sample in 1000 of those taken is followed too.
+/// Of fewest_in_lanes = 2000 samples and more those that SceneInLanes solves from the nominal equilibrium, with the
+/// same stops and one-way springs, are taken from there. Each other sample p is solved by the chord method  z <- z -
+/// A^-1 R(z, p)  with A = dR/dz of the nominal scene, from z + dz/dp (p - nominal). It is taken where every step is at
+/// most 0.3 of the one before and no stop or one-way spring comes on or off. All others are followed from the nominal
+/// scene in small steps of all numbers together, by Newton's method, with stops that come on and off; a stable
+/// equilibrium remains one as long as det dR/dz keeps its sign. Both end where the steps are at most 1e-11 or what
+/// rounding moves, 4 eps |A^-1| (|A| |z| + |dR/dp| |p|); a sample whose steps end in rounding of more than 1e-6 is not
+/// decided. Where none continues, the sample settles anew from the scene's start. One sample in 1000 of those taken is
+/// followed too.
 ///
 /// Sample k depends on the seed and k alone. Loads at folds have first order only. Throws InputError as
 /// sensitivities() does.

@@ -312,7 +312,7 @@ Transition TrackedEquilibrium::change(Scene wanted) {
 }
 
 Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
-  DraggedPoint walk(scene_, point);
+  DraggedPoint walk(scene_, point, options_.interrupt);
   const std::vector<Vec2> along = walk.directions();
   if (along.empty() && movable_ && hand_ && hand_->at == point) return drag_back(point, place);
   if (along.empty()) throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
@@ -348,7 +348,8 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
   // A hand that moves in an area moves straight, where it can.
   const Vec2 from = walk.place();
   const auto straight = [&](Vec2 to) {
-    return follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(), {});
+    return follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(), {},
+                           options_.interrupt);
   };
   if (along.size() == 2) {
     if (const auto there = straight(place)) {
@@ -404,7 +405,7 @@ Transition TrackedEquilibrium::drag_in_equilibrium(PointRef point, Vec2 place) {
 TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand, Transition& out) const {
   const std::string why = "what the hand leaves free moved to where it rests";
   Position now = position_of(*model_, equilibrium_);
-  std::optional<DraggedPoint> walk(std::in_place, scene_, hand.at);
+  std::optional<DraggedPoint> walk(std::in_place, scene_, hand.at, options_.interrupt);
   std::vector<Vec2>& along = hand.along;
   along = walk->directions();
   std::optional<Found> found;
@@ -413,7 +414,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   if (!equilibrium_.found() || (hand_ && hand_->at != hand.at)) {
     found = settled_from(now.scene, {now.poses}, true, why, out);
     now = position_of(*found->model, found->equilibrium);
-    walk.emplace(started_at(scene_, now.poses), hand.at);
+    walk.emplace(started_at(scene_, now.poses), hand.at, options_.interrupt);
     along = walk->directions();
   }
   // The equilibrium at these poses, to which it was followed.
@@ -425,7 +426,8 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   };
   // Where it can be held just there no walk has to say how near it comes.
   if (along.size() == 2 && now.is_stable) {
-    if (const auto there = follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops)) {
+    if (const auto there =
+            follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops, options_.interrupt)) {
       if (auto arrived = arrival_at(*there)) return std::move(*arrived);
     }
   }

@@ -160,6 +160,7 @@ class Search {
       Task task = std::move(chunk.waiting.back());
       chunk.waiting.pop_back();
       if (++chunk.boxes % 64 == 0) look_at_clock(chunk.decided);
+      if (allowance_.interrupted()) stopped_ = true;  // 64 boxes of a long chain take seconds
       BoxProver::Verdict verdict;
       {
         const solvers::RoundingUp up;

@@ -7,6 +7,7 @@
 
 #include <Eigen/SVD>
 
+#include "model/input_error.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -50,8 +51,10 @@ solvers::NewtonOptions without_other_starts() {
 
 }  // namespace
 
-DraggedPoint::DraggedPoint(Scene scene, PointRef point)
-    : model_(with_rows(std::move(scene), point)), closing_(model_.problem(), without_other_starts()) {
+DraggedPoint::DraggedPoint(Scene scene, PointRef point, const std::atomic<bool>* interrupt)
+    : interrupt_(interrupt),
+      model_(with_rows(std::move(scene), point)),
+      closing_(model_.problem(), without_other_starts()) {
   const Body& body = model_.scene().bodies[static_cast<std::size_t>(point.body)];
   double extent = 0.0;
   for (const NamedPoint& other : body.points) extent = std::max(extent, norm(other.at - body.points.front().at));
@@ -70,6 +73,10 @@ std::vector<Vec2> DraggedPoint::directions() const {
   if (all.size() < immovable) return {};
   if (all.runs_on_a_curve()) return {{all.along(0, 0), all.along(1, 0)}};
   return {{1, 0}, {0, 1}};
+}
+
+void DraggedPoint::expect_no_interrupt() const {
+  if (interrupt_ != nullptr && *interrupt_) throw InputError("interrupted");
 }
 
 void DraggedPoint::go_to(Vec2 target) {
@@ -135,6 +142,7 @@ bool DraggedPoint::go_straight(Vec2 target) {
   const Vec2 from = place_;
   double part = 0.0, step = 1.0;
   for (int k = 0; k < most_drag_steps && step > shortest_drag_part; ++k) {
+    expect_no_interrupt();
     const double to = std::min(1.0, part + step);
     const Vec2 goal = from + to * (target - from);
     const std::vector<double> x = x_;
@@ -199,6 +207,7 @@ double DraggedPoint::largest_gap() const {
 void DraggedPoint::approach(Vec2 target, bool holds) {
   locked_ = false;
   for (int k = 0; k < most_drag_steps; ++k) {
+    expect_no_interrupt();
     const double before = norm(target - place_);
     const auto try_step = [&](bool strongly) {
       const VectorXd step = step_to(target, strongly);

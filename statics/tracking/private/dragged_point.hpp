@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ namespace poise {
 class DraggedPoint {
  public:
   /// From where the scene starts, loops closed.
-  DraggedPoint(Scene scene, PointRef point);
+  DraggedPoint(Scene scene, PointRef point, const std::atomic<bool>* interrupt = nullptr);
 
   /// Counts the freedoms of the mechanism without its stops.
   int freedoms() const { return static_cast<int>(motions({}).basis.cols()); }
@@ -32,6 +33,7 @@ class DraggedPoint {
   /// It can go no further, though no stop holds it up.
   bool locked() const { return locked_; }
 
+  /// Throws InputError where it is interrupted.
   void go_to(Vec2 target);
   /// Moves off stops that it touches by next to nothing: where the hand alone holds the mechanism they would share the
   /// load with it in ways that nothing determines.
@@ -56,6 +58,7 @@ class DraggedPoint {
   bool go_straight(Vec2 target);
   bool reach(Vec2 goal);
   double largest_gap() const;
+  void expect_no_interrupt() const;
   void approach(Vec2 target, bool holds);
   int stops() const { return model_.mechanism().stops() - 2; }
   void look();
@@ -75,6 +78,7 @@ class DraggedPoint {
   bool goes_to(const Motions& there);
   bool advance(const Eigen::VectorXd& step, double part, Vec2 target, bool holds, double shortest);
 
+  const std::atomic<bool>* interrupt_;
   StaticModel model_;  // with the point's coordinates as two stops without limits, the last
   solvers::Newton closing_;
   std::vector<double> x_;

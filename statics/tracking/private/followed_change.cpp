@@ -89,7 +89,7 @@ struct Spot {
 /// Proved steps from one scene towards another.
 struct Stepped {
   Stepped(const Scene& before, const Scene& after, const BodyPoses& from, const std::vector<int>& active_stops,
-          int& tries_left)
+          int& tries_left, const std::atomic<bool>* interrupt)
       : poses(from) {
     const Scene here = started_at(before, from), there = starting_as(after, here);
     if (in_one(here, there, active_stops)) return;
@@ -102,6 +102,7 @@ struct Stepped {
     spots.push_back({0.0, model->start()});
     int same = 0;  // steps until a longer one is tried again
     for (; part < 1.0 && step >= shortest_part && tries_left > 0; --tries_left) {
+      if (interrupt != nullptr && *interrupt) break;
       const double to = std::min(1.0, part + step);
       auto next = varied->model_at(to);
       if (auto at = followed_in_one_step(*model, spots.back().x, active_stops, *next)) {
@@ -241,9 +242,9 @@ std::optional<Section> section_between(const Scene& from, const Scene& to, const
 }  // namespace
 
 std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops) {
+                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt) {
   int tries_left = most_tries;
-  const Stepped way(before, after, poses, active_stops, tries_left);
+  const Stepped way(before, after, poses, active_stops, tries_left, interrupt);
   return way.part == 1.0 ? std::optional(way.poses) : std::nullopt;
 }
 
@@ -258,7 +259,7 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
   double width = 0.0;
   int tries_left = most_tries;
   for (int k = 0; k < most_sections; ++k) {
-    Stepped way(out.scene, after, out.poses, active, tries_left);
+    Stepped way(out.scene, after, out.poses, active, tries_left, options.interrupt);
     out.arrived = way.part == 1.0;
     if (out.arrived) {
       add_changes_of_springs(out.scene, out.poses, after, way.poses, transition.passed);

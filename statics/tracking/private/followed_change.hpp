@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -21,9 +22,10 @@ struct FollowedChange {
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
                              const std::vector<int>& active_stops, const TrackedOptions& options);
 
-/// The same by proved steps alone; empty where they do not lead there (statics/tracking/private/small_step.hpp).
+/// The same by proved steps alone; empty where they do not lead there (statics/tracking/private/small_step.hpp), or are
+/// interrupted.
 std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops);
+                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt);
 
 /// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
 /// `poses` on. Throws InputError where they cannot be closed.
