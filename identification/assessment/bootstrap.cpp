@@ -136,6 +136,7 @@ Bootstrap bootstrap(const FitProblem& problem, const std::vector<Record>& record
       values[p].push_back(found[sample][p] + problem.unknown_of(p).includes);
     }
   }
+  if (out.interrupted && out.samples < Bootstrap::least_samples) return out;
   for (std::size_t p = 0; p < parameters && out.samples > 1; ++p) {
     double mean = 0.0;
     double squares = 0.0;

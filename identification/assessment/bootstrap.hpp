@@ -11,12 +11,14 @@ namespace poise {
 
 /// Standard errors by refitting records that are made from the residuals of a fit.
 struct Bootstrap {
-  int samples = 0;                     ///< fits that converged
-  int failed = 0;                      ///< fits that did not
-  double block = 0.0;                  ///< length of a block, s; infinite: whole runs
-  std::vector<double> standard_error;  ///< per parameter, SI
-  std::vector<double> low, high;       ///< per parameter: percentiles 2.5 and 97.5 of the shown value, SI
+  int samples = 0;     ///< fits that converged
+  int failed = 0;      ///< fits that did not
+  double block = 0.0;  ///< length of a block, s; infinite: whole runs
+  /// Per parameter, SI; empty where an interrupt left less than `least_samples`.
+  std::vector<double> standard_error;
+  std::vector<double> low, high;  ///< per parameter: percentiles 2.5 and 97.5 of the shown value, SI; likewise
   bool interrupted = false;
+  static constexpr int least_samples = 20;  ///< that percentiles are taken of
 };
 
 struct BootstrapOptions {
