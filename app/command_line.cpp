@@ -29,43 +29,6 @@
 namespace poise::app {
 namespace {
 
-/// A command with what its help ends with: a line to try, from the folder of Poise.
-struct CommandEntry {
-  Command command;
-  std::string example;
-
-  std::string line() const { return fmt::format("  poise {} {}\n", command.name, example); }
-};
-
-std::vector<CommandEntry> all_commands() {
-  return {
-      {check_command(), "datasets/six_bar.toml"},
-      {solve_command(), "datasets/toggle_clamp.toml --set load.P=30 --svg clamp.svg --json clamp.json"},
-      {equilibria_command(), "datasets/four_bar_gravity.toml --svg equilibria.svg"},
-      {hold_command(), "datasets/friction/wedge.toml --vary load.P"},
-      {view_command(), "datasets/toggle_clamp.toml"},
-      {path_command(), "datasets/von_mises_toggle.toml --vary load.P=0..60 --svg toggle.svg"},
-      {find_command(),
-       "datasets/toggle_clamp.toml --vary spring.rubber.stiffness=200..800 --for \"force.rubber = -700\""},
-      {sensitivity_command(), "datasets/toggle_clamp.toml --of force.rubber,fold.load.P"},
-      {tolerance_command(),
-       "datasets/toggle_clamp.toml --tolerances datasets/toggle_clamp_tolerances.toml --of force.rubber"},
-      {loads_command(), "datasets/structures/three_hinged_portal.toml --svg loads.svg"},
-      {compare_command(), "datasets/car_hood.toml --svg hood.svg"},
-      {kinematics_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --point platform.Q --svg lift.svg"},
-      {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv"},
-      {modes_command(), "datasets/lift.toml"},
-      {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg"},
-      {design_command(), "datasets/wall_bed_design.toml --scene found.toml --html design.html"},
-      {identify_command(), "datasets/lift_experiment.toml --svg fit.svg"},
-      {validate_command(), "datasets/lift_experiment.toml --with fit.json"},
-      {identifiability_command(), "datasets/lift_experiment_empty.toml"},
-      {plan_command(), "datasets/lift_plan.toml --experiment planned.toml"},
-      {montecarlo_command(), "datasets/lift_experiment.toml --trials 300"},
-      {stress_command(), "--methods virtual-work,energy --starts 100"},
-  };
-}
-
 /// Adds an option to CLI11, which only splits the command line into words: they are read here, by the rules and with
 /// the messages of all other input.
 struct Declaration {
@@ -73,17 +36,13 @@ struct Declaration {
   const Option& option;
 
   void operator()(bool* flag) const { app.add_flag(option.name, *flag, option.help); }
-  void operator()(std::vector<std::string>* list) const {
-    add<std::vector<std::string>>([name = option.name, list](const std::vector<std::string>& words) {
-      for (const std::string& word : words) read_word(name, word, list->emplace_back());
+  void operator()(std::vector<std::string>* /*list*/) const {
+    add<std::vector<std::string>>([&option = option](const std::vector<std::string>& words) {
+      for (const std::string& word : words) read_option(option, word);
     }).allow_extra_args(!option.name.starts_with('-'));
   }
-  template <class Value>
-  void operator()(std::optional<Value>* value) const {
-    add<std::string>([name = option.name, value](const std::string& word) { read_word(name, word, value->emplace()); });
-  }
-  void operator()(auto* value) const {
-    add<std::string>([name = option.name, value](const std::string& word) { read_word(name, word, *value); });
+  void operator()(auto* /*value*/) const {
+    add<std::string>([&option = option](const std::string& word) { read_option(option, word); });
   }
 
  private:
@@ -114,31 +73,15 @@ void declare(CLI::App& app, const std::vector<CommandEntry>& commands) {
   for (const CommandEntry& entry : commands) {
     CLI::App& command = *app.add_subcommand(entry.command.name, entry.command.help);
     for (const Option& option : entry.command.options) std::visit(Declaration{command, option}, option.target);
-    command.footer("Example:\n" + entry.line());
-    examples += entry.line();
+    const std::string line = fmt::format("  poise {} {}\n", entry.command.name, entry.example);
+    command.footer("Example:\n" + line);
+    examples += line;
   }
   app.footer(examples +
              "\nExit code: 0 solved and confirmed (checked, where a proof takes too long),\n1 not found or not "
              "confirmed, 2 bad input.\n"
              "Numbers are read and shown in the units of the scene." +
              folders_on_this_machine());
-}
-
-/// The words in quotes where a shell needs them.
-std::string line_of(int argc, const char* const* argv) {
-  constexpr std::string_view plain = "-_./=,:+@%";
-  const auto is_plain = [&](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || plain.find(c) != std::string_view::npos;
-  };
-  std::string line = "poise";
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
-    const bool is_bare = !word.empty() && std::all_of(word.begin(), word.end(), is_plain);
-    line += is_bare ? " " : " '";
-    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    if (!is_bare) line += '\'';
-  }
-  return line;
 }
 
 std::string first_line(std::string_view text) { return one_line(text.substr(0, text.find('\n'))); }
@@ -150,14 +93,9 @@ int complain(const std::string& line) {
 
 /// Throws InputError where there is no command or an unknown one: CLI11 would only call it "required".
 void expect_command(const std::vector<CommandEntry>& commands, int argc, const char* const* argv) {
-  std::vector<std::string> names;
-  for (const CommandEntry& entry : commands) names.push_back(entry.command.name);
-  const std::string expected =
-      fmt::format("expected a command: {} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
-  if (argc < 2) throw InputError("poise: " + expected + "; see poise --help");
-  const std::string word = argv[1];
-  if (word.starts_with('-') || std::find(names.begin(), names.end(), word) != names.end()) return;
-  throw InputError(fmt::format("poise: {}, found \"{}\"{}", expected, word, did_you_mean(word, names)));
+  if (argc < 2) throw InputError("poise: " + expected_commands(commands) + "; see poise --help");
+  if (std::string_view(argv[1]).starts_with('-')) return;
+  command_named(commands, argv[1]);
 }
 
 /// Throws InputError naming the first word of the command line that the command does not take.
@@ -175,7 +113,7 @@ std::string unexpected(const CLI::App& command, int argc, const char* const* arg
   }
   for (char& letter : file) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   if (!name.starts_with('-')) return fmt::format("poise: expected one {}, found \"{}\" too", file, name);
-  return fmt::format("poise: {} has no option \"{}\"{}", command.get_name(), name, did_you_mean_or_list(name, options));
+  return no_such_option(command.get_name(), name, options);
 }
 
 int parse_and_run(int argc, const char* const* argv) {
@@ -212,7 +150,9 @@ int parse_and_run(int argc, const char* const* argv) {
   }
   const auto asked = std::find_if(commands.begin(), commands.end(),
                                   [&](const CommandEntry& entry) { return app.got_subcommand(entry.command.name); });
-  if (asked->command.line != nullptr) *asked->command.line = line_of(argc, argv);
+  if (Request* const request = asked->command.request; request != nullptr) {
+    request->line = line_of({argv + 1, argv + argc});
+  }
   return asked->command.run(Palette::for_stream(stdout));
 }
 

@@ -15,7 +15,7 @@ namespace poise::app {
 namespace {
 
 int run_check(const Request& request, const Palette& palette) {
-  Progress progress;
+  Progress progress(request.listener());
   progress.now("reading the scene");
   const Scene moving = load_moving_scene(request);
   const StaticModel model(moving);

@@ -12,6 +12,8 @@
 
 namespace poise::app {
 
+struct Request;
+
 /// Where the value of an option goes: a flag sets the bool, a list takes one value each time the option is given, an
 /// optional stays empty where the option is not given, all others keep what they held.
 using OptionTarget = std::variant<bool*, int*, std::uint64_t*, double*, std::string*, std::vector<std::string>*,
@@ -36,9 +38,12 @@ struct Command {
   std::string name, help;
   std::vector<Option> options = {};  ///< in the order of the help
   std::function<int(const Palette&)> run = {};
-  std::string* line = nullptr;  ///< where the command line goes, before run(), as a shell would read it; null: nowhere
+  Request* request = nullptr;  ///< where the command line and the caller go before run(); null: nowhere
 
   void add(Option option) { options.push_back(std::move(option)); }
 };
+
+/// Reads the word given to an option into its target; a flag, which takes none, is set. Throws InputError naming it.
+void read_option(const Option& option, const std::string& word);
 
 }  // namespace poise::app

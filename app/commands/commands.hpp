@@ -2,6 +2,9 @@
 
 // The commands of poise, in the order of --help.
 
+#include <string>
+#include <vector>
+
 #include "app/commands/command.hpp"
 
 namespace poise::app {
@@ -96,5 +99,25 @@ Command montecarlo_command();
 /// `poise stress [CASE...]`: all methods on the hard catalogue, from many seeded starts. Exit code solved without
 /// false claims and with virtual work converged from at least 99.9 % of the starts of every case that has an answer.
 Command stress_command();
+
+/// A command with what its help ends with: a line to try, from the folder of Poise.
+struct CommandEntry {
+  Command command;
+  std::string example;
+};
+
+/// All of them, in the order of --help, each time with options that nothing has been read into.
+std::vector<CommandEntry> all_commands();
+
+/// "expected a command: check, solve, ... or stress".
+std::string expected_commands(const std::vector<CommandEntry>& commands);
+/// Throws InputError naming all commands, with the nearest, where none has this name.
+const Command& command_named(const std::vector<CommandEntry>& commands, const std::string& name);
+/// What to say of an option that a command does not have; `options` are those it has.
+std::string no_such_option(const std::string& command, const std::string& option,
+                           const std::vector<std::string>& options);
+
+/// "poise" and these words, in quotes where a shell needs them.
+std::string line_of(const std::vector<std::string>& words);
 
 }  // namespace poise::app

@@ -10,7 +10,6 @@
 #include "app/commands/session.hpp"
 #include "app/draw/equilibrium_figure.hpp"
 #include "app/results/statics/work_precision.hpp"
-#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -72,11 +71,11 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   options.certificate = read_proof(words.proof_seconds);
   const std::vector<Method> methods = read_methods("--methods", words.methods.value_or("virtual-work,energy"));
 
-  Progress progress;
+  Progress progress(words.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request));
   OutputFiles files(request);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &words.common.interrupt();
   std::vector<Answer> answers;
   for (const Method method : methods) {
     options.method = method;
@@ -99,12 +98,12 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
 int run_work_precision(const CompareRequest& words, const Palette& palette) {
   const Request& request = words.common;
   comparison::WorkPrecisionOptions options = work_precision_options(words);
-  Progress progress;
+  Progress progress(words.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request));
   OutputFiles files(request);
   if (files.wants_svg()) expect_plotter();
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &words.common.interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
   const comparison::WorkPrecision study = comparison::work_precision(model, options);
 

@@ -11,21 +11,20 @@
 #include "app/commands/session.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/results/motion/design.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "design/goals/design_kind.hpp"
 #include "model/input_error.hpp"
 
 namespace poise::app {
 
 int run_guidance(const DesignRequest& request, const Palette& palette) {
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the design");
   const DesignProblem problem = read_design(request.common.scene);
   OutputFiles files(request.common, {problem.scene.file});
   DesignOptions options;
   options.seed = request.seed;
   options.starts = request.starts.value_or(300);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   options.progress = [&](int start, double misfit) {
     progress.now(fmt::format("searching: start {} of {}, best misfit {:.3g}", start, options.starts, misfit));
   };

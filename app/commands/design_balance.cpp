@@ -4,7 +4,6 @@
 #include "app/commands/design.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/design/balance.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "design/balance/balance_problem.hpp"
 #include "design/balance/near_balance.hpp"
 #include "design/balance/shaking_balance.hpp"
@@ -51,12 +50,12 @@ BalanceFound find_counterweights(const BalanceProblem& problem, const std::atomi
 }  // namespace
 
 int run_balance(const DesignRequest& request, const Palette& palette) {
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the design");
   const BalanceProblem problem = read_balance(request.common.scene);
   OutputFiles files(request.common, {problem.scene.file});
   progress.now("balancing");
-  const std::atomic<bool>& interrupt = watch_for_interrupt();
+  const std::atomic<bool>& interrupt = request.common.interrupt();
   const BalanceFound found = problem.of == BalanceProblem::Of::weights ? find_weights(problem, interrupt)
                                                                        : find_counterweights(problem, interrupt);
   return finish(request.common, found.result, &files, {}, found.is_solved, progress, palette, found.scene);

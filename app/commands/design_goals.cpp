@@ -10,7 +10,6 @@
 #include "app/draw/chart/goals_chart.hpp"
 #include "app/draw/goals_figures.hpp"
 #include "app/results/design/goals.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "design/goals/design_search.hpp"
 #include "model/input_error.hpp"
 #include "model/named_files.hpp"
@@ -19,7 +18,7 @@ namespace poise::app {
 
 int run_goals(const DesignRequest& request, const Palette& palette) {
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the design");
   const GoalProblem problem = read_goals(request.common.scene);
   std::vector<std::string> read{problem.scene_file.string()};
@@ -53,7 +52,7 @@ int run_goals(const DesignRequest& request, const Palette& palette) {
   options.jobs = read_jobs(request.jobs);
   options.method = request.method;
   options.trade_off = request.trade_off;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   options.progress = [&](const std::string& what) { progress.now(what); };
   const auto begin = std::chrono::steady_clock::now();
   const GoalDesign found = design_for_goals(problem, options);

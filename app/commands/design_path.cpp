@@ -10,7 +10,6 @@
 #include "app/commands/session.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/results/design/path_synthesis.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "design/synthesis/path_scene.hpp"
 #include "design/synthesis/path_search.hpp"
 #include "motion/design.hpp"
@@ -40,7 +39,7 @@ Figure figure_of_path(const Scene& scene, const PathSolution& solution) {
 }  // namespace
 
 int run_path_synthesis(const DesignRequest& request, const Palette& palette) {
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the design");
   const PathProblem problem = read_path_problem(request.common.scene);
   OutputFiles files(request.common, {problem.file});
@@ -48,7 +47,7 @@ int run_path_synthesis(const DesignRequest& request, const Palette& palette) {
   options.seed = request.seed;
   options.starts = request.starts.value_or(300);
   options.jobs = read_jobs(request.jobs);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   options.progress = [&](std::size_t done) {
     progress.now_and_then([&] { return fmt::format("searching: {} of {} starts", done, options.starts); });
   };

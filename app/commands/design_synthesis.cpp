@@ -8,7 +8,6 @@
 #include "app/commands/session.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/results/design/synthesis.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "design/synthesis/four_bar_scene.hpp"
 #include "motion/design.hpp"
 
@@ -66,7 +65,7 @@ int show_synthesis(const DesignRequest& request, OutputFiles& files, const Resul
 
 int run_synthesis(const DesignRequest& request, const Palette& palette) {
   if (synthesis_kind(request.common.scene) == SynthesisKind::path) return run_path_synthesis(request, palette);
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the design");
   const SynthesisProblem problem = read_synthesis(request.common.scene);
   OutputFiles files(request.common, {problem.file});
@@ -77,7 +76,7 @@ int run_synthesis(const DesignRequest& request, const Palette& palette) {
     return best && best->confirmed;
   };
   if (const auto* const task = std::get_if<PoseTask>(&problem.task)) {
-    const Guidance guidance = guide(*task, &watch_for_interrupt());
+    const Guidance guidance = guide(*task, &request.common.interrupt());
     const auto chosen = chosen_of(guidance);
     const bool confirmed = drive(chosen);
     return show_synthesis(request, files, guidance_result(problem, *task, guidance, chosen, confirmed), best,

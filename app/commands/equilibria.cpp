@@ -17,7 +17,6 @@
 #include "app/draw/equilibria_picture.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "statics/model/mobility.hpp"
 
 namespace poise::app {
@@ -110,7 +109,7 @@ AllEquilibriaOptions read_options(const EquilibriaRequest& request) {
   options.jobs = read_jobs(request.jobs);
   options.assemblies = request.assemblies;
   options.certificate = read_proof(request.proof_seconds);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   return options;
 }
 
@@ -129,7 +128,7 @@ std::vector<std::string> captions_of(const StaticModel& model, const Equilibrium
 
 int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
   AllEquilibriaOptions options = read_options(request);
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   HeldScene given = held_scene(request);
   const std::size_t held = given.drives;

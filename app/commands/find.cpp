@@ -15,7 +15,6 @@
 #include "app/commands/session.hpp"
 #include "app/commands/vary.hpp"
 #include "app/results/statics/quantities.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "model/named_number.hpp"
 #include "statics/paths/path_measures.hpp"
 
@@ -73,7 +72,7 @@ FindOptions read_find_options(const FindRequest& request) {
   FindOptions options;
   options.path.from = read_from(request.from);
   options.path.certificate = read_proof(request.proof_seconds);
-  options.path.interrupt = &watch_for_interrupt();
+  options.path.interrupt = &request.common.interrupt();
   options.all = request.all;
   options.others = other_quantity;
   return options;
@@ -100,7 +99,7 @@ int run_find(const FindRequest& request, const Palette& palette) {
   }
   if (count == 2 && request.all) throw InputError("--all: expected one --vary, found two");
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const Scene scene = load_scene(request.common);
   const NamedRange first = read_vary_range(request.vary[0]);

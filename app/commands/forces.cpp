@@ -17,7 +17,6 @@
 #include "app/result/each.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/motion/kinematics.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "identification/experiment/motion_import.hpp"
 
 namespace poise::app {
@@ -69,7 +68,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   const Quantity quantity = quantity_of(scene.drives[moving].on);
   SweepOptions options;
   options.steps = request.steps;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   if (request.rate) options.rate = *request.rate * unit_value(quantity, scene.units);
   ForcesAnswer out{request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
                                               unit_name(quantity, scene.units))
@@ -114,7 +113,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
       !request.motion.empty() || std::any_of(request.drives.begin(), request.drives.end(),
                                              [](const std::string& d) { return d.find("..") != std::string::npos; });
   if (!request.common.svg.empty() && has_chart) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const Scene given = load_moving_scene(request.common);
   const MotionModel model(with_drives(given, request.drives));

@@ -10,7 +10,6 @@
 #include "app/commands/session.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/results/parts.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "model/parameters.hpp"
 #include "statics/bodies/body_measures.hpp"
 
@@ -49,12 +48,12 @@ struct PoseToHold {
 };
 
 /// Nothing where no equilibrium is found.
-std::optional<PoseToHold> pose_of(const StaticModel& model, bool at_rest, Progress& progress) {
+std::optional<PoseToHold> pose_of(const StaticModel& model, const HoldRequest& request, Progress& progress) {
   // Nothing that loads it can move it: as drawn it is held without friction.
   if (model.mechanism().coordinates() == 0) return PoseToHold{};
-  if (!at_rest) return PoseToHold{assemble(model)};
+  if (!request.at_rest) return PoseToHold{assemble(model)};
   SolveOptions options;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   const Answer answer = search(model, options, progress);
   if (!answer.equilibrium.found()) return std::nullopt;
   return PoseToHold{answer.equilibrium.x, radius_of(answer.equilibrium)};
@@ -82,14 +81,14 @@ std::string picture_of_hold(const StaticModel& model, const std::vector<double>&
 }
 
 int run_hold(const HoldRequest& request, const Palette& palette) {
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   expect_friction(model.scene());
   OutputFiles files(request.common);
   HoldView view;
   view.at_rest = request.at_rest;
-  const std::optional<PoseToHold> found = pose_of(model, request.at_rest, progress);
+  const std::optional<PoseToHold> found = pose_of(model, request, progress);
   if (!found) {
     Result none;
     none.title = model.scene().title;

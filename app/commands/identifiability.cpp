@@ -18,7 +18,7 @@ struct IdentifiabilityRequest {
 
 int run_identifiability(const IdentifiabilityRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   const FitProblem problem(experiment);

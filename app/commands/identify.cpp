@@ -14,7 +14,6 @@
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/compare_models.hpp"
 #include "app/results/identification/fitted_scene.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "identification/assessment/check_spans.hpp"
 
 namespace poise::app {
@@ -45,10 +44,11 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   FitOptions options;
   options.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
   options.jobs = read_jobs(request.jobs);
-  expect_number("--bootstrap", request.bootstrap, request.bootstrap == 0 || request.bootstrap >= 20,
+  expect_number("--bootstrap", request.bootstrap,
+                request.bootstrap == 0 || request.bootstrap >= Bootstrap::least_samples,
                 "0 (none), or at least 20 samples");
   if (!common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   if (!common.written_scene.empty() && !experiment.parts.empty()) {
@@ -58,7 +58,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   const FitProblem problem(experiment);
   check_spans(problem);
   OutputFiles files(common, files_read(experiment));
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
   expect_unknowns(problem, request.profiles);
@@ -80,7 +80,8 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     pictures.figures = estimate_figures(problem, answer.fit);
     for (Figure& figure : fit_figures(problem, answer)) pictures.figures.push_back(std::move(figure));
   }
-  return finish(common, result, &files, pictures, answer.fit.usable(), progress, palette, scene.text);
+  const bool is_whole = !answer.bootstrap || !answer.bootstrap->interrupted;
+  return finish(common, result, &files, pictures, answer.fit.usable() && is_whole, progress, palette, scene.text);
 }
 
 /// Several models of the same readings.
@@ -100,7 +101,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   CompareOptions options;
   options.fit.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
   options.fit.jobs = read_jobs(request.jobs);
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the experiments");
   std::deque<Experiment> experiments;
   std::deque<FitProblem> problems;
@@ -121,7 +122,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
     all.push_back(&problems.back());
   }
   OutputFiles files(common, read);
-  options.fit.interrupt = &watch_for_interrupt();
+  options.fit.interrupt = &request.experiment.common.interrupt();
   options.fit.progress = [&](const std::string& doing) { progress.now(doing); };
   const ModelComparison answer = compare_models(all, options);
   const bool usable = !answer.interrupted && std::all_of(answer.models.begin(), answer.models.end(),

@@ -11,7 +11,6 @@
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
-#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -28,7 +27,7 @@ struct KinematicsRequest {
 int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   check_sweep(request.steps, request.rate);
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const Scene scene = load_scene(request.common);
   std::vector<DriveRange> ranges;
@@ -40,7 +39,7 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   SweepOptions options;
   options.steps = request.steps;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   if (request.rate) {
     options.rate =
         *request.rate * unit_value(quantity_of(find_drive(scene, ranges[first_moving(ranges)].name).on), scene.units);

@@ -14,7 +14,6 @@
 #include "app/draw/chart/plot.hpp"
 #include "app/draw/loads_picture.hpp"
 #include "app/results/statics/loads_along.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "motion/dynamic_stability.hpp"
 
 namespace poise::app {
@@ -45,7 +44,7 @@ int run_in_motion(const LoadsRequest& request, const Palette& palette) {
   if (request.proof_seconds || request.seek != LoadsRequest().seek) {
     throw InputError("--time: in motion no equilibrium is sought; leave out --seek and --proof-seconds");
   }
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const MotionModel model(load_moving_scene(request.common));
   expect_links(model.scene());
@@ -57,7 +56,7 @@ int run_in_motion(const LoadsRequest& request, const Palette& palette) {
   }
   OutputFiles files(request.common);
   MotionOptions options;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   progress.now("moving");
   const MovingLoadsAnswer answer{*request.time,
                                  loads_in_motion(model, start_motion(model, {}), *request.time, options)};
@@ -88,11 +87,11 @@ int run_over_range(const LoadsRequest& request, const Palette& palette) {
   options.certificate = read_proof(request.proof_seconds);
   options.dynamic_stability = dynamic_stability;
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const VariedScene varied = load_varied_scene(request.common, read_vary_range(request.vary));
   OutputFiles files(request.common);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   for (int k = 0; k <= request.steps; ++k) {
     options.at.push_back(varied.value_at(static_cast<double>(k) / request.steps));
   }
@@ -115,14 +114,14 @@ int run_loads(const LoadsRequest& request, const Palette& palette) {
   SolveOptions options;
   options.seek = read_seek(request.seek);
   options.certificate = read_proof(request.proof_seconds);
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const Scene& scene = model.scene();
   expect_links(scene);
   const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, scene);
   OutputFiles files(request.common);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   progress.now("solving");
   LoadsAnswer answer{solve_or_hold(model, options), {}};
   const Equilibrium& equilibrium = answer.equilibrium;

@@ -9,7 +9,6 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/modes_figure.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "motion/equilibrium_pose.hpp"
 
 namespace poise::app {
@@ -23,12 +22,12 @@ struct ModesRequest {
 int run_modes(const ModesRequest& request, const Palette& palette) {
   SolveOptions options;
   options.seek = read_seek(request.seek);
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel statics(load_scene(request.common));
   const MotionModel model(statics.scene());
   OutputFiles files(request.common);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
 
   progress.now("looking for the equilibrium");
   ModesAnswer answer;

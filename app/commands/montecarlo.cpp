@@ -14,7 +14,6 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/identification/monte_carlo.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "app/terminal/mpi_ranks.hpp"
 #include "studies/fingerprint.hpp"
 
@@ -69,11 +68,12 @@ MonteCarloOptions read_options(const MonteCarloRequest& request) {
 int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   check(request);
   MonteCarloOptions options = read_options(request);
-  const std::unique_ptr<studies::Ranks> ranks = join_ranks(options.study.jobs);
+  const Request& common = request.experiment.common;
+  // A program that calls has ranks of its own, if any.
+  const std::unique_ptr<studies::Ranks> ranks = common.caller != nullptr ? nullptr : join_ranks(options.study.jobs);
   options.study.ranks = ranks.get();
   const bool is_first = ranks == nullptr || ranks->rank() == 0;
-  const Request& common = request.experiment.common;
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   const FitProblem problem(experiment);
@@ -83,7 +83,7 @@ int run_montecarlo(const MonteCarloRequest& request, const Palette& palette) {
   std::vector<std::filesystem::path> inputs(read.begin(), read.end());
   inputs.emplace_back(common.scene);
   options.identity = {{"version", POISE_VERSION}, {"experiment", studies::fingerprint(inputs, common.settings)}};
-  options.study.interrupt = &watch_for_interrupt();
+  options.study.interrupt = &request.experiment.common.interrupt();
   const auto report = [&](std::uint64_t done) { progress.now(fmt::format("{} of {} trials", done, options.trials)); };
   report(0);
   options.study.progress = report;

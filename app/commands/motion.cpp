@@ -17,7 +17,6 @@
 #include "app/draw/chart/quantity_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
 #include "motion/release.hpp"
@@ -47,7 +46,7 @@ void check(const MotionRequest& request) {
   expect_number("--accuracy", request.accuracy, request.accuracy >= 1e-13 && request.accuracy <= 1e-2,
                 "a number from 1e-13 to 1e-2");
   expect_number("--noise", request.noise, request.noise >= 0, "a standard deviation >= 0");
-  if (request.noise > 0 && request.common.csv.empty()) {
+  if (request.noise > 0 && request.common.csv.empty() && request.common.caller == nullptr) {
     throw InputError("--noise: there is no record to add it to; expected --csv FILE too");
   }
   if (request.noise > 0 && !request.show.empty()) {
@@ -142,7 +141,7 @@ std::function<void(double)> progress_of(Progress& progress, const std::string& d
 int run_motion(const MotionRequest& request, const Palette& palette) {
   check(request);
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const Scene scene = load_moving_scene(request.common);
   std::vector<std::string> left_out;
@@ -152,7 +151,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
   OutputFiles files(request.common);
-  const std::atomic<bool>& interrupt = watch_for_interrupt();
+  const std::atomic<bool>& interrupt = request.common.interrupt();
 
   progress.now("looking for the equilibrium");
   const MotionOrigin origin = find_origin(request, model, interrupt);

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
+#include "app/terminal/interrupt.hpp"
 #include "identification/fit/fit.hpp"
 #include "model/input_error.hpp"
 #include "model/named_number.hpp"
@@ -85,6 +86,17 @@ std::vector<double> decades(std::string_view from, std::string_view to) {
 
 }  // namespace
 
+const std::atomic<bool>& Request::interrupt() const {
+  return caller != nullptr ? caller->interrupt : watch_for_interrupt();
+}
+
+std::function<void(const std::string&)> Request::listener() const {
+  if (caller == nullptr) return {};
+  return [caller = caller](const std::string& doing) {
+    if (caller->listener) caller->listener(doing);
+  };
+}
+
 void add_scene_options(Command& command, Request& request) {
   command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required});
   add_settings(command, request);
@@ -99,7 +111,7 @@ void add_settings(Command& command, Request& request) {
 
 void add_output_options(Command& command, Request& request, const FileHelp& help) {
   request.command = command.name;
-  command.line = &request.line;
+  command.request = &request;
   command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"});
   if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv});
   command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"});
@@ -243,6 +255,27 @@ void read_word(const std::string& option, const std::string& word, std::string& 
                      (option.starts_with('-') ? "; leave the option out" : ""));
   }
   value = word;
+}
+
+namespace {
+
+struct OptionReader {
+  const std::string& name;
+  const std::string& word;
+
+  void operator()(bool* flag) const { *flag = true; }
+  void operator()(std::vector<std::string>* list) const { read_word(name, word, list->emplace_back()); }
+  template <class Value>
+  void operator()(std::optional<Value>* value) const {
+    read_word(name, word, value->emplace());
+  }
+  void operator()(auto* value) const { read_word(name, word, *value); }
+};
+
+}  // namespace
+
+void read_option(const Option& option, const std::string& word) {
+  std::visit(OptionReader{option.name, word}, option.target);
 }
 
 void expect_number(const std::string& option, double value, bool fits, const std::string& expected) {

@@ -2,12 +2,15 @@
 
 // What was asked for on the command line, and the options that several commands share.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/commands/caller.hpp"
 #include "app/commands/command.hpp"
 #include "identification/prediction/fit_problem.hpp"
 #include "motion/kinematics.hpp"
@@ -27,6 +30,12 @@ struct Request {
   std::string written_scene;                   ///< the same: the scene that was designed or fitted
   std::string experiment;                      ///< the same: the experiment that plan made
   bool quiet = false, verbose = false;         ///< what text shows: verdict and warnings alone; everything
+  Caller* caller = nullptr;                    ///< the program that asks in place of a person at a terminal
+
+  /// Raised where the work is to stop: by Ctrl-C, from here on, or by the caller.
+  const std::atomic<bool>& interrupt() const;
+  /// Who is told what is being done; nobody but the terminal where there is no caller.
+  std::function<void(const std::string&)> listener() const;
 };
 
 /// Exit codes of the command line.

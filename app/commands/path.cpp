@@ -23,7 +23,6 @@
 #include "app/results/statics/beside.hpp"
 #include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "motion/dynamic_stability.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/paths/path_measures.hpp"
@@ -92,16 +91,16 @@ PathOptions read_options(const PathRequest& request) {
   options.search = request.search;
   options.certificate = read_proof(request.proof_seconds);
   options.dynamic_stability = dynamic_stability;
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   return options;
 }
 
 int run_fold_curve(const PathRequest& request, const Palette& palette) {
   FoldCurveOptions options;
   options.from = read_from(request.from);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const VariedPair pair = read_pair(request);
   OutputFiles files(request.common);
@@ -221,7 +220,7 @@ std::vector<SceneBeside> read_scenes(const PathRequest& request) {
 int run_beside(const PathRequest& request, const Palette& palette) {
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scenes");
   std::vector<SceneBeside> scenes = read_scenes(request);
   options.at = read_at(request.at, scenes.front().varied);
@@ -262,7 +261,7 @@ int run_path(const PathRequest& request, const Palette& palette) {
   if (!request.beside.empty() || !request.variants.empty()) return run_beside(request, palette);
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const VariedScene varied = read_scene_of(request);
   options.at = read_at(request.at, varied);

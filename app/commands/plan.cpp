@@ -9,7 +9,6 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "identification/assessment/check_spans.hpp"
 
 namespace poise::app {
@@ -26,7 +25,7 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
   PlanOptions options;
   options.seed = request.seed;
   options.jobs = read_jobs(request.jobs);
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the experiment");
   const Experiment experiment = load_experiment(request.experiment);
   if (!experiment.plan) {
@@ -36,7 +35,7 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
   check_spans(problem);
   const ExperimentText text(experiment, {request.experiment.data, common.settings});
   OutputFiles files(common, files_read(experiment));
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& what) { progress.now_and_then([&] { return what; }); };
   const auto begin = std::chrono::steady_clock::now();
   const Plan plan = plan_runs(problem, text, options);

@@ -9,7 +9,6 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/results/statics/quantities.hpp"
-#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -24,12 +23,12 @@ int run_sensitivity(const SensitivityRequest& request, const Palette& palette) {
   expect_between("--top", request.top, 0, 1'000'000);
   SensitivityOptions options;
   options.others = other_quantity;
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
   OutputFiles files(request.common);
-  options.solve.interrupt = &watch_for_interrupt();
+  options.solve.interrupt = &request.common.interrupt();
   progress.now("solving");
   const Sensitivities found = sensitivities(model, of, options);
   const Result result = sensitivity_result(model.scene(), found, request.top, request.common.settings);

@@ -43,7 +43,8 @@ bool same_file(const fs::path& a, const fs::path& b) {
 Scene load_scene(const Request& request) { return at_time(load_moving_scene(request), 0.0); }
 
 Scene load_moving_scene(const Request& request) {
-  Scene scene = read_scene(request.scene);
+  const bool is_given = request.caller != nullptr && request.caller->scene != nullptr;
+  Scene scene = is_given ? *request.caller->scene : read_scene(request.scene);
   for (const std::string& setting : request.settings) set_parameter(scene, setting);
   return scene;
 }
@@ -56,7 +57,8 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
                 {"--markdown", request.markdown, {}},
                 {"--scene", request.written_scene, {}},
                 {"--experiment", request.experiment, {}}}},
-      origin_{request.command, request.line} {
+      origin_{request.command, request.line},
+      caller_(request.caller) {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
@@ -72,7 +74,21 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   }
 }
 
+bool OutputFiles::wants_svg() const {
+  return outputs_[Form::svg].file.has_value() || (caller_ != nullptr && caller_->wants_pictures && has_plotter());
+}
+
+bool OutputFiles::wants_html() const {
+  return outputs_[Form::html].file.has_value() || (caller_ != nullptr && caller_->wants_pictures);
+}
+
+bool OutputFiles::wants_csv() const { return outputs_[Form::csv].file.has_value() || caller_ != nullptr; }
+
 std::string OutputFiles::write(const Result& result, const Pictures& pictures, const std::string& found) {
+  if (caller_ != nullptr) {
+    caller_->outcome.pictures = pictures;
+    caller_->outcome.written = found;
+  }
   std::vector<OutputFile*> prepared;
   const auto prepare = [&](Form::Place form, auto&& text_of) {
     std::optional<OutputFile>& file = outputs_[form].file;
@@ -97,6 +113,10 @@ std::string OutputFiles::write(const Result& result, const Pictures& pictures, c
 }
 
 void print(const Request& request, const Result& result, const std::string& written, const Palette& palette) {
+  if (request.caller != nullptr) {
+    request.caller->outcome.result = result;
+    return;
+  }
   if (request.quiet) return print(plain_text(result, palette, Verbosity::quiet));
   const Verbosity level = request.verbose ? Verbosity::verbose : Verbosity::normal;
   print(plain_text(result, palette, level) + (written.empty() ? "" : "\n" + written));

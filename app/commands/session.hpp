@@ -9,10 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/caller.hpp"
 #include "app/commands/options.hpp"
-#include "app/draw/figure.hpp"
-#include "app/present/document.hpp"
-#include "app/result/result.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/terminal/palette.hpp"
 #include "app/terminal/progress.hpp"
@@ -20,19 +18,13 @@
 
 namespace poise::app {
 
-/// Reads the scene and puts the settings into it. Throws InputError.
+/// Reads the scene, or takes the caller's, and puts the settings into it. Throws InputError.
 Scene load_moving_scene(const Request& request);
 /// The same at the time t = 0, as at_time().
 Scene load_scene(const Request& request);
 
 /// Whether two paths name one file, of files that do not exist by their words.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// What a command has drawn.
-struct Pictures {
-  std::string svg{};              ///< for --svg; empty: none
-  std::vector<Figure> figures{};  ///< for --html
-};
 
 /// Charts as one figure; none where there are no panels.
 std::vector<Figure> chart_figures(std::string title, std::vector<Panel> panels);
@@ -43,11 +35,12 @@ class OutputFiles {
  public:
   explicit OutputFiles(const Request& request, const std::vector<std::string>& read = {});
 
-  bool wants_svg() const { return outputs_[Form::svg].file.has_value(); }
-  bool wants_html() const { return outputs_[Form::html].file.has_value(); }
-  bool wants_csv() const { return outputs_[Form::csv].file.has_value(); }
+  bool wants_svg() const;
+  bool wants_html() const;
+  bool wants_csv() const;
   /// Writes the result in the forms asked for, with its pictures, and the scene or experiment that was found, or, where
-  /// that fails, throws InputError. A text that is empty is not written. Returns one line for each file written.
+  /// that fails, throws InputError. A text that is empty is not written. Returns one line for each file written. A
+  /// caller keeps the pictures and what was found.
   std::string write(const Result& result, const Pictures& pictures, const std::string& found = "");
 
  private:
@@ -60,6 +53,7 @@ class OutputFiles {
   };
   std::array<Output, Form::count> outputs_;
   PageOrigin origin_;
+  Caller* caller_;
 };
 
 /// The end of a command: writes a result, its pictures and a scene to the files asked for, none where `files` is null
@@ -67,7 +61,8 @@ class OutputFiles {
 int finish(const Request& request, const Result& result, OutputFiles* files, const Pictures& pictures, bool is_solved,
            Progress& progress, const Palette& palette, const std::string& scene = "");
 
-/// Prints a result as text, at the level of detail asked for, and the lines on the files written.
+/// Prints a result as text, at the level of detail asked for, and the lines on the files written; or leaves it with the
+/// caller.
 void print(const Request& request, const Result& result, const std::string& written, const Palette& palette);
 
 /// Searches by one method and measures what it found.

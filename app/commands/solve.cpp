@@ -10,8 +10,8 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "app/commands/solve.hpp"
 #include "app/draw/equilibrium_figure.hpp"
-#include "app/terminal/interrupt.hpp"
 
 namespace poise::app {
 namespace {
@@ -24,21 +24,6 @@ struct SolveRequest {
   std::vector<std::string> show;
 };
 
-/// The scene at the time asked for. Throws InputError where nothing of it depends on time.
-Scene scene_at_time(const SolveRequest& request) {
-  Scene scene = load_moving_scene(request.common);
-  if (!request.time) return at_time(std::move(scene), 0.0);
-  expect_number("--time", *request.time, true, "a time, s");
-  const bool has_loads = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),
-                                     [](const auto& one) { return one.of != TimeFunction::Of::drive; });
-  if (!has_loads) {
-    throw InputError(
-        "--time: no load of the scene follows a function of time; expected one with the key time, or no "
-        "--time");
-  }
-  return at_time(std::move(scene), *request.time);
-}
-
 int run_solve(const SolveRequest& words, const Palette& palette) {
   const Request& request = words.common;
   SolveOptions options;
@@ -46,29 +31,47 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   options.seek = read_seek(words.seek);
   options.certificate = read_proof(words.proof_seconds);
 
-  Progress progress;
+  Progress progress(words.common.listener());
   progress.now("reading the scene");
-  const StaticModel model(scene_at_time(words));
+  Scene scene = load_moving_scene(request);
+  const StaticModel model(words.time ? scene_at_time(std::move(scene), *words.time) : at_time(std::move(scene), 0.0));
   const std::vector<SoughtQuantity> show = read_shown_in_position(words.show, model.scene());
   OutputFiles files(request);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &words.common.interrupt();
   const Answer answer = search(model, options, progress);
 
-  std::optional<HeldPose> as_drawn;
-  if (has_friction(model.scene())) as_drawn = held_pose(model, assemble(model));
-  const Result result = solve_result(model, answer, request.settings, as_drawn ? &*as_drawn : nullptr, show);
+  const SolveOutcome found = outcome_of(model, answer, request.settings, show, files.wants_svg(), files.wants_html());
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
-  const bool drawn = answer.readings && !interrupted;
-  Pictures pictures;
-  if (files.wants_svg() && drawn) pictures.svg = picture(model, answer, show);
-  if (files.wants_html() && drawn) {
-    pictures.figures = {equilibrium_figure(model, answer.equilibrium, assemble(model))};
-  }
-  const bool is_solved = answer.equilibrium.found() || answer.equilibrium.status == Status::checked;
-  return finish(request, result, interrupted ? nullptr : &files, pictures, is_solved, progress, palette);
+  return finish(request, found.result, interrupted ? nullptr : &files, found.pictures, found.is_solved, progress,
+                palette);
 }
 
 }  // namespace
+
+Scene scene_at_time(Scene scene, double time) {
+  expect_number("--time", time, true, "a time, s");
+  const bool has_loads = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),
+                                     [](const auto& one) { return one.of != TimeFunction::Of::drive; });
+  if (!has_loads) {
+    throw InputError(
+        "--time: no load of the scene follows a function of time; expected one with the key time, or no "
+        "--time");
+  }
+  return at_time(std::move(scene), time);
+}
+
+SolveOutcome outcome_of(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
+                        const std::vector<SoughtQuantity>& show, bool wants_svg, bool wants_figures) {
+  std::optional<HeldPose> as_drawn;
+  if (has_friction(model.scene())) as_drawn = held_pose(model, assemble(model));
+  const Equilibrium& equilibrium = answer.equilibrium;
+  SolveOutcome out{solve_result(model, answer, settings, as_drawn ? &*as_drawn : nullptr, show), {}, false};
+  out.is_solved = equilibrium.found() || equilibrium.status == Status::checked;
+  const bool drawn = answer.readings && equilibrium.status != Status::interrupted;
+  if (wants_svg && drawn) out.pictures.svg = picture(model, answer, show);
+  if (wants_figures && drawn) out.pictures.figures = {equilibrium_figure(model, equilibrium, assemble(model))};
+  return out;
+}
 
 Command solve_command() {
   const auto request = std::make_shared<SolveRequest>();

@@ -12,7 +12,6 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "app/terminal/poise_folder.hpp"
 #include "model/nearest_name.hpp"
 
@@ -88,7 +87,7 @@ std::vector<comparison::FrictionResult> run_friction(const StressRequest& reques
   std::vector<comparison::FrictionResult> out;
   if (request.safeguards || request.methods) return out;
   for (const comparison::FrictionCase& known : cases) {
-    if (watch_for_interrupt()) break;
+    if (request.common.interrupt()) break;
     progress.now(known.name);
     out.push_back(comparison::run_friction_case(known));
   }
@@ -116,7 +115,7 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
   options.work = request.work;
   options.seconds = request.seconds;
   options.jobs = read_jobs(request.jobs);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.common.interrupt();
   options.progress = [&progress](const std::string& doing) { progress.now(doing); };
 
   comparison::StressOutcome outcome;
@@ -139,7 +138,7 @@ comparison::StressOutcome run_cases(const StressRequest& request, const std::vec
 
 int run_stress(const StressRequest& request, const Palette& palette) {
   check(request);
-  Progress progress;
+  Progress progress(request.common.listener());
   progress.now("reading the catalogue");
   const fs::path catalogue = find_catalogue(request.catalogue);
   const Cases cases =

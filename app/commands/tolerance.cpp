@@ -11,7 +11,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/terminal/interrupt.hpp"
+#include "statics/many/simd.hpp"
 
 namespace poise::app {
 namespace {
@@ -31,13 +31,14 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   options.seed = request.seed;
   options.jobs = read_jobs(request.jobs);
   if (!request.common.svg.empty()) expect_plotter();
-  Progress progress;
+  simd_to_use();  // refuses what POISE_SIMD may say wrongly, before anything is done
+  Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
   const std::vector<Tolerance> tolerances = read_tolerances(request.tolerances, model.scene());
   OutputFiles files(request.common, {request.common.scene, request.tolerances});
-  options.solve.interrupt = &watch_for_interrupt();
+  options.solve.interrupt = &request.common.interrupt();
   options.progress = [&](std::size_t done) {
     progress.now_and_then([&] { return fmt::format("{} of {} samples", done, options.samples); });
   };

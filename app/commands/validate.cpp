@@ -9,7 +9,6 @@
 #include "app/commands/session.hpp"
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/read_fit.hpp"
-#include "app/terminal/interrupt.hpp"
 #include "identification/assessment/check_spans.hpp"
 #include "identification/fit/first_readings.hpp"
 
@@ -30,7 +29,7 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
   FitOptions options;
   options.jobs = read_jobs(request.jobs);
   if (!common.svg.empty()) expect_plotter();
-  Progress progress;
+  Progress progress(request.experiment.common.listener());
   progress.now("reading the fit and the experiment");
   const FittedModel model = read_fit(request.with);
   Experiment experiment = load_experiment(request.experiment);
@@ -41,7 +40,7 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
   std::vector<std::string> read = files_read(experiment);
   read.push_back(request.with);
   OutputFiles files(common, read);
-  options.interrupt = &watch_for_interrupt();
+  options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
   Identification answer;

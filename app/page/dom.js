@@ -106,7 +106,12 @@ export function say(text) {
 }
 
 async function writeClipboard(text) {
-  if (navigator.clipboard) return navigator.clipboard.writeText(text);
+  // In a frame of another page the browser may refuse one way and allow the other.
+  const written = await navigator.clipboard?.writeText(text).then(
+    () => true,
+    () => false
+  );
+  if (written) return undefined;
   const area = element('textarea', {class: 'unseen'});
   area.value = text;
   document.body.append(area);

@@ -176,6 +176,7 @@ class LiveView {
     this.unsaved_mark = element('span', {class: 'unsaved', hidden: true}, 'not saved');
     this.share_button = button('Share as one page', () => this.share());
     this.reload_button = button('Reload from disk', () => this.reload());
+    for (const one of [this.save_button, this.reload_button]) one.hidden = !this.state.has_file;
     return element(
       'header',
       {class: 'page-header'},
@@ -484,6 +485,10 @@ class LiveView {
   }
 
   save() {
+    if (!this.state.has_file) {
+      this.saveAs();
+      return;
+    }
     // Edits come first; what cannot be read is not written.
     if (this.text.error) {
       this.say('Not saved: the scene text has an error.');

@@ -1,8 +1,10 @@
 #include "app/terminal/interrupt.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <mutex>
 #include <utility>
 
 #include <unistd.h>
@@ -15,6 +17,7 @@ static_assert(std::atomic<const char*>::is_always_lock_free, "nor a signal handl
 
 std::atomic<bool> watched = false, interrupted = false;
 std::array<std::atomic<const char*>, 32> removed_files{};  // more than any command writes at once
+std::mutex handling;                                       // of what RemovedAtEnd does to signals
 
 void on_end(int signal) {
   const int error = errno;
@@ -35,6 +38,12 @@ void handle_where_it_ends_the_program(int signal) {
   if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) std::signal(signal, on_end);
 }
 
+/// What handle_where_it_ends_the_program() has changed; another handler that was put in its place since stays.
+void let_it_end_the_program(int signal) {
+  struct sigaction now {};
+  if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == on_end) std::signal(signal, SIG_DFL);
+}
+
 }  // namespace
 
 const std::atomic<bool>& watch_for_interrupt() {
@@ -45,6 +54,7 @@ const std::atomic<bool>& watch_for_interrupt() {
 }
 
 RemovedAtEnd::RemovedAtEnd(std::string file) : file_(std::move(file)) {
+  const std::lock_guard<std::mutex> lock(handling);
   for (std::atomic<const char*>& place : removed_files) {
     const char* free = nullptr;
     if (place.compare_exchange_strong(free, file_.c_str())) break;
@@ -53,10 +63,15 @@ RemovedAtEnd::RemovedAtEnd(std::string file) : file_(std::move(file)) {
 }
 
 RemovedAtEnd::~RemovedAtEnd() {
+  const std::lock_guard<std::mutex> lock(handling);
   for (std::atomic<const char*>& place : removed_files) {
     const char* own = file_.c_str();
     if (place.compare_exchange_strong(own, nullptr)) break;
   }
+  const bool is_last = std::all_of(removed_files.begin(), removed_files.end(),
+                                   [](const std::atomic<const char*>& place) { return place.load() == nullptr; });
+  if (!is_last || watched) return;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) let_it_end_the_program(signal);
 }
 
 }  // namespace poise::app

@@ -10,7 +10,8 @@ namespace poise::app {
 const std::atomic<bool>& watch_for_interrupt();
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP remove a file before they end the program: one that has no meaning to
-/// anybody else.
+/// anybody else. Signals that the program handles itself, or ignores, are left to it, and the others are again what
+/// they were when the last of these objects is gone.
 class RemovedAtEnd {
  public:
   explicit RemovedAtEnd(std::string file);

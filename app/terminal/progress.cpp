@@ -24,8 +24,8 @@ constexpr const char* clear_line = "\r\x1b[K";
 
 }  // namespace
 
-Progress::Progress() {
-  if (can_be_seen()) watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
+Progress::Progress(std::function<void(const std::string&)> listener) : listener_(std::move(listener)) {
+  if (!listener_ && can_be_seen()) watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
 }
 
 Progress::~Progress() { done(); }
@@ -33,6 +33,7 @@ Progress::~Progress() { done(); }
 void Progress::now(std::string doing) {
   const std::lock_guard lock(mutex_);
   doing_ = std::move(doing);
+  if (listener_) listener_(doing_);
 }
 
 void Progress::now_and_then(const std::function<std::string()>& doing) {

@@ -10,10 +10,11 @@
 namespace poise::app {
 
 /// Shows what is being done: one line on standard error, after the first second, removed when it is done.
-/// Silent where standard error is no terminal.
+/// Silent where standard error is no terminal. Where somebody listens it is told to that function at once, and not
+/// shown.
 class Progress {
  public:
-  Progress();
+  explicit Progress(std::function<void(const std::string&)> listener = {});
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -30,6 +31,7 @@ class Progress {
 
   std::mutex mutex_;
   std::condition_variable_any woken_;
+  std::function<void(const std::string&)> listener_;
   std::string doing_;
   std::chrono::steady_clock::time_point last_{};  // of now_and_then()
   std::jthread watcher_;

@@ -23,6 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/view/frame_origin.hpp"
 #include "app/view/http_request.hpp"
 #include "model/input_error.hpp"
 
@@ -106,19 +107,22 @@ const char* reason(int status) {
   }
 }
 
+constexpr const char* no_frame = "X-Frame-Options: DENY\r\n";
+
 struct Response {
   int status = 200;
   const char* type = plain_type;
   std::string content{}, more_headers{};
+  std::string framing = no_frame;  // header: who may show it in a frame
 };
 
 std::string written(const Response& response, bool keeps_connection) {
   return fmt::format(
       "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: {}\r\nCache-Control: no-store\r\n"
-      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nX-Frame-Options: DENY\r\n"
+      "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n{}"
       "Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n{}\r\n{}",
       response.status, reason(response.status), response.type, response.content.size(),
-      keeps_connection ? "keep-alive" : "close", response.more_headers, response.content);
+      keeps_connection ? "keep-alive" : "close", response.framing, response.more_headers, response.content);
 }
 
 /// A file descriptor that is closed with it.
@@ -138,8 +142,13 @@ class Socket {
 };
 
 /// A socket that listens on a port of this machine, 0 for any; negative where there is none. The port can be had again
-/// at once, but not by two programs, of which one could take what is meant for the other.
+/// at once, but not by two programs, of which one could take what is meant for the other. Throws InputError for a
+/// number that no port has.
 int listening(int port) {
+  constexpr int last_port = 65535;
+  if (port < 0 || port > last_port) {
+    throw InputError(fmt::format("--port: expected a number from 0 to {}, found {}", last_port, port));
+  }
   const int number = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (number < 0) return -1;
   const int yes = 1;
@@ -204,13 +213,18 @@ struct Connection {
 
 class LocalServer::Server {
  public:
-  Server(Answers answers, int port, double most_in_a_second)
-      : answers_(std::move(answers)), token_(random_token()), listener_(listening(port)), limiter_(most_in_a_second) {
+  Server(Answers answers, const Listening& where)
+      : answers_(std::move(answers)),
+        frame_origin_(where.frame_origin ? read_frame_origin(*where.frame_origin) : ""),
+        token_(random_token()),
+        listener_(listening(where.port)),
+        limiter_(where.most_in_a_second) {
     if (listener_.number() < 0) {
-      throw InputError(port == 0 ? std::string("--port: no port of 127.0.0.1 is free")
-                                 : fmt::format("--port: cannot listen on port {} of 127.0.0.1, which another program "
-                                               "may use; expected a free one, or leave the option out",
-                                               port));
+      throw InputError(where.port == 0
+                           ? std::string("--port: no port of 127.0.0.1 is free")
+                           : fmt::format("--port: cannot listen on port {} of 127.0.0.1, which another program "
+                                         "may use; expected a free one, or leave the option out",
+                                         where.port));
     }
     port_ = port_of(listener_.number());
     base_ = "/" + token_ + "/";
@@ -309,6 +323,15 @@ class LocalServer::Server {
     return authority == fmt::format("{}:{}", host, port_) || authority == fmt::format("localhost:{}", port_);
   }
 
+  /// Whether a browser asks for the page itself for a frame of another page, which may be one that is allowed to show
+  /// it. That is told where its Referer is not withheld; where it is, the browser decides by frame-ancestors.
+  bool is_for_allowed_frame(const HttpRequest& request) const {
+    if (frame_origin_.empty() || request.method != "GET" || !same_text(request.path, base_)) return false;
+    if (request.header("sec-fetch-mode") != "navigate" || request.header("sec-fetch-dest") != "iframe") return false;
+    const std::string referrer = request.header("referer");
+    return referrer.empty() || referrer == frame_origin_ || referrer.starts_with(frame_origin_ + "/");
+  }
+
   /// Nothing is said to a request that comes from elsewhere, but that it is refused.
   Response screen(const HttpRequest& request) const {
     if (!is_own(request.header("host"))) return refusal(403, "refused\n");
@@ -318,7 +341,8 @@ class LocalServer::Server {
       return refusal(403, "refused\n");
     }
     const std::string site = request.header("sec-fetch-site");
-    if (!site.empty() && site != "same-origin" && site != "none") return refusal(403, "refused\n");
+    const bool is_of_other_site = !site.empty() && site != "same-origin" && site != "none";
+    if (is_of_other_site && !is_for_allowed_frame(request)) return refusal(403, "refused\n");
     if (!same_text(request.path.substr(0, base_.size()), base_)) return refusal(404, "not found\n");
     return {};
   }
@@ -327,7 +351,7 @@ class LocalServer::Server {
     if (!limiter_.allow()) return refusal(429, "too many requests\n");
     const std::string what = request.method + " " + request.path.substr(base_.size());
     try {
-      if (what == "GET ") return {.type = html_type, .content = answers_.page()};
+      if (what == "GET ") return {.type = html_type, .content = answers_.page(), .framing = framing_of_page()};
       if (what == "POST do") return {.type = json_type, .content = answers_.act(body)};
       if (what == "GET poll") return {.type = json_type, .content = answers_.poll(revision_in(request.query))};
       if (what == "GET page") {
@@ -341,12 +365,19 @@ class LocalServer::Server {
     return refusal(404, "not found\n");
   }
 
+  /// X-Frame-Options can name no origin, and would forbid what frame-ancestors allows.
+  std::string framing_of_page() const {
+    if (frame_origin_.empty()) return no_frame;
+    return fmt::format("Content-Security-Policy: frame-ancestors {}\r\n", frame_origin_);
+  }
+
   static std::string revision_in(const std::string& query) {
     const std::string key = "revision=";
     return query.starts_with(key) ? query.substr(key.size()) : "";
   }
 
   Answers answers_;
+  std::string frame_origin_;  // empty: no page may show ours in a frame
   std::string token_, base_, address_;
   Socket listener_;
   int port_ = 0;
@@ -355,8 +386,8 @@ class LocalServer::Server {
   std::vector<pollfd> waiting_;
 };
 
-LocalServer::LocalServer(Answers answers, int port, double most_in_a_second)
-    : server_(std::make_unique<Server>(std::move(answers), port, most_in_a_second)) {}
+LocalServer::LocalServer(Answers answers, const Listening& listening)
+    : server_(std::make_unique<Server>(std::move(answers), listening)) {}
 LocalServer::~LocalServer() = default;
 
 const std::string& LocalServer::address() const { return server_->address(); }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace poise::app {
@@ -17,22 +18,33 @@ struct Answers {
   std::function<std::string()> shared;                  ///< HTML: what can be given to others
 };
 
+/// Where a LocalServer listens, and for whom.
+struct Listening {
+  int port = 0;  ///< of 127.0.0.1; 0: one that is free
+  /// Of the pages that may show this one in a frame, for read_frame_origin(); empty: none may.
+  std::optional<std::string> frame_origin{};
+  double most_in_a_second = 500;  ///< requests
+};
+
 /// A server for one page on this machine. It listens on 127.0.0.1 alone and serves nothing but `Answers`: no file of
 /// the disk has an address. Every address begins with a random token of 128 bits; others are not found. Requests whose
 /// Host or Origin is another than this server (pages of other sites, names that are bound to this machine), bodies
 /// above HttpRequest::largest_body, bodies in chunks, and more than so many requests in a second are refused.
+///
+/// Where Listening names an origin, one thing more is answered: a frame's request for the page itself, which a page of
+/// another site makes. The browser is told then to show it within pages of that origin alone. What the page in the
+/// frame asks for comes from this server's own origin, as without a frame; no cookie is needed.
 ///
 /// One thread serves all connections and waits for none. Who does not know the token can neither use up the requests of
 /// a second nor keep the page from being served: where there are too many connections, the oldest without a request
 /// that had the token is closed first, and one that has not sent a request within `longest_wait` is closed.
 class LocalServer {
  public:
-  static constexpr int most_per_second = 500;
   static constexpr std::size_t most_connections = 100;
   static constexpr std::chrono::seconds longest_wait{10};
 
-  /// Port 0: one that is free. Throws InputError naming --port where it cannot be had.
-  LocalServer(Answers answers, int port, double most_in_a_second = most_per_second);
+  /// Throws InputError naming --port where it cannot be had, and --frame-origin for what is no origin.
+  LocalServer(Answers answers, const Listening& listening);
   ~LocalServer();
   LocalServer(const LocalServer&) = delete;
   LocalServer& operator=(const LocalServer&) = delete;

@@ -174,26 +174,46 @@ bool starts_alike(const Scene& given, const Scene& other) {
 }  // namespace
 
 ViewSession::ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt)
-    : file_(std::move(file)), interrupt_(interrupt), now_(opened()) {
+    : file_(std::move(file)), interrupt_(interrupt), now_(opened(text_on_disk(), std::nullopt)) {
+  begin();
+}
+
+ViewSession::ViewSession(SceneInMemory scene, const std::atomic<bool>* interrupt)
+    : file_(std::move(scene.name)),
+      has_file_(false),
+      interrupt_(interrupt),
+      now_(opened(scene.text, std::move(scene.scene))) {
+  begin();
+}
+
+void ViewSession::begin() {
   sync();
   now_.saved_text = present_text();
   look_for_others();
 }
 
-ViewSession::State ViewSession::opened() {
-  const std::string text = text_on_disk();
+/// The scene, or where there is none that which the text gives, at rest.
+ViewSession::State ViewSession::opened(const std::string& text, std::optional<Scene> scene) {
   allow_files_of(text);
-  Scene scene = read(text);
+  if (!scene) scene = read(text);
   TrackedOptions options;
   options.interrupt = interrupt_;
-  TrackedEquilibrium tracked(scene, options);
+  TrackedEquilibrium tracked(*scene, options);
   auto screen = std::make_shared<Screen>(tracked);
   return {.on_disk = text,
           .text = text,
-          .scene = std::move(scene),
+          .scene = std::move(*scene),
           .tracked = std::move(tracked),
           .screen = std::move(screen)};
 }
+
+/// Throws InputError for a scene that is none.
+void ViewSession::expect_file() const {
+  if (!has_file_) throw InputError("the scene is no file; save its text as one");
+}
+
+/// The command line that shows the scene; empty where there is none.
+std::string ViewSession::line() const { return has_file_ ? "poise view " + file_.string() : ""; }
 
 /// Throws InputError for what is no file: it is looked at again and again, and a pipe would wait for a writer.
 std::string ViewSession::text_on_disk() const {
@@ -206,8 +226,8 @@ void ViewSession::allow_files_of(const std::string& text) {
   for (NamedFile& one : named_files(text, file_.string())) allowed_files_.insert(std::move(one.name));
 }
 
-/// Reads a text that came from the page, which may name files of the scene's folder and those that the scene on disk
-/// names.
+/// Reads a text that came from the page, which may name those files that the scene on disk names, or in memory named
+/// when it was opened. Where it is on disk, others of its folder may be named too.
 Scene ViewSession::read(const std::string& text) const {
   namespace fs = std::filesystem;
   const fs::path folder = fs::weakly_canonical(fs::absolute(file_).parent_path());
@@ -215,8 +235,12 @@ Scene ViewSession::read(const std::string& text) const {
     if (allowed_files_.contains(one.name)) continue;
     std::error_code failed;
     const fs::path path = fs::weakly_canonical(folder / one.name, failed);
-    const bool is_within =
-        !failed && std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+    const bool is_within = has_file_ && !failed &&
+                           std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+    if (!is_within && !has_file_) {
+      throw InputError(fmt::format("{}:{}: file: expected a file that the scene named when it was opened, found \"{}\"",
+                                   file_.string(), one.line, one_line(one.name)));
+    }
     if (!is_within) {
       throw InputError(
           fmt::format("{}:{}: file: expected a file in the folder of the scene, found \"{}\"; write others "
@@ -403,6 +427,7 @@ Transition ViewSession::do_go(const json& request) {
 
 void ViewSession::do_save(const json& request) {
   const bool anyway = request.value("anyway", false);
+  expect_file();
   expect_regular_file(file_);
   std::error_code unknown;
   if (!anyway && std::filesystem::exists(file_, unknown) && text_on_disk() != now_.on_disk) {
@@ -433,6 +458,7 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
     out = now_.tracked.release();
     sync();
   } else if (what == "reload") {
+    expect_file();
     const std::string text = text_on_disk();
     allow_files_of(text);
     out = do_text(text);
@@ -510,7 +536,7 @@ json ViewSession::page() {
   Result nothing;
   nothing.title = now_.scene.title.empty() ? file_.filename().string() : now_.scene.title;
   nothing.source = now_.scene.source;
-  json out = page_document(nothing, {.command = "view", .line = "poise view " + file_.string()}, {});
+  json out = page_document(nothing, {.command = "view", .line = line()}, {});
   out["result"] = nullptr;
   json& view = out["view"] = shown({}, Parts::all);
   view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.tracked, {}, false)));
@@ -535,6 +561,7 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
   out["switches"] = switches();
   out["text"] = present_text();
   out["file"] = file_.filename().string();
+  out["has_file"] = has_file_;
   out["saved"] = out["text"] == now_.saved_text;
   return out;
 }
@@ -643,7 +670,7 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
 json ViewSession::poll(long revision) {
   json out = {{"revision", now_.revision}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
   try {
-    if (text_on_disk() != now_.on_disk) out["file"] = "changed";
+    if (has_file_ && text_on_disk() != now_.on_disk) out["file"] = "changed";
   } catch (const InputError&) {
     out["file"] = "gone";
   }
@@ -655,8 +682,7 @@ json ViewSession::poll(long revision) {
 std::string ViewSession::report() const {
   Answer answer = measure(now_.tracked.model(), now_.tracked.equilibrium());
   const Result result = solve_result(now_.tracked.model(), answer, {});
-  return html_page(page_document(result, {.command = "solve", .line = "poise view " + file_.string()},
-                                 {Screen::figure(now_.tracked)}));
+  return html_page(page_document(result, {.command = "solve", .line = line()}, {Screen::figure(now_.tracked)}));
 }
 
 }  // namespace poise::app

@@ -18,12 +18,21 @@
 
 namespace poise::app {
 
+/// A scene that is no file. Its page can save its text elsewhere, but not to where it came from.
+struct SceneInMemory {
+  Scene scene;       ///< whose numbers may differ from those of the text
+  std::string text;  ///< that it was read from (parse_scene())
+  std::string name;  ///< stands for a file in titles and messages, and gives the folder of the files that it names
+};
+
 /// What `poise view` shows and changes: a scene, the equilibrium it rests in, and what was done before. No part of it
 /// knows of HTTP; docs/view.md describes the requests.
 class ViewSession {
  public:
   /// Reads the file and settles. Throws InputError. `interrupt` ends what takes long.
   explicit ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt = nullptr);
+  /// Settles. Throws InputError, also where the text is not that of the scene.
+  explicit ViewSession(SceneInMemory scene, const std::atomic<bool>* interrupt = nullptr);
 
   /// Carries out a request, and returns the state in JSON; or what is wrong with it, with nothing changed. A request
   /// that changes something must carry the revision of the state that it was made for, and is refused for any other.
@@ -62,7 +71,10 @@ class ViewSession {
   };
   enum class Parts { moving, all };
 
-  State opened();
+  State opened(const std::string& text, std::optional<Scene> scene);
+  void begin();
+  void expect_file() const;
+  std::string line() const;
   std::string text_on_disk() const;
   void allow_files_of(const std::string& text);
   Scene read(const std::string& text) const;
@@ -98,6 +110,7 @@ class ViewSession {
   void do_save(const nlohmann::json& request);
 
   std::filesystem::path file_;
+  bool has_file_ = true;                 ///< otherwise file_ is a name alone
   std::set<std::string> allowed_files_;  ///< that the scene on disk names, as it names them
   const std::atomic<bool>* interrupt_;
   State now_;

@@ -412,8 +412,10 @@ std::string finished(std::string svg, const std::vector<Panel>& panels) {
 
 }  // namespace
 
+bool has_plotter() { return has_gnuplot(); }
+
 void expect_plotter() {
-  if (has_gnuplot()) return;
+  if (has_plotter()) return;
   throw InputError("--svg: gnuplot was not found; install it (Debian: apt-get install gnuplot-nox)");
 }
 

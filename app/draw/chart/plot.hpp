@@ -58,6 +58,8 @@ struct Panel {
   std::vector<Arrow> arrows{};
 };
 
+/// Whether there is a gnuplot to draw with.
+bool has_plotter();
 /// Throws InputError, naming the remedy, where there is no gnuplot to draw with: to be called before any long work.
 void expect_plotter();
 

@@ -176,6 +176,10 @@ void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vec
 std::vector<Line> warnings(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
+  if (answer.bootstrap && answer.bootstrap->interrupted) {
+    out.push_back(bad(
+        fmt::format("The bootstrap was interrupted after {}.", count(answer.bootstrap->samples, "sample", "samples"))));
+  }
   for (std::size_t r = 0; r < problem.experiment().runs.size(); ++r) {
     const RunModel& run = problem.run(r);
     if (!run.mobility().is_shaky()) continue;
@@ -792,12 +796,13 @@ void add_readings(Result& result, const FitProblem& problem, const Identificatio
   Table& table = result.content.table("", "", Rows::columns, Verbosity::data);
   table.csv = true;
   table.words("run", "", std::move(runs));
-  table.data("time", std::move(times));
+  table.data("time", std::move(times)).unit = "s";
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     const std::string& name = experiment.sensors[k].name;
-    table.data(name, std::move(columns[3 * k]));
-    table.data(name + ".prediction", std::move(columns[3 * k + 1]));
-    table.data(name + ".residual", std::move(columns[3 * k + 2]));
+    const std::string unit = experiment.sensors[k].dimension().unit_name(experiment.scene.units);
+    table.data(name, std::move(columns[3 * k])).unit = unit;
+    table.data(name + ".prediction", std::move(columns[3 * k + 1])).unit = unit;
+    table.data(name + ".residual", std::move(columns[3 * k + 2])).unit = unit;
   }
 }
 

@@ -489,9 +489,14 @@ Table& add_data(Group& group, const MotionModel& model, const ForcesAnswer& answ
   group.data("along", found.along);
   Table& forces = group.table("forces", "", Rows::columns, Verbosity::data);
   forces.csv = !found.poses.empty();
-  if (!found.at.empty()) forces.data(found.along, places_of(found, scene.units).values);
+  if (!found.at.empty()) {
+    const Places places = places_of(found, scene.units);
+    forces.data(found.along, places.values).unit = places.unit;
+  }
   for (const ForceCourse& course : courses) {
-    forces.data(course.name, in_unit(course.value, course.quantity, scene.units));
+    const bool is_power = course.name.starts_with("power.") || course.name.starts_with("lost.");
+    forces.data(course.name, in_unit(course.value, course.quantity, scene.units)).unit =
+        is_power ? power_unit(scene.units) : unit_name(course.quantity, scene.units);
   }
   if (rubs(found)) {
     forces.data("efficiency", efficiencies(found, false));

@@ -167,19 +167,18 @@ Table& add_samples(Group& group, const Scene& scene, const KinematicsResult& fou
                    const std::vector<Course>& cams) {
   Table& table = group.table("samples", "", Rows::columns, Verbosity::data);
   table.csv = true;
-  for (const Course& drive : drives) {
-    table.data("drive." + drive.name, in_unit(drive.value, drive.quantity, scene.units));
-  }
+  const auto add = [&](const std::string& name, const std::vector<double>& si, Quantity quantity, const char* per) {
+    table.data(name, in_unit(si, quantity, scene.units)).unit = unit_name(quantity, scene.units) + per;
+  };
+  for (const Course& drive : drives) add("drive." + drive.name, drive.value, drive.quantity, "");
   for (const std::vector<Course>* kind : {&courses, &points}) {
     for (const Course& course : *kind) {
-      table.data(course.name, in_unit(course.value, course.quantity, scene.units));
-      table.data(course.name + ".rate", in_unit(course.rate, course.quantity, scene.units));
-      table.data(course.name + ".acceleration", in_unit(course.acceleration, course.quantity, scene.units));
+      add(course.name, course.value, course.quantity, "");
+      add(course.name + ".rate", course.rate, course.quantity, "/s");
+      add(course.name + ".acceleration", course.acceleration, course.quantity, "/s²");
     }
   }
-  for (const Course& cam : cams) {
-    table.data("cam." + cam.name + ".pressure_angle", in_unit(cam.value, cam.quantity, scene.units));
-  }
+  for (const Course& cam : cams) add("cam." + cam.name + ".pressure_angle", cam.value, cam.quantity, "");
   table.data("closeness_to_singular", each(found.samples, &KinematicSample::closeness_to_singular));
   return table;
 }

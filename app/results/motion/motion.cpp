@@ -194,25 +194,28 @@ void add_record(Group& group, const Units& units, const MotionRecord& record, co
                 bool is_confirmed) {
   Table& table = group.table("", "", Rows::columns, Verbosity::data);
   table.csv = true;
-  table.data("time", record.time);
+  table.data("time", record.time).unit = "s";
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(record.time.size(), "no"));
+  const auto add = [&](const std::string& name, const std::vector<double>& si, Quantity quantity, const char* per) {
+    table.data(name, in_unit(si, quantity, units)).unit = unit_name(quantity, units) + per;
+  };
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    table.data(record.channels[c].name, in_unit(record.value[c], record.channels[c].quantity, units));
+    add(record.channels[c].name, record.value[c], record.channels[c].quantity, "");
   }
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    table.data(record.channels[c].name + ".rate", in_unit(record.rate[c], record.channels[c].quantity, units));
+    add(record.channels[c].name + ".rate", record.rate[c], record.channels[c].quantity, "/s");
   }
   for (const PointRecord& point : record.points) {
-    table.data(point.name + ".x", in_unit(point.x, Quantity::length, units));
-    table.data(point.name + ".y", in_unit(point.y, Quantity::length, units));
+    add(point.name + ".x", point.x, Quantity::length, "");
+    add(point.name + ".y", point.y, Quantity::length, "");
   }
-  table.data("energy.kinetic", in_unit(record.kinetic, Quantity::energy, units));
-  table.data("energy.potential", in_unit(record.potential, Quantity::energy, units));
+  add("energy.kinetic", record.kinetic, Quantity::energy, "");
+  add("energy.potential", record.potential, Quantity::energy, "");
   if (record.time.empty()) return;
   for (std::size_t k = 0; k < outputs.of.size(); ++k) {
     std::vector<double> values = outputs.value[k];
     for (double& one : values) one /= outputs.of[k].dimension.unit(units);
-    table.data(outputs.of[k].name, std::move(values));
+    table.data(outputs.of[k].name, std::move(values)).unit = outputs.of[k].dimension.unit_name(units);
   }
 }
 

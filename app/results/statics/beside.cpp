@@ -181,12 +181,17 @@ void add_points_beside(Group& content, const std::vector<SceneBeside>& scenes) {
   table.csv = true;
   table.words("scene", "", std::move(labels));
   table.data("branch", std::move(branches));
-  table.data("parameter", std::move(parameters));
-  if (scenes.front().varied.is_driven()) table.data("effort", std::move(efforts));
+  const VariedScene& varied = scenes.front().varied;
+  const Units& units = varied.scene().units;
+  table.data("parameter", std::move(parameters)).unit = varied.unit_name();
+  if (varied.is_driven()) {
+    table.data("effort", std::move(efforts)).unit = varied.effort_dimension().unit_name(units);
+  }
   table.words("stability", "", std::move(stability));
   table.words("proof", "", std::move(proof));
   for (std::size_t k = 0; k < measures.size(); ++k) {
-    table.data(scenes.front().measures[k].name, std::move(measures[k]));
+    const SoughtQuantity& measure = scenes.front().measures[k];
+    table.data(measure.name, std::move(measures[k])).unit = measure.dimension.unit_name(units);
   }
 }
 

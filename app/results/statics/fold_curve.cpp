@@ -152,9 +152,13 @@ void add_csv(Group& content, const FoldReport& report, const std::vector<FoldRow
   Table& table = content.table("", "", Rows::list, Verbosity::data);
   table.csv = true;
   table.data("curve", each(rows, [](const FoldRow& row) { return static_cast<double>(row.curve + 1); }));
-  table.data(report.pair.first().name(), each(rows, [&](const FoldRow& row) { return report.first(*row.point); }));
-  table.data(report.pair.second().name(), each(rows, [&](const FoldRow& row) { return report.second(*row.point); }));
-  table.data("coefficient", each(rows, [&](const FoldRow& row) { return report.coefficient(*row.point); }));
+  const VariedScene &first = report.pair.first(), &second = report.pair.second();
+  table.data(first.name(), each(rows, [&](const FoldRow& row) { return report.first(*row.point); })).unit =
+      first.unit_name();
+  table.data(second.name(), each(rows, [&](const FoldRow& row) { return report.second(*row.point); })).unit =
+      second.unit_name();
+  table.data("coefficient", each(rows, [&](const FoldRow& row) { return report.coefficient(*row.point); })).unit =
+      unit_name(Quantity::energy, report.units());
   table.data("unstable_directions",
              each(rows, [](const FoldRow& row) { return static_cast<double>(row.point->unstable_directions); }));
 }

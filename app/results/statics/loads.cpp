@@ -210,7 +210,7 @@ void add_diagrams(Group& group, const ScaledModel& model, const std::vector<Body
   const std::string length = unit_name(Quantity::length, units);
   table.words("link", "", std::move(names));
   const auto add = [&](const std::string& key, Quantity quantity, const std::vector<double>& si) {
-    table.data(key, in_unit(si, quantity, units));
+    table.data(key, in_unit(si, quantity, units)).unit = unit_name(quantity, units);
   };
   const auto of = [&](double LinkState::*member) { return each(states, member); };
   add("s", Quantity::length, each(samples, &LinkSample::s));
@@ -223,7 +223,7 @@ void add_diagrams(Group& group, const ScaledModel& model, const std::vector<Body
        {std::pair{"stress_left", &LinkState::stress_left}, std::pair{"stress_right", &LinkState::stress_right}}) {
     std::vector<double> values = of(member);
     for (double& value : values) value /= stress.unit(units);
-    table.data(key, std::move(values));
+    table.data(key, std::move(values)).unit = stress.unit_name(units);
   }
   add("deflection", Quantity::length, each(states, [](const LinkState& state) { return norm(state.deflection); }));
   add("turn", Quantity::angle, of(&LinkState::turn));

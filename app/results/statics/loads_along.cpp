@@ -165,10 +165,12 @@ void add_equilibria_loads(Group& content, const VariedScene& varied, const std::
   const Units& units = varied.scene().units;
   Table& table = content.table("equilibria", "", Rows::columns, Verbosity::data);
   table.csv = !loads.empty();
-  table.data("parameter", each(loads, [&](const LoadsAt& here) { return here.point.parameter / varied.unit(); }));
+  table.data("parameter", each(loads, [&](const LoadsAt& here) { return here.point.parameter / varied.unit(); })).unit =
+      varied.unit_name();
   if (varied.is_driven()) {
     const double unit = varied.effort_dimension().unit(units);
-    table.data("effort", each(loads, [&](const LoadsAt& here) { return here.point.effort / unit; }));
+    table.data("effort", each(loads, [&](const LoadsAt& here) { return here.point.effort / unit; })).unit =
+        varied.effort_dimension().unit_name(units);
   }
   table.words("stability", "", each(loads, [&](const LoadsAt& here) {
                 return is_structure ? std::string("structure") : to_string(here.point.stability);
@@ -176,7 +178,8 @@ void add_equilibria_loads(Group& content, const VariedScene& varied, const std::
   const auto add = [&](const std::string& kind, const LoadSeries& one) {
     std::vector<double> values = one.values;
     for (double& value : values) value /= one.dimension.unit(units);
-    table.data(fmt::format("{}.{}.{}", kind, one.item, one.key), std::move(values));
+    table.data(fmt::format("{}.{}.{}", kind, one.item, one.key), std::move(values)).unit =
+        one.dimension.unit_name(units);
   };
   for (const LoadSeries& one : joints) add("reaction", one);
   for (const LoadSeries& one : links) add("link", one);
@@ -205,6 +208,7 @@ Line verdict_over_range(const VariedScene& varied, const LoadsAlong& answer) {
       if (why.empty() && !link.why.empty()) why = fmt::format("\"{}\": {}", link.name, link.why);
     }
   }
+  if (why.empty() && answer.found.status != Path::Status::traced) why = to_string(answer.found.status);
   if (why.empty()) why = count(answer.found.unproved(), "point", "points") + " not proved";
   return bad(fmt::format("Loads in {} over {}, not complete: {}", of, range, sentence_of(why)));
 }

@@ -221,21 +221,24 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
   Table& table = content.table("", "", Rows::list, Verbosity::data);
   table.csv = true;
   std::set<std::string> taken;
-  const auto add = [&](const std::string& name, std::vector<double> values) {
-    if (taken.insert(name).second) table.data(name, std::move(values));
+  const auto add = [&](const std::string& name, std::vector<double> values, const std::string& unit = "") {
+    if (taken.insert(name).second) table.data(name, std::move(values)).unit = unit;
   };
   add("branch", each(rows, [](const PathRow& row) { return row.branch + 1; }));
-  add("parameter", each(rows, [&](const PathRow& row) { return report.parameter(row.point->parameter); }));
+  add("parameter", each(rows, [&](const PathRow& row) { return report.parameter(row.point->parameter); }),
+      report.varied.unit_name());
   if (report.varied.is_driven())
-    add("effort", each(rows, [&](const PathRow& row) { return report.effort(row.point->effort); }));
+    add("effort", each(rows, [&](const PathRow& row) { return report.effort(row.point->effort); }),
+        report.varied.effort_dimension().unit_name(report.units()));
   table.words("stability", "", each(rows, [](const PathRow& row) { return to_string(row.point->stability); }));
   table.words("proof", "", each(rows, [](const PathRow& row) { return to_string(row.point->proof); }));
   taken.insert({"stability", "proof"});
   add("unstable_directions", each(rows, [](const PathRow& row) { return row.point->unstable_directions; }));
-  add("energy", each(rows, [&](const PathRow& row) { return energy_of(report, *row.point); }));
+  add("energy", each(rows, [&](const PathRow& row) { return energy_of(report, *row.point); }),
+      unit_name(Quantity::energy, report.units()));
   add("radius", each(rows, [](const PathRow& row) { return radius_of(*row.point); }));
   std::vector<std::vector<double>> columns;
-  std::vector<std::string> names;
+  std::vector<std::string> names, of_units;
   for (const PathRow& row : rows) {
     const Readings readings = report.reader.read(*row.point);
     const StaticModel& model = report.reader.model(*row.point);
@@ -244,6 +247,7 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
       for (const NamedValue& value : values) {
         if (&row == &rows.front()) {
           names.push_back(value.name);
+          of_units.push_back(unit_name(quantity, report.units()));
           columns.emplace_back();
         }
         columns[column++].push_back(in_unit(value.value, quantity, report.units()));
@@ -253,9 +257,11 @@ void add_csv(Group& content, PathReport& report, const std::vector<PathRow>& row
     put(travels_of(model, readings), Quantity::length);
     put(places_of(model, readings), Quantity::length);
   }
-  for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]));
+  for (std::size_t c = 0; c < columns.size(); ++c) add(names[c], std::move(columns[c]), of_units[c]);
   for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
-    add(report.view.measures[k].name, each(rows, [&](const PathRow& row) { return report.measures(*row.point)[k]; }));
+    const SoughtQuantity& measure = report.view.measures[k];
+    add(measure.name, each(rows, [&](const PathRow& row) { return report.measures(*row.point)[k]; }),
+        measure.dimension.unit_name(report.units()));
   }
 }
 
