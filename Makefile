@@ -1,5 +1,5 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
+#   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
 #        format | compile-time | install PREFIX=/usr/local | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
@@ -11,10 +11,10 @@ JOBS ?= $(shell nproc)
 comma := ,
 BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 
-SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app
+SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app python
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
-.PHONY: run test campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
+.PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
   compile-time install setup configure app all clean
 
 run: app
@@ -22,6 +22,11 @@ run: app
 
 test: all
 	ctest --preset $(PRESET) -j $(JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
+
+# The Python module alone: builds it into build/python and runs its tests, some of which run the command line too.
+python: configure
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_python poise
+	ctest --preset $(PRESET) -j $(JOBS) --tests-regex '^Python\.$(TESTS)'
 
 # Random tests with other seeds than those of `make test`, SEEDS rounds of them; goes on where it was interrupted. Without
 # TESTS those with Random or Mutations in their names; others draw from test::seed() too (tests/support/seed.hpp).
@@ -59,7 +64,9 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_studies_benchmark
 	$(BUILD)/benchmarks/poise_path_ratios
 	$(BUILD)/benchmarks/poise_design_cost
+	$(BUILD)/benchmarks/poise_many
 	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
+	PYTHONPATH=$(BUILD)/python /usr/bin/python3 benchmarks/python_calls.py
 	$(MAKE) figures PRESET=$(PRESET)
 
 # Makes every picture and table of README.md and docs/ anew on this machine.
@@ -77,12 +84,15 @@ figures: all
 # The outputs that README.md and docs/ show, made anew; the cuts "..." stay.
 docs: all
 	POISE_UPDATE_DOCS=1 $(BUILD)/tests/poise_docs_tests --gtest_brief=1
+	POISE_UPDATE_DOCS=1 ctest --preset $(PRESET) --tests-regex '^Python.docs$$'
 
 # Every source alone, without precompiled headers: clang-tidy cannot read those of GCC, and every source must include what it
 # uses. `make lint` checks the sources that are affected by what has changed since `make lint-all` last checked all.
 lint lint-all: lint-setup
 	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
 	@echo clang-format: clean
+	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python
+	@echo flake8: clean
 	cmake/tidy.sh build-lint $(JOBS) $(if $(filter lint-all,$@),all,changed)
 
 lint-setup: setup
@@ -109,7 +119,7 @@ all: configure
 	cmake --build --preset $(PRESET) -j $(JOBS)
 
 benchmarks: configure
-	cmake --build --preset $(PRESET) -j $(JOBS) --target poise benchmarks
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise poise_python benchmarks
 
 # Seconds that each unit took to compile when it was last compiled, and their sum over those of a unit that only includes
 # Eigen, which does not depend on the machine.
@@ -117,4 +127,4 @@ compile-time:
 	cmake/compile_time.sh $(BUILD)
 
 clean:
-	rm -rf build build-daily build-debug build-lint build-fuzz
+	rm -rf build build-daily build-debug build-lint build-fuzz build-python
