@@ -1,6 +1,7 @@
-// poise_baselines: alternatives to Poise on the same small mechanisms in the same run: Ipopt, SciPy and Simbody, each
-// with exact derivatives and with the loosest sufficient tolerance. Programs that are not installed are listed as left
-// out. Times of wrong answers are not printed. Exit code 1 if an answer of Poise is wrong; times do not affect it.
+// poise_baselines: alternatives to Poise on the same small mechanisms in the same run: Ipopt, SciPy on Poise's model
+// and on equations written in NumPy, Simbody and MuJoCo, each with the loosest sufficient tolerance. Programs that are
+// not installed are listed as left out. Times of wrong answers are not printed. Exit code 1 if an answer of Poise is
+// wrong; times do not affect it.
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +22,10 @@
 namespace poise::benchmarks {
 namespace {
 
-constexpr const char* scenes[] = {"thesis_four_bar.toml", "four_bar_gravity.toml",      "heaton_timme.toml",
-                                  "toggle_press.toml",    "vertical_slider_crank.toml", "thesis_chain.toml",
-                                  "pendulum_chain.toml",  "chain of 10 links",          "chain of 100 links"};
+constexpr const char* scenes[] = {"thesis_four_bar.toml", "toggle_clamp.toml",   "four_bar_gravity.toml",
+                                  "heaton_timme.toml",    "toggle_press.toml",   "vertical_slider_crank.toml",
+                                  "thesis_chain.toml",    "pendulum_chain.toml", "chain of 10 links",
+                                  "chain of 100 links"};
 
 // Required speed of Poise relative to theirs, on mechanisms of at most `small` coordinates, at an error that is not
 // larger than theirs, or rounding.
@@ -46,7 +48,8 @@ class Table {
     const SolverResult& ours = results.front();
     for (const SolverResult& result : results) {
       const bool is_best = &result == fastest(results, result.solver->family);
-      const bool is_promised = is_best && &result != &ours && ours.arrives && layout.kept <= small;
+      const bool is_promised =
+          is_best && promises.count(result.solver->family) > 0 && ours.arrives && layout.kept <= small;
       fmt::print("{}{}\n", line(result, ours), is_promised ? check_promise(scene, result, ours) : "");
       check_answer(result);
     }
@@ -148,9 +151,25 @@ std::vector<std::string> scipy_command() {
 #endif
 }
 
+std::vector<std::string> numpy_command() {
+#ifdef POISE_SCIPY_PYTHON
+  return {POISE_SCIPY_PYTHON, POISE_SOURCE_DIR "/benchmarks/numpy_baseline.py"};
+#else
+  return {};
+#endif
+}
+
 std::vector<std::string> simbody_command() {
 #ifdef POISE_SIMBODY_BASELINE
   return {POISE_SIMBODY_BASELINE};
+#else
+  return {};
+#endif
+}
+
+std::vector<std::string> mujoco_command() {
+#ifdef POISE_MUJOCO_BASELINE
+  return {POISE_MUJOCO_BASELINE};
 #else
   return {};
 #endif
@@ -168,7 +187,9 @@ std::vector<std::unique_ptr<ExternalSolver>> find_external_solvers() {
     if (!why.empty()) fmt::print("{}: left out, {}; cmake/setup.sh baselines installs it\n", name, why);
   };
   admit("SciPy", scipy_command());
+  admit("NumPy", numpy_command());
   admit("Simbody", simbody_command());
+  admit("MuJoCo", mujoco_command());
   return present;
 }
 
@@ -189,9 +210,12 @@ bool measure() {
       "least\n"
       "error. nearby: of {} starts with every coordinate moved by up to {}, those that lead to an equilibrium. error: "
       "from\n"
-      "the known equilibrium, rad or over the size. All start from closed loops; promises are judged against the "
+      "the known equilibrium, rad or over the size. All start from closed loops, the clamp from its file; promises are "
+      "judged against the "
       "fastest\n"
-      "method that arrives. SciPy's callbacks are Poise's compiled model, and root gets multipliers to start with.\n",
+      "method that arrives. SciPy's callbacks are Poise's compiled model, NumPy's are SciPy's on equations\n"
+      "written by hand; root gets multipliers to start with. MuJoCo's closures are soft: its error is what they "
+      "give.\n",
       wanted_error, nearby_starts, nearby_reach);
   for (ExternalSolver* external : external_solvers) {
     const std::optional<double> idle = external->idle();

@@ -25,6 +25,14 @@ constexpr std::array<KnownChain, 5> known_chains = {
      {100000, 0.163168274085221740463588, 0.3627821852681372700107796}}};
 
 constexpr std::array<double, 3> four_bar_equilibrium = {1.18098097986277511, 0.31112579393843272, 5.3708134990460867};
+constexpr std::array<double, 3> toggle_clamp_equilibrium = {1.6337822873154150442, 1.5290625321957552696,
+                                                            0.0021924364015421862839};
+
+double largest_difference(const double* angles, const std::array<double, 3>& known) {
+  double worst = 0.0;
+  for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(angles[k] - known[k]));
+  return worst;
+}
 
 const KnownChain& known_chain(int links) {
   const auto* found = std::find_if(known_chains.begin(), known_chains.end(),
@@ -35,11 +43,9 @@ const KnownChain& known_chain(int links) {
 
 }  // namespace
 
-double four_bar_error(const double* angles) {
-  double worst = 0.0;
-  for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(angles[k] - four_bar_equilibrium[k]));
-  return worst;
-}
+double four_bar_error(const double* angles) { return largest_difference(angles, four_bar_equilibrium); }
+
+double toggle_clamp_error(const double* angles) { return largest_difference(angles, toggle_clamp_equilibrium); }
 
 double chain_error(const std::vector<double>& angles) {
   const KnownChain& known = known_chain(static_cast<int>(angles.size()));

@@ -15,6 +15,7 @@
 #include "benchmarks/bare_ipopt.hpp"
 #include "benchmarks/hand_chain.hpp"
 #include "benchmarks/hand_four_bar.hpp"
+#include "benchmarks/hand_toggle_clamp.hpp"
 #include "benchmarks/known_answers.hpp"
 #include "benchmarks/race.hpp"
 #include "benchmarks/timing.hpp"
@@ -136,6 +137,27 @@ void race_four_bars(Table& table) {
             ipopt_limit, energy_error);
 }
 
+void race_toggle_clamps(Table& table) {
+  const StaticModel model(read_scene(POISE_SOURCE_DIR "/datasets/toggle_clamp.toml"));
+  const std::vector<double> x = model.start();
+  const std::array<double, 3> start = {x.at(0), x.at(1), x.at(2)};
+
+  solvers::Newton newton(model.problem());
+  const solvers::NewtonResult* found = nullptr;
+  HandToggleClampResult by_hand;
+  table.row("toggle clamp, virtual work",
+            race({[&] { found = &newton.solve(x); },
+                  [&] {
+                    return Answer{found->iterations, toggle_clamp_error(found->x.data())};
+                  }},
+                 {[&] { by_hand = solve_toggle_clamp_by_hand(start); },
+                  [&] {
+                    const double force_error = std::abs(by_hand.clamping_force / toggle_clamp_force - 1.0);
+                    return Answer{by_hand.iterations, std::max(toggle_clamp_error(by_hand.angles.data()), force_error)};
+                  }}),
+            hand_limit, virtual_work_error);
+}
+
 Race race_chains(Table& table, int links) {
   const StaticModel model(comparison::hanging_chain_scene(links));
   const std::vector<double> start = model.start();
@@ -226,6 +248,7 @@ bool measure() {
   Table table;
   table.head();
   race_four_bars(table);
+  race_toggle_clamps(table);
   race_curves(table);
   race_chains(table, 10);
   const Race short_chain = race_chains(table, 100);

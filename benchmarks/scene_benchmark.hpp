@@ -20,7 +20,7 @@ double difference(const Layout& layout, const std::vector<double>& x, const std:
 
 /// A way to solve the scene at hand from the start at hand.
 struct Solver {
-  std::string family;  ///< "Poise", "Ipopt", "SciPy", "Simbody"
+  std::string family;  ///< "Poise", "Ipopt", "SciPy", "NumPy", "Simbody", "MuJoCo"
   std::string method;
   bool has_accuracy = true;  ///< false: it is taken as it is
   std::function<std::optional<SolverAnswer>(double accuracy, int times)> solve;
@@ -40,7 +40,7 @@ struct SolverResult {
 
 inline constexpr double right_answer = 1e-5;  ///< what counts as arriving, rad or sizes
 inline constexpr double wanted_error = 1e-9;  ///< each may stop as soon as its error is below
-inline constexpr int nearby_starts = 10;      ///< the closed start with every coordinate moved
+inline constexpr int nearby_starts = 10;      ///< that start with every coordinate moved
 inline constexpr double nearby_reach = 0.3;   ///< by up to this, rad or sizes
 
 /// Lets Poise's virtual work, Ipopt and all methods of the external solvers solve the scene `name`: each with the
@@ -64,7 +64,7 @@ class SceneBenchmark {
   void time(std::vector<SolverResult>& results) const;
 
   StaticModel model_;
-  std::vector<double> truth_, closed_, start_;
+  std::vector<double> truth_, origin_, start_;
   std::vector<ExternalSolver*> external_;  // that can do it
   std::vector<Solver> solvers_;
   std::vector<std::string> left_out_;

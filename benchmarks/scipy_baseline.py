@@ -112,6 +112,13 @@ class Scene:
         self.energy_hessian, self.closure_hessian = energy_hessian, closure_hessian
         self.balance, self.balance_jacobian = balance, balance_jacobian
 
+    def forget(self):
+        self.energy(np.full(self.n, np.nan))  # where the last solution ended
+        self.before = self.view.evaluations
+
+    def evaluations(self, _, times):
+        return (self.view.evaluations - self.before) / times
+
     def start_from(self, x):
         self.x = np.array(x)
         y = np.linalg.lstsq(self.closure_jacobian(self.x).T, -self.force(self.x), rcond=None)[0]
@@ -150,15 +157,13 @@ METHODS = {"root hybr": hybr, "root lm": lm, "SLSQP": slsqp, "trust-constr": tru
 
 
 def solve(scene, method, accuracy, times):
-    run = list(METHODS.values())[method](scene, accuracy)
-    before = scene.view.evaluations
-    scene.energy(np.full(scene.n, np.nan))  # forget where the last solution ended
+    run = method(scene, accuracy)
+    scene.forget()
     begin = time.perf_counter()
     for _ in range(times):
         found = run()
     seconds = (time.perf_counter() - begin) / times
-    evaluations = (scene.view.evaluations - before - 1) / times
-    return " ".join([repr(seconds), str(round(evaluations)), str(int(found.success)),
+    return " ".join([repr(seconds), str(round(scene.evaluations(found, times))), str(int(found.success)),
                      *map(repr, found.x[:scene.n].tolist())])
 
 
@@ -174,24 +179,27 @@ def idle():
     return least
 
 
-def serve(library):
+def serve(open_scene, methods, idle=None):
+    """Answers until the input ends; `methods` are functions of a scene and an accuracy, by name."""
+    warnings.simplefilter("ignore")
+    gc.disable()  # as timeit does
     scene = None
     for line in sys.stdin:
         request, _, rest = line.strip().partition(" ")
         try:
             answer = ""
             if request == "methods":
-                answer = "|".join(METHODS)
-            elif request == "idle":
+                answer = "|".join(methods)
+            elif request == "idle" and idle:
                 answer = repr(idle())
             elif request == "scene":
                 gc.collect()
-                scene = Scene(library, rest)
+                scene = open_scene(rest)
             elif request == "start":
                 scene.start_from([float(word) for word in rest.split()])
             elif request == "solve":
                 method, accuracy, times = rest.split()
-                answer = solve(scene, int(method), float(accuracy), int(times))
+                answer = solve(scene, list(methods.values())[int(method)], float(accuracy), int(times))
             else:
                 raise ValueError("unknown request " + request)
             print("ok", answer, flush=True)
@@ -200,6 +208,5 @@ def serve(library):
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore")
-    gc.disable()  # as timeit does
-    serve(Library(sys.argv[1]))
+    library = Library(sys.argv[1])
+    serve(lambda name: Scene(library, name), METHODS, idle)

@@ -145,18 +145,17 @@ class EnergyProgram : public SimTK::OptimizerSystem {
   mutable State state_;
 };
 
-}  // namespace
-
 // A tree of mobilizers, Pin about z and Slider, breadth first from the ground. A pin left over holds its point in two
 // planes: a Ball would hold z too, which nothing frees, and Simbody would meet constraints that depend on each other.
-class SimbodySolver::System {
+class SimbodySolver : public PlainSolver {
  public:
-  explicit System(const Plain& mechanism)
+  explicit SimbodySolver(const Plain& mechanism)
       : mechanism_(mechanism),
         branches_(mechanism.bodies.size()),
         used_(mechanism.joints.size(), 0),
         matter_(system_),
         forces_(system_) {
+    if (!mechanism.stops.empty()) throw std::invalid_argument("stops are not translated for Simbody");
     branches_[0].index = matter_.getGround().getMobilizedBodyIndex();
     grow_tree();
     close_loops();
@@ -169,7 +168,7 @@ class SimbodySolver::System {
     program_ = std::make_unique<EnergyProgram>(system_, matter_, start_);
   }
 
-  void start_from(const PlainPose& pose) {
+  void start_from(const PlainPose& pose) override {
     for (std::size_t body = 1; body < branches_.size(); ++body) {
       const Branch& branch = branches_[body];
       start_.updQ()[branch.q] = mechanism_.joints[branch.joint].is_slide ? pose.travel[branch.joint]
@@ -177,12 +176,11 @@ class SimbodySolver::System {
     }
   }
 
-  Result solve(SimbodyMethod method, double tolerance, int times) {
+  Result solve(int method, double tolerance, int times) override {
     const long before = loads_->evaluations;
     SimTK::Vector q;
-    const double seconds =
-        method == SimbodyMethod::minimizer ? minimize(tolerance, times, q) : optimize(tolerance, times, q);
-    return {seconds, (loads_->evaluations - before) / times, pose(q)};
+    const double seconds = method == 0 ? minimize(tolerance, times, q) : optimize(tolerance, times, q);
+    return {seconds, (loads_->evaluations - before) / times, true, pose(q)};
   }
 
  private:
@@ -306,14 +304,10 @@ class SimbodySolver::System {
   std::unique_ptr<EnergyProgram> program_;
 };
 
-SimbodySolver::SimbodySolver(const PlainMechanism& mechanism) : system_(std::make_unique<System>(mechanism)) {}
+}  // namespace
 
-SimbodySolver::~SimbodySolver() = default;
-
-void SimbodySolver::start_from(const PlainPose& pose) { system_->start_from(pose); }
-
-SimbodySolver::Result SimbodySolver::solve(SimbodyMethod method, double tolerance, int times) {
-  return system_->solve(method, tolerance, times);
+std::unique_ptr<PlainSolver> simbody_solver(const PlainMechanism& mechanism) {
+  return std::make_unique<SimbodySolver>(mechanism);
 }
 
 }  // namespace poise::benchmarks
