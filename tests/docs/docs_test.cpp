@@ -11,6 +11,8 @@
 //                <!-- fragment of: NAME -->: read at the end of that scene, not saved
 //   ```cpp       <!-- program: NAME -->: compiled by tests/CMakeLists.txt, runs as build/NAME
 //   ```text      formulas and drawings
+//   ```python    cells of notebooks, and
+//   ```output    what they print: run by tests/python/test_docs.py
 //
 // Any other block fails. With POISE_UPDATE_DOCS set, the pages are rewritten with what the commands print now.
 #include <cstdio>
@@ -127,10 +129,10 @@ class Walk {
       read_toml(block);
     } else if (block.kind == "cpp") {
       compare_program(block);
-    } else if (block.kind == "text") {
-      std::cout << page_.file.filename().string() << ":" << block.line << ": text\n";
+    } else if (block.kind == "text" || block.kind == "python" || block.kind == "output") {
+      std::cout << page_.file.filename().string() << ":" << block.line << ": " << block.kind << '\n';
     } else {
-      ADD_FAILURE() << "expected a block of console, toml, cpp or text, found \"" << block.kind << "\"";
+      ADD_FAILURE() << "expected a block of console, toml, cpp, text, python or output, found \"" << block.kind << "\"";
     }
   }
 

@@ -1,5 +1,6 @@
 #include "model/scene_builder.hpp"
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -143,15 +144,9 @@ void expect_same_numbers(const Scene& built, const Scene& read) {
   }
 }
 
-TEST(SceneBuilder, BuildsWhatTheFileReaderReads) {
-  const Scene built = press_builder().build();
-  const Scene read = parse_scene(press_file, "press.toml");
+void expect_same_items(const Scene& built, const Scene& read) {
   EXPECT_EQ(built.title, read.title);
   EXPECT_EQ(built.source, read.source);
-  EXPECT_EQ(built.units.length_name, "mm");
-  EXPECT_EQ(built.units.force_name, "kN");
-  EXPECT_EQ(built.units.mass_name, "g");
-  EXPECT_EQ(built.units.angle_name, "deg");
   ASSERT_EQ(built.joints.size(), read.joints.size());
   for (std::size_t i = 0; i < read.joints.size(); ++i) {
     EXPECT_EQ(built.joints[i].kind, read.joints[i].kind);
@@ -169,6 +164,15 @@ TEST(SceneBuilder, BuildsWhatTheFileReaderReads) {
   EXPECT_EQ(std::get<LinearSpring>(built.elements[0].law).acts, LinearSpring::Acts::compression);
   EXPECT_EQ(built.forces.at(1).follows, 2);
   expect_same_numbers(built, read);
+}
+
+TEST(SceneBuilder, BuildsWhatTheFileReaderReads) {
+  const Scene built = press_builder().build();
+  EXPECT_EQ(built.units.length_name, "mm");
+  EXPECT_EQ(built.units.force_name, "kN");
+  EXPECT_EQ(built.units.mass_name, "g");
+  EXPECT_EQ(built.units.angle_name, "deg");
+  expect_same_items(built, parse_scene(press_file, "press.toml"));
 }
 
 // Every kind of coupling, in a file and in code; ground and a few bodies that are free where they need not be held.
@@ -381,9 +385,7 @@ void expect_same_measure(const Measure& built, const Measure& read) {
   }
 }
 
-TEST(SceneBuilder, BuildsTheCouplingsThatTheFileReaderReads) {
-  const Scene built = couplings_builder().build();
-  const Scene read = parse_scene(couplings_file, "couplings.toml");
+void expect_same_couplings(const Scene& built, const Scene& read) {
   ASSERT_EQ(built.stops.size(), read.stops.size());
   for (std::size_t s = 0; s < read.stops.size(); ++s) {
     EXPECT_EQ(built.stops[s].table, read.stops[s].table);
@@ -399,7 +401,40 @@ TEST(SceneBuilder, BuildsTheCouplingsThatTheFileReaderReads) {
     expect_same_measure(built.elements[e].on, read.elements[e].on);
   }
   expect_same_numbers(built, read);
+}
+
+TEST(SceneBuilder, BuildsTheCouplingsThatTheFileReaderReads) {
+  expect_same_couplings(couplings_builder().build(), parse_scene(couplings_file, "couplings.toml"));
   EXPECT_THROW(SceneBuilder("twice").gear("a", "b", {{"ratio", 1}, {"ratio", 2}}), InputError);
+}
+
+TEST(SceneBuilder, WritesTheFileOfWhatItBuilds) {
+  expect_same_items(press_builder().build(), parse_scene(press_builder().text(), "press.toml"));
+  expect_same_couplings(couplings_builder().build(), parse_scene(couplings_builder().text(), "couplings.toml"));
+}
+
+TEST(SceneBuilder, WritesNamesAndNumbersExactly) {
+  SceneBuilder builder("\"two\"\nlines, caf\u00e9 \\ ");
+  builder.number("third", 1.0 / 3.0)
+      .number("least", 1.2345678901234567e-49)
+      .number("many", 123456789012345680.0)
+      .number("twice", "2*third")
+      .body("z first", {.points = {{"B", {0.1 + 0.2, -0.0}}, {"A", {1.2345678901234567e-49, -1e15}}}, .mass = 1})
+      .body("a later", {.points = {{"A", {0, 0}}}, .inertia = 7})
+      .section("z first", {{"area", 0.01}, {"modulus", 2e11}, {"second_moment", 1e-6}, {"height", 0.1}}, {"A", "B"})
+      .ground_point("O", {0, 0})
+      .pin("ground.O", "a later.A")
+      .friction({{"coefficient", 0.1}, {"radius", 0.02}})
+      .element("spring", "strut", measures::distance("ground.O", "z first.A"),
+               {{"gas.preload", 300}, {"gas.length", 3}, {"gas.stroke", "2*third"}, {"gas.ratio", 1.35}})
+      .output("height", "y.z first.B");
+  const Scene read = parse_scene(builder.text(), "read.toml");
+  EXPECT_EQ(read.title, "\"two\"\nlines, caf\u00e9 \\ ");
+  EXPECT_EQ(read.bodies.at(1).name, "z first");
+  EXPECT_EQ(read.bodies.at(1).points.at(0).at, (Vec2{0.1 + 0.2, 0.0}));
+  EXPECT_TRUE(std::signbit(read.bodies.at(1).points.at(0).at.y));
+  EXPECT_EQ(read.bodies.at(1).points.at(1).at, (Vec2{1.2345678901234567e-49, -1e15}));
+  expect_same_numbers(builder.build(), read);
 }
 
 TEST(SceneBuilder, IsInSiWithoutUnits) {

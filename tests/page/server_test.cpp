@@ -17,6 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "app/view/frame_origin.hpp"
 #include "app/view/http_request.hpp"
 #include "model/input_error.hpp"
 
@@ -26,12 +27,12 @@ namespace {
 /// A server with answers that name themselves, run in a thread of its own.
 class Running {
  public:
-  explicit Running(double most_in_a_second = 1e6)
+  explicit Running(const Listening& listening = {.most_in_a_second = 1e6})
       : server_({.page = [] { return std::string("the page"); },
                  .act = [](const std::string& body) { return "acted on " + body; },
                  .poll = [](const std::string& revision) { return "polled " + revision; },
                  .shared = [] { return std::string("the report"); }},
-                0, most_in_a_second),
+                listening),
         thread_([this] { server_.run(interrupt_); }) {
     static const std::regex form(R"(http://127\.0\.0\.1:([0-9]+)(/[0-9a-f]{32}/))");
     std::smatch match;
@@ -216,7 +217,7 @@ TEST(LocalServer, ServesThePageBesideSlowAndManyConnections) {
 }
 
 TEST(LocalServer, LimitsRequests) {
-  const Running slow(2.0);
+  const Running slow({.most_in_a_second = 2.0});
   httplib::Client hasty = slow.client();
   int too_many = 0;
   for (int k = 0; k < 10; ++k) {
@@ -225,7 +226,7 @@ TEST(LocalServer, LimitsRequests) {
   }
   EXPECT_GT(too_many, 3);
   // What is refused for lack of the token takes none of them away.
-  const Running other(2.0);
+  const Running other({.most_in_a_second = 2.0});
   for (int k = 0; k < 20; ++k) EXPECT_EQ(other.status("/none/"), 404);
   EXPECT_EQ(other.status(other.base()), 200);
 }
@@ -246,18 +247,159 @@ TEST(LocalServer, TellsBrowsersNotToShareThePage) {
   EXPECT_EQ(page->get_header_value("Referrer-Policy"), "no-referrer");
   EXPECT_EQ(page->get_header_value("X-Frame-Options"), "DENY");
   EXPECT_EQ(page->get_header_value("Cache-Control"), "no-store");
+  EXPECT_FALSE(page->has_header("Content-Security-Policy"));
+}
+
+constexpr const char* notebook = "http://localhost:8888";
+
+/// What a browser sends for a frame of a page of another site.
+httplib::Headers of_frame(const httplib::Headers& changed = {}) {
+  httplib::Headers out = changed;
+  const httplib::Headers usual = {
+      {"Sec-Fetch-Site", "cross-site"}, {"Sec-Fetch-Mode", "navigate"}, {"Sec-Fetch-Dest", "iframe"}};
+  for (const auto& [name, value] : usual) {
+    if (!out.contains(name)) out.emplace(name, value);
+  }
+  return out;
+}
+
+TEST(LocalServer, NamesTheOneOriginThatMayFrameThePage) {
+  const Running server({.frame_origin = notebook});
+  httplib::Client client = server.client();
+  const httplib::Result page = client.Get(server.base().c_str());
+  EXPECT_EQ(page->get_header_value("Content-Security-Policy"), "frame-ancestors http://localhost:8888");
+  EXPECT_FALSE(page->has_header("X-Frame-Options"));
+  EXPECT_EQ(page->get_header_value("Referrer-Policy"), "no-referrer");
+  const std::string to_act = server.base() + "do";
+  std::vector<httplib::Result> others;
+  for (const char* path : {"poll", "page", "none"}) others.push_back(client.Get((server.base() + path).c_str()));
+  others.push_back(client.Post(to_act.c_str(), "{}", "application/json"));
+  others.push_back(client.Get("/"));
+  for (const httplib::Result& other : others) {
+    EXPECT_EQ(other->get_header_value("X-Frame-Options"), "DENY") << other->status;
+    EXPECT_FALSE(other->has_header("Content-Security-Policy")) << other->status;
+  }
+}
+
+TEST(LocalServer, AnswersAFrameOfAnotherSiteThePageAlone) {
+  const Running closed, server({.frame_origin = notebook});
+  EXPECT_EQ(closed.status(closed.base(), of_frame()), 403);
+  EXPECT_EQ(closed.status(closed.base(), of_frame({{"Referer", "http://localhost:8888/"}})), 403);
+  for (const httplib::Headers& allowed :
+       {of_frame(), of_frame({{"Sec-Fetch-Site", "same-site"}}), of_frame({{"Referer", "http://localhost:8888/"}}),
+        of_frame({{"Referer", "http://localhost:8888/lab/tree/clamp.ipynb"}}), of_frame({{"Referer", notebook}})}) {
+    EXPECT_EQ(server.status(server.base(), allowed), 200) << allowed.begin()->second;
+  }
+  for (const httplib::Headers& refused :
+       {of_frame({{"Sec-Fetch-Dest", "document"}}), of_frame({{"Sec-Fetch-Dest", "script"}}),
+        of_frame({{"Sec-Fetch-Dest", "frame"}}), of_frame({{"Sec-Fetch-Mode", "no-cors"}}),
+        of_frame({{"Sec-Fetch-Mode", "cors"}}), of_frame({{"Origin", notebook}}), of_frame({{"Origin", "null"}}),
+        of_frame({{"Host", "example.org"}}), of_frame({{"Host", "localhost:8888"}}),
+        of_frame({{"Referer", "http://example.org/"}}), of_frame({{"Referer", "https://localhost:8888/"}}),
+        of_frame({{"Referer", "http://localhost:88889/"}}),
+        of_frame({{"Referer", "http://localhost:8888.example.org/"}}),
+        of_frame({{"Referer", "http://localhost:8888@example.org/"}})}) {
+    EXPECT_EQ(server.status(server.base(), refused), 403) << refused.begin()->first << " " << refused.begin()->second;
+  }
+  std::string other = server.base();
+  other[5] = other[5] == '0' ? '1' : '0';
+  for (const std::string& path : {other, server.base() + "poll", server.base() + "page", std::string("/")}) {
+    EXPECT_EQ(server.status(path, of_frame()), 403) << path;
+  }
+  const std::string to_act = server.base() + "do";
+  for (const httplib::Headers& headers : {of_frame(), httplib::Headers{{"Origin", notebook}}}) {
+    EXPECT_EQ(server.client().Post(to_act.c_str(), headers, "{}", "application/json")->status, 403);
+  }
+  // The page in the frame has this server's origin.
+  const std::string own = "http://127.0.0.1:" + std::to_string(server.port());
+  const httplib::Headers of_page = {{"Origin", own}, {"Sec-Fetch-Site", "same-origin"}};
+  EXPECT_EQ(server.client().Post(to_act.c_str(), of_page, "{}", "application/json")->body, "acted on {}");
+}
+
+TEST(FrameOrigin, IsWrittenAsBrowsersWriteIt) {
+  for (const auto& [given, origin] :
+       std::vector<std::pair<std::string, std::string>>{{"http://localhost:8888", "http://localhost:8888"},
+                                                        {"HTTP://LocalHost:8888", "http://localhost:8888"},
+                                                        {"http://127.0.0.1:8888", "http://127.0.0.1:8888"},
+                                                        {"https://hub.example.org", "https://hub.example.org"},
+                                                        {"https://hub.example.org:443", "https://hub.example.org"},
+                                                        {"https://hub.example.org:80", "https://hub.example.org:80"},
+                                                        {"http://a-b.c:65535", "http://a-b.c:65535"}}) {
+    EXPECT_EQ(read_frame_origin(given), origin);
+  }
+}
+
+// It becomes part of a header: a blank would add an origin, a semicolon a directive, a line break a header.
+TEST(FrameOrigin, IsOneOriginAndNothingElse) {
+  for (const std::string& text : {std::string(),
+                                  std::string("*"),
+                                  std::string("null"),
+                                  std::string("'self'"),
+                                  std::string("localhost:8888"),
+                                  std::string("http:"),
+                                  std::string("http://"),
+                                  std::string("http://*"),
+                                  std::string("http://*.example.org"),
+                                  std::string("http://localhost:*"),
+                                  std::string("http://localhost:8888/"),
+                                  std::string("http://localhost:8888/lab"),
+                                  std::string("http://localhost:8888?a"),
+                                  std::string("http://localhost:8888#a"),
+                                  std::string("http://localhost:"),
+                                  std::string("http://localhost:0"),
+                                  std::string("http://localhost:08888"),
+                                  std::string("http://localhost:65536"),
+                                  std::string("http://localhost:-1"),
+                                  std::string("http://localhost:+1"),
+                                  std::string("http://localhost:88 88"),
+                                  std::string("http://me@localhost:8888"),
+                                  std::string("http://me:word@localhost:8888"),
+                                  std::string("http://[::1]:8888"),
+                                  std::string("http://localhost:8888 *"),
+                                  std::string(" http://localhost:8888"),
+                                  std::string("http://localhost:8888 http://example.org"),
+                                  std::string("http://localhost:8888,http://example.org"),
+                                  std::string("http://localhost:8888; script-src *"),
+                                  std::string("http://localhost;frame-ancestors"),
+                                  std::string("http://localhost:8888\r\nX-Injected: yes"),
+                                  std::string("http://localhost:8888\n"),
+                                  std::string("http://local\r\nhost:8888"),
+                                  std::string("http://localhost\0.example.org", 29),
+                                  std::string("http://localhost:8888\t"),
+                                  std::string("http://-a.org"),
+                                  std::string("http://a..org"),
+                                  std::string("http://a.org."),
+                                  std::string("http://a_b.org"),
+                                  std::string("http://l\u00f6calhost:8888"),
+                                  std::string("ftp://localhost:8888"),
+                                  std::string("file://localhost"),
+                                  std::string("javascript:alert(1)"),
+                                  std::string("http:\\\\localhost:8888"),
+                                  "http://" + std::string(64, 'a'),
+                                  "http://" + std::string(100000, 'a')}) {
+    try {
+      const LocalServer server({}, {.frame_origin = text});
+      FAIL() << text;
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_TRUE(what.starts_with("--frame-origin: expected ")) << what;
+      EXPECT_EQ(what.find_first_of("\r\n"), std::string::npos) << what;
+      EXPECT_LT(what.size(), 500U);
+    }
+  }
 }
 
 TEST(LocalServer, NamesAPortThatIsTaken) {
   const Running server;
   try {
-    const LocalServer second({}, server.port());
+    const LocalServer second({}, {.port = server.port()});
     FAIL() << "two servers share a port";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("--port: cannot listen on port " + std::to_string(server.port())),
               std::string::npos)
         << error.what();
   }
+  for (const int port : {-1, 65536, 65536 + 8080}) EXPECT_THROW(LocalServer({}, {.port = port}), InputError) << port;
 }
 
 }  // namespace

@@ -2,12 +2,16 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "model/scene.hpp"
 #include "solvers/newton.hpp"
 #include "statics/model/static_model.hpp"
+#include "statics/model/virtual_work.hpp"
 
 namespace {
 bool counting = false;
@@ -64,6 +68,29 @@ TEST(Allocation, SolvingAllocatesNothing) {
         EXPECT_EQ(allocations_of_a_solve(model, goal, dense_limit), 0) << file << ", dense limit " << dense_limit;
       }
     }
+  }
+}
+
+TEST(Allocation, EquationsForOthersAllocateNothing) {
+  for (const char* file : {"six_bar.toml", "lift.toml", "redundant_parallelogram.toml", "hanging_chain_10.toml"}) {
+    VirtualWork work(std::make_shared<const StaticModel>(read_scene(std::string(POISE_SOURCE_DIR "/datasets/") + file)),
+                     {});
+    std::vector<double> x = work.start();
+    for (double& value : x) value += 1e-3;
+    const std::size_t size = x.size() + static_cast<std::size_t>(work.rows());
+    const std::vector<double> y(static_cast<std::size_t>(work.rows()), 1.0);
+    std::vector<double> out(size * size);
+    allocations = 0;
+    counting = true;
+    work.place(x.data());
+    work.equations(out.data());
+    work.jacobian(out.data());
+    work.directions(out.data());
+    work.hessian(y.data(), out.data());
+    work.equations_with(y.data(), out.data());
+    work.jacobian_with(y.data(), out.data());
+    counting = false;
+    EXPECT_EQ(allocations, 0) << file;
   }
 }
 

@@ -205,7 +205,16 @@ void Browser::demand(const std::string& command, const json& parameters) {
 
 json Browser::get(const std::string& what) { return driver_->get("/session/" + driver_->session + "/" + what); }
 
-void Browser::open(const std::string& address) { ask("url", {{"url", address}}); }
+void Browser::open(const std::string& address) {
+  leave_frames();
+  ask("url", {{"url", address}});
+}
+
+void Browser::enter_frame(const std::string& selector) {
+  ask("frame", {{"id", ask("element", {{"using", "css selector"}, {"value", selector}})}});
+}
+
+void Browser::leave_frames() { ask("frame", {{"id", nullptr}}); }
 
 json Browser::run(const std::string& script, const json& arguments) {
   return ask("execute/sync", {{"script", script}, {"args", arguments}});

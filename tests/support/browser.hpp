@@ -44,6 +44,11 @@ class Browser {
   /// Waits until an expression is true; false where it is not after `seconds`.
   bool wait_for(const std::string& expression, double seconds = 60.0);
 
+  /// From here on run() and wait_for() are within the first frame of the page that a CSS selector finds; leave_frames()
+  /// and open() go back to the page.
+  void enter_frame(const std::string& selector);
+  void leave_frames();
+
   /// The pointer, at places of the window, px.
   void press(double x, double y);
   void move(double x, double y);

@@ -1,0 +1,21 @@
+# Requires that objects compiled for some processors only define their entries, and nothing else that the linker could
+# take for the same of other objects: a weak symbol, or a global one. Run with -D nm=... -D objects=a;b -P.
+
+foreach(object ${objects})
+  execute_process(COMMAND "${nm}" --defined-only --extern-only "${object}" OUTPUT_VARIABLE symbols RESULT_VARIABLE failed)
+  if(failed)
+    message(FATAL_ERROR "${nm} cannot read ${object}")
+  endif()
+  string(REGEX MATCHALL "[^\n]+" lines "${symbols}")
+  set(entries 0)
+  foreach(line ${lines})
+    if(line MATCHES " T poise_lanes_(avx2|avx512)$")
+      math(EXPR entries "${entries} + 1")
+    else()
+      message(FATAL_ERROR "${object} defines more than its entry: ${line}")
+    endif()
+  endforeach()
+  if(NOT entries EQUAL 1)
+    message(FATAL_ERROR "${object} has ${entries} entries")
+  endif()
+endforeach()
