@@ -28,16 +28,6 @@ struct NamedBuilder {
   }
 };
 
-std::optional<double> number_in(const py::handle& value) {
-  if (is_flag(value)) return std::nullopt;
-  const double number = PyFloat_AsDouble(value.ptr());
-  if (number == -1.0 && PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
-    return std::nullopt;
-  }
-  return number;
-}
-
 /// Members of a list, a tuple or an array; nothing of anything else.
 std::optional<std::vector<py::object>> members_in(const py::handle& value) {
   if (py::isinstance<py::str>(value) || PySequence_Check(value.ptr()) == 0 || PyDict_Check(value.ptr()) != 0) {

@@ -30,7 +30,6 @@
 namespace poise::python {
 namespace {
 
-using SharedScene = std::shared_ptr<const SceneObject>;
 using SharedOutcome = std::shared_ptr<const app::Outcome>;
 
 /// What a command found that was called from Python.
@@ -85,10 +84,10 @@ bool says_interrupted(const app::Result& result) {
 }
 
 std::shared_ptr<CalledOutcome> call_command(const std::string& command, const std::vector<app::GivenOption>& options,
-                                            const std::optional<SharedScene>& scene, bool pictures,
+                                            const std::shared_ptr<SceneObject>& scene, bool pictures,
                                             const py::object& progress) {
   app::Caller caller;
-  if (scene) caller.scene = (*scene)->as_read();
+  if (scene != nullptr) caller.scene = scene->as_read();
   caller.wants_pictures = pictures;
   Listener listener(progress, caller.interrupt);
   if (listener.is_wanted()) caller.listener = [&listener](const std::string& doing) { listener(doing); };
@@ -181,13 +180,7 @@ void bind_commands(py::module_& m) {
   m.def("commands", table_of_commands);
   m.def("si_unit", si_unit, py::arg("unit"));
   m.def("did_you_mean", did_you_mean_or_list, py::arg("name"), py::arg("known"));
-  m.def("call",
-        [](const std::string& command, const std::vector<app::GivenOption>& options,
-           const std::optional<std::shared_ptr<SceneObject>>& scene, bool pictures, const py::object& progress) {
-          std::optional<SharedScene> given;
-          if (scene && *scene) given = *scene;
-          return call_command(command, options, given, pictures, progress);
-        });
+  m.def("call", call_command);
 }
 
 }  // namespace poise::python

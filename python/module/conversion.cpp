@@ -101,13 +101,9 @@ SceneObject::Changes changes_of(const py::dict& numbers) {
       throw InputError(fmt::format("expected the name of a number, found {}", shown(name)));
     }
     const std::string path = utf8(name);
-    if (is_flag(value)) throw InputError(fmt::format("{}: expected a number, found {}", path, shown(value)));
-    const double number = PyFloat_AsDouble(value.ptr());
-    if (number == -1.0 && PyErr_Occurred() != nullptr) {
-      PyErr_Clear();
-      throw InputError(fmt::format("{}: expected a number, found {}", path, shown(value)));
-    }
-    out.emplace_back(path, number);
+    const std::optional<double> number = number_in(value);
+    if (!number) throw InputError(fmt::format("{}: expected a number, found {}", path, shown(value)));
+    out.emplace_back(path, *number);
   }
   return out;
 }
@@ -117,6 +113,16 @@ bool is_flag(const py::handle& object) {
   // NumPy's own, whose name depends on its version.
   const std::string_view type = Py_TYPE(object.ptr())->tp_name;
   return type == "numpy.bool_" || type == "numpy.bool";
+}
+
+std::optional<double> number_in(const py::handle& object) {
+  if (is_flag(object)) return std::nullopt;
+  const double number = PyFloat_AsDouble(object.ptr());
+  if (number == -1.0 && PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    return std::nullopt;
+  }
+  return number;
 }
 
 std::string utf8(const py::handle& text) {

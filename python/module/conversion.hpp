@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,9 @@ SceneObject::Changes changes_of(const py::dict& numbers);
 
 /// Whether it is True or False, of Python or of NumPy.
 bool is_flag(const py::handle& object);
+
+/// The number that an object is, or that it makes of itself; none of a flag and of what is no number.
+std::optional<double> number_in(const py::handle& object);
 
 /// The bytes of a text of Python. Throws InputError for one with surrogates, which UTF-8 has no bytes for.
 std::string utf8(const py::handle& text);

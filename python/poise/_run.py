@@ -19,7 +19,6 @@ import contextlib
 import functools
 import itertools
 import keyword
-import operator
 import os
 import pathlib
 import tempfile
@@ -29,7 +28,7 @@ from typing import runtime_checkable
 from . import _poise
 from ._found import Call, Found
 from ._tables import refuse_mask
-from ._toml import toml_text
+from ._toml import number_text, toml_text
 
 #: Called with a sentence on what is being done, ten times a second at most, by any thread. An exception that it raises
 #: stops the work, and is then raised by the call.
@@ -193,14 +192,10 @@ def _number_word(place: str, value: Any) -> str:
     refuse_mask(place, value)
     if isinstance(value, (str, bytes)) or type(value).__name__ in ("bool", "bool_"):
         raise _poise.InputError(f"{place}: expected a number, found {shown(value)}")
-    try:
-        return str(operator.index(value))
-    except TypeError:
-        pass
-    try:
-        return repr(float(value))
-    except (TypeError, ValueError, OverflowError):
-        raise _poise.InputError(f"{place}: expected a number, found {shown(value)}") from None
+    text = number_text(value)
+    if text is None:
+        raise _poise.InputError(f"{place}: expected a number, found {shown(value)}")
+    return text
 
 
 def _text_word(place: str, value: Any) -> str:

@@ -33,15 +33,11 @@ def _value(place: str, value: Any, depth: int = 0) -> str:
                                 for key, one in value.items()) + " }"
     if isinstance(value, Sequence) or hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0:
         return "[" + ", ".join(_value(place, one, depth + 1) for one in value) + "]"
-    try:
-        return str(operator.index(value))
-    except TypeError:
-        pass
-    try:
-        return repr(float(value))
-    except (TypeError, ValueError, OverflowError):
+    text = number_text(value)
+    if text is None:
         raise _poise.InputError(f"{place}: expected a number, a text, True or False, or a list or dictionary of these, "
-                                f"found {value!r:.200}") from None
+                                f"found {value!r:.200}")
+    return text
 
 
 def _key(place: str, key: Any) -> str:
@@ -76,3 +72,15 @@ def toml_text(document: Mapping[str, Any]) -> str:
         lines.append(header)
         lines += [f"{_key(name, key)} = {_value(f'{name}.{key}', one)}" for key, one in members.items()]
     return "\n".join(lines) + "\n"
+
+
+def number_text(value: Any) -> str | None:
+    """A number, written so that the same double is read again; None of what is no number."""
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        pass
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError, OverflowError):
+        return None

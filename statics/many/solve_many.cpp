@@ -376,7 +376,7 @@ class Batch {
   bool is_to_prove(std::size_t v) const {
     if (options_.prove == ManyOptions::Prove::none) return false;
     if (options_.prove == ManyOptions::Prove::all || options_.sample >= out_.variants) return true;
-    // Of the middles of as many equal parts of the indices.
+    // The sample is the middles of as many equal parts of the indices.
     const std::size_t n = out_.variants, k = options_.sample;
     if (k == 0) return false;
     const std::size_t part = v * k / n;
