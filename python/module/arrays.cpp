@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,6 +20,17 @@ bool has_shape(const py::array& array, const std::vector<py::ssize_t>& shape) {
 
 std::vector<py::ssize_t> shape_of(const py::array& array) { return {array.shape(), array.shape() + array.ndim()}; }
 
+/// The object as an array; nothing where it makes none. (`Array::ensure()` clears Ctrl-C as well.)
+template <class Array>
+std::optional<Array> array_of(const py::object& given) {
+  try {
+    return Array(given);
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_Exception)) throw;
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::string shape_text(const std::vector<py::ssize_t>& shape) {
@@ -29,22 +41,20 @@ py::array_t<double> real_array(const py::object& given, const char* name) {
   if (py::isinstance<py::array_t<double, py::array::c_style>>(given)) {
     return py::reinterpret_borrow<py::array_t<double>>(given);
   }
-  const py::array any = py::array::ensure(given);
+  const std::optional<py::array> any = array_of<py::array>(given);
   if (!any) {
-    PyErr_Clear();
     throw InputError(fmt::format("{}: expected an array of numbers, found {}", name, shown(given)));
   }
-  const char kind = any.dtype().kind();
+  const char kind = any->dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u') {
     throw InputError(fmt::format("{}: expected an array of real numbers, found {}", name,
-                                 any.size() > 8 ? "one of " + std::string(py::str(any.dtype())) : shown(given)));
+                                 any->size() > 8 ? "one of " + std::string(py::str(any->dtype())) : shown(given)));
   }
-  auto out = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(any);
+  const auto out = array_of<py::array_t<double, py::array::c_style | py::array::forcecast>>(*any);
   if (!out) {
-    PyErr_Clear();
     throw InputError(fmt::format("{}: expected an array of real numbers, found {}", name, shown(given)));
   }
-  return py::reinterpret_borrow<py::array_t<double>>(out);
+  return py::reinterpret_borrow<py::array_t<double>>(*out);
 }
 
 NumbersIn::NumbersIn(const py::object& given, const char* name, const std::vector<py::ssize_t>& shape)

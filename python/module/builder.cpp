@@ -35,7 +35,7 @@ std::optional<std::vector<py::object>> members_in(const py::handle& value) {
   }
   const py::object list = py::reinterpret_steal<py::object>(PySequence_List(value.ptr()));
   if (!list) {
-    PyErr_Clear();
+    clear_failed_conversion();
     return std::nullopt;
   }
   std::vector<py::object> out;

@@ -115,11 +115,16 @@ bool is_flag(const py::handle& object) {
   return type == "numpy.bool_" || type == "numpy.bool";
 }
 
+void clear_failed_conversion() {
+  if (PyErr_ExceptionMatches(PyExc_Exception) == 0) throw py::error_already_set();
+  PyErr_Clear();
+}
+
 std::optional<double> number_in(const py::handle& object) {
   if (is_flag(object)) return std::nullopt;
   const double number = PyFloat_AsDouble(object.ptr());
   if (number == -1.0 && PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
+    clear_failed_conversion();
     return std::nullopt;
   }
   return number;
@@ -130,7 +135,7 @@ std::string utf8(const py::handle& text) {
   if (const char* const bytes = PyUnicode_AsUTF8AndSize(text.ptr(), &size); bytes != nullptr) {
     return {bytes, static_cast<std::size_t>(size)};
   }
-  PyErr_Clear();
+  clear_failed_conversion();
   throw InputError(fmt::format("expected a text that UTF-8 can hold, found {}", shown(text)));
 }
 
@@ -157,7 +162,7 @@ std::string shown(const py::handle& object) {
   constexpr std::size_t most = 200;
   const auto repr = py::reinterpret_steal<py::object>(PyObject_Repr(object.ptr()));
   if (!repr) {
-    PyErr_Clear();
+    clear_failed_conversion();
     return "something that cannot be shown";
   }
   std::string out = utf8_with_escapes(repr);

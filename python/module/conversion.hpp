@@ -32,6 +32,10 @@ SceneObject::Changes changes_of(const py::dict& numbers);
 /// Whether it is True or False, of Python or of NumPy.
 bool is_flag(const py::handle& object);
 
+/// Clears the pending error of Python where it says that a value is none of what was expected; throws it where it is to
+/// end the program (KeyboardInterrupt, SystemExit), whatever was being converted when it came.
+void clear_failed_conversion();
+
 /// The number that an object is, or that it makes of itself; none of a flag and of what is no number.
 std::optional<double> number_in(const py::handle& object);
 

@@ -148,6 +148,31 @@ except KeyboardInterrupt:
     assert out == "ended\n"
 
 
+class Interrupted:
+    """An object during whose conversion Ctrl-C comes."""
+
+    def stop(self, *_, **__):
+        raise KeyboardInterrupt
+
+    __array__ = __float__ = __getitem__ = __iter__ = __len__ = stop
+
+
+@pytest.mark.parametrize("call", [
+    lambda scene, value: scene.solve(P=value),
+    lambda scene, value: scene.with_numbers(P=value),
+    lambda scene, value: scene.solve_many({"load.P": value}),
+    lambda scene, value: scene.solve_many({"load.P": [1.0, value]}),
+    lambda scene, value: scene.path_many({"spring.rubber.stiffness": value}, "load.P", 0, 60),
+    lambda scene, value: scene.path("load.P", value, 60),
+    lambda scene, value: scene.equations(value),
+    lambda scene, value: scene.certify(value),
+    lambda scene, value: poise.Scene("a").body("b", mass=value),
+])
+def test_ctrl_c_during_a_conversion_is_not_taken_for_a_wrong_value(call):
+    with pytest.raises(KeyboardInterrupt):
+        call(poise.load("datasets/toggle_clamp.toml"), Interrupted())
+
+
 def test_a_handler_of_the_program_is_left_alone():
     program = """
 import signal, poise
