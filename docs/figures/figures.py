@@ -1,0 +1,24 @@
+"""Writes the drawings of this folder: /usr/bin/python3 docs/figures/figures.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import gears
+import slots
+
+DRAWINGS = (
+    gears.gear, gears.gear_internal, gears.tooth_force, gears.belt, gears.rack, gears.coupling, gears.cam,
+    gears.cam_law, gears.rope, gears.chain,
+    slots.circular_slot, slots.curved_slot, slots.rolling, slots.rolling_on_circle, slots.rolling_profile,
+    slots.rolling_profile_on_circle, slots.hollow_rocker,
+)
+
+
+def main() -> None:
+    for make in DRAWINGS:
+        (Path(__file__).parent / f"{make.__name__}.svg").write_text(make().svg())
+
+
+if __name__ == "__main__":
+    main()
