@@ -141,8 +141,8 @@ class SceneBuilder {
   /// A stop with its "min", "max" or both.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
-  /// Gears, cams, ropes, chains, slots, rolling wheels and profiles, as docs/scene-files.md#gears-cams-and-ropes and
-  /// the two sections behind it describe their tables; `keys` are the keys of these that are not named here:
+  /// Gears, cams, ropes, chains, slots, rolling wheels and profiles, whose tables docs/gears-cams-ropes.md,
+  /// docs/curved-slots.md and docs/rolling-profiles.md describe; `keys` are the keys of these that are not named here:
   /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
   SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});

@@ -163,8 +163,8 @@ class SceneBuilder:
         """A stop with its ``min``, ``max`` or both."""
         return self._add("stop", name, on, self._keys(keys))
 
-    # Gears, cams, ropes, chains, slots, rolling wheels and profiles, as docs/scene-files.md#gears-cams-and-ropes and
-    # the two sections behind it describe their tables.
+    # Gears, cams, ropes, chains, slots, rolling wheels and profiles, whose tables docs/gears-cams-ropes.md,
+    # docs/curved-slots.md and docs/rolling-profiles.md describe.
 
     def gear(self, a: str, b: str, /, name: str = "", **keys: Any) -> SceneBuilder:
         """Gears on two bodies: ``ratio``, ``carrier``, ``internal``, ..."""
