@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import basics
 import gears
 import slots
 
 DRAWINGS = (
+    basics.frames, basics.section, basics.joints, basics.measures, basics.springs, basics.spring_curve,
+    basics.gas_strut, basics.bump_stop, basics.loads, basics.time_functions,
     gears.gear, gears.gear_internal, gears.tooth_force, gears.belt, gears.rack, gears.coupling, gears.cam,
     gears.cam_law, gears.rope, gears.chain,
     slots.circular_slot, slots.curved_slot, slots.rolling, slots.rolling_on_circle, slots.rolling_profile,
