@@ -7,6 +7,7 @@ from pathlib import Path
 import basics
 import gears
 import slots
+import theory
 
 DRAWINGS = (
     basics.frames, basics.section, basics.joints, basics.measures, basics.springs, basics.spring_curve,
@@ -15,6 +16,7 @@ DRAWINGS = (
     gears.cam_law, gears.rope, gears.chain,
     slots.circular_slot, slots.curved_slot, slots.rolling, slots.rolling_on_circle, slots.rolling_profile,
     slots.rolling_profile_on_circle, slots.hollow_rocker,
+    theory.phasors, theory.settling, theory.interval_newton, theory.balance, theory.poses, theory.four_bar,
 )
 
 
