@@ -91,7 +91,7 @@ docs: all
 lint lint-all: lint-setup
 	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
 	@echo clang-format: clean
-	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python
+	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python docs/figures
 	@echo flake8: clean
 	cmake/tidy.sh build-lint $(JOBS) $(if $(filter lint-all,$@),all,changed)
 

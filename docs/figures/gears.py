@@ -177,8 +177,10 @@ def rack() -> Drawing:
     panel.leader(point + 5, point + 60, "b.Q of the `slide`")
     panel.text(first, "a.P", right=-22, down=4)
     panel.arrow(rolled + 94 - 10j, rolled + 134 - 10j, "s")
-    panel.texts(96 + 136j, ["`pinion`: turns on the", "`carrier`, by default", "the body of a.P", "",
-                            "`radius` > 0: as drawn", "`radius` < 0: back"])
+    panel.dot(0)
+    panel.texts(96 + 142j, ["`pinion`: turns on the", "`carrier`, by default", "the body of a.P",
+                            "`radius` > 0: as drawn", "`radius` < 0: back", "`pressure_angle`: the",
+                            "teeth press at the dot"])
     return drawing
 
 
