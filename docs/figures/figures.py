@@ -1,10 +1,11 @@
-"""Writes the drawings of this folder: /usr/bin/python3 docs/figures/figures.py."""
+"""Writes the drawings of this folder: /usr/bin/python3 docs/figures/figures.py, with NumPy and SciPy."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import basics
+import files
 import gears
 import slots
 import theory
@@ -16,6 +17,7 @@ DRAWINGS = (
     gears.cam_law, gears.rope, gears.chain,
     slots.circular_slot, slots.curved_slot, slots.rolling, slots.rolling_on_circle, slots.rolling_profile,
     slots.rolling_profile_on_circle, slots.hollow_rocker,
+    files.stop_drive, files.sensor, files.run, files.goals, files.straight_line,
     theory.phasors, theory.settling, theory.interval_newton, theory.balance, theory.poses, theory.four_bar,
 )
 
