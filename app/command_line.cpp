@@ -18,6 +18,7 @@
 
 #include "app/commands/command.hpp"
 #include "app/commands/commands.hpp"
+#include "app/commands/completion.hpp"
 #include "app/commands/options.hpp"
 #include "app/result/numbers.hpp"
 #include "app/terminal/poise_folder.hpp"
@@ -123,14 +124,22 @@ int parse_and_run(int argc, const char* const* argv) {
   app.require_subcommand(1);
   const std::vector<CommandEntry> commands = all_commands();
   declare(app, commands);
+  const auto complete = [&](const std::string& shell) {
+    throw CLI::CallForVersion(completion_script(shell, commands), 0);  // prints this text and ends, as --version does
+  };
+  app.add_option_function<std::string>(
+         "--completion", complete, "Print a script that completes the words of poise in a shell:\nbash, zsh or fish")
+      ->type_name("SHELL");
 
   expect_command(commands, argc, argv);
+  const std::string_view first = argv[1];
+  const std::string help = first.starts_with('-') ? "poise --help" : fmt::format("poise {} --help", first);
   // CLI11 would take the next word in its place.
   for (int i = 2; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (!word.starts_with("--") || !word.ends_with('=')) continue;
-    throw InputError(fmt::format("poise: {}: expected a word behind it, found none; see poise {} --help",
-                                 word.substr(0, word.size() - 1), argv[1]));
+    throw InputError(
+        fmt::format("poise: {}: expected a word behind it, found none; see {}", word.substr(0, word.size() - 1), help));
   }
   try {
     app.parse(argc, argv);
@@ -143,10 +152,10 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string_view what = error.what();
     const bool missing = what.find("missing") != std::string_view::npos;
-    throw InputError(fmt::format("poise: {}: expected {}; see poise {} --help", what.substr(0, what.find(':')),
-                                 missing ? "a word behind it, found none" : "once, found several times", argv[1]));
+    throw InputError(fmt::format("poise: {}: expected {}; see {}", what.substr(0, what.find(':')),
+                                 missing ? "a word behind it, found none" : "once, found several times", help));
   } catch (const CLI::ParseError& error) {
-    throw InputError(fmt::format("poise: {}; see poise {} --help", first_line(error.what()), argv[1]));
+    throw InputError(fmt::format("poise: {}; see {}", first_line(error.what()), help));
   }
   const auto asked = std::find_if(commands.begin(), commands.end(),
                                   [&](const CommandEntry& entry) { return app.got_subcommand(entry.command.name); });

@@ -29,6 +29,8 @@ struct Option {
   std::string value;  ///< what the help calls the value: "N"; empty for a flag and a word without a name
   std::string help;   ///< its lines as the help shows them
   Presence presence = Presence::optional;
+  std::vector<std::string> choices = {};  ///< the words that it knows; empty: any
+  std::string ending = {};                ///< how a file ends that it reads or writes: "csv"; "/" for a folder
 };
 
 /// A command of `poise`: its part of the command line, and what to do once that has been read. run() prints its report
@@ -40,7 +42,7 @@ struct Command {
   std::function<int(const Palette&)> run = {};
   Request* request = nullptr;  ///< where the command line and the caller go before run(); null: nowhere
 
-  void add(Option option) { options.push_back(std::move(option)); }
+  Option& add(Option option) { return options.emplace_back(std::move(option)); }
 };
 
 /// Reads the word given to an option into its target; a flag, which takes none, is set. Throws InputError naming it.

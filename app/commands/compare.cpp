@@ -124,10 +124,12 @@ Command compare_command() {
   Command command{"compare", "Find an equilibrium by several methods side by side"};
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
-  command.add({"--methods", &request->methods, "NAMES",
-               "virtual-work,energy (the default), any other list of names, or\nall (the default with "
-               "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
-                   method_help()});
+  command
+      .add({"--methods", &request->methods, "NAMES",
+            "virtual-work,energy (the default), any other list of names, or\nall (the default with "
+            "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
+                method_help()})
+      .choices = method_list_words();
   add_proof_option(command, request->proof_seconds);
   command.add({"--tolerances", &request->tolerances, "RANGE",
                "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "

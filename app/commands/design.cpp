@@ -55,18 +55,19 @@ int run_guidance(const DesignRequest& request, const Palette& palette) {
 
 namespace {
 
+const std::vector<std::string> program_methods = {"slsqp", "mma", "auglag"};
+
 solvers::ProgramMethod read_program_method(const std::string& word) {
-  if (word == "slsqp") return solvers::ProgramMethod::slsqp;
-  if (word == "mma") return solvers::ProgramMethod::mma;
-  if (word == "auglag") return solvers::ProgramMethod::auglag;
-  throw InputError(fmt::format("--method {}: expected slsqp, mma or auglag", word));
+  using solvers::ProgramMethod;
+  constexpr ProgramMethod meanings[] = {ProgramMethod::slsqp, ProgramMethod::mma, ProgramMethod::auglag};
+  return meanings[chosen("--method", word, program_methods)];
 }
 
 int run_design(const DesignRequest& request, const Palette& palette) {
   if (request.starts) expect_between("--starts", *request.starts, 1, 1'000'000);
   expect_between("--trade-off", request.trade_off, 0, 1000);
-  DesignRequest chosen = request;
-  chosen.method = read_program_method(request.method_word);
+  DesignRequest read = request;
+  read.method = read_program_method(request.method_word);
   const DesignKind kind = kind_of_design(request.common.scene);
   const auto refuse = [&](const char* option, bool is_given) {
     if (is_given && kind != DesignKind::goals) {
@@ -78,11 +79,11 @@ int run_design(const DesignRequest& request, const Palette& palette) {
   refuse("--svg", !request.common.svg.empty());
   switch (kind) {
     case DesignKind::synthesis:
-      return run_synthesis(chosen, palette);
+      return run_synthesis(read, palette);
     case DesignKind::balance:
-      return run_balance(chosen, palette);
+      return run_balance(read, palette);
     case DesignKind::goals:
-      return run_goals(chosen, palette);
+      return run_goals(read, palette);
     case DesignKind::guidance:
       break;
   }
@@ -95,12 +96,14 @@ Command design_command() {
   const auto request = std::make_shared<DesignRequest>();
   request->common.kind = "design";
   Command command{"design", "Find numbers that meet the goals of a design file"};
-  command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required});
+  command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required}).ending = "toml";
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   command.add({"--starts", &request->starts, "N", "Searches before it gives up (300; of [[goal]] 100)"});
-  command.add({"--method", &request->method_word, "NAME", "Of aims: slsqp (the default), mma or auglag"});
+  command.add({"--method", &request->method_word, "NAME", "Of aims: slsqp (the default), mma or auglag"}).choices =
+      program_methods;
   command.add({"--trade-off", &request->trade_off, "N", "So many points of the trade-off of two aims"});
-  command.add({"--scene", &request->common.written_scene, "FILE", "Write what was found to FILE, as a scene"});
+  command.add({"--scene", &request->common.written_scene, "FILE", "Write what was found to FILE, as a scene"}).ending =
+      "toml";
   add_jobs_option(command, request->jobs, "Threads of the search; the answer is the same for any number");
   add_output_options(command, request->common,
                      {.svg = "Draw the quantities over their ranges, before and after, into FILE"});

@@ -161,10 +161,11 @@ Command find_command() {
                Presence::required});
   command.add({"--all", &request->all, "",
                "Also on the curves through all equilibria at both ends of the range\nand in its middle"});
-  command.add(
-      {"--from", &request->from, "WHAT",
-       "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "
-       "one nearest to the start"});
+  command
+      .add({"--from", &request->from, "WHAT",
+            "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "
+            "one nearest to the start"})
+      .choices = from_words();
   add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,

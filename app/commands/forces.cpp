@@ -156,9 +156,11 @@ Command forces_command() {
                "Over whole turns at --rate: the fluctuation of the torque of the\ndrive, and the flywheel that holds "
                "(largest - least speed) / mean\nto this number, say 0.02"});
   command.add({"--steps", &request->steps, "N", "Equal parts of the range (72)"});
-  command.add({"--motion", &request->motion, "FILE",
-               "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
-               "writes it"});
+  command
+      .add({"--motion", &request->motion, "FILE",
+            "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
+            "writes it"})
+      .ending = "csv";
   add_show_option(command, request->show);
   add_output_options(
       command, request->common,

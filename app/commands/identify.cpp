@@ -42,7 +42,7 @@ void expect_unknowns(const FitProblem& problem, const std::vector<std::string>& 
 int run_identify(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
   FitOptions options;
-  options.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
+  options.use_starts = chosen("--start", request.start, start_words()) == 1;
   options.jobs = read_jobs(request.jobs);
   expect_number("--bootstrap", request.bootstrap,
                 request.bootstrap == 0 || request.bootstrap >= Bootstrap::least_samples,
@@ -99,7 +99,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
     }
   }
   CompareOptions options;
-  options.fit.use_starts = chosen("--start", request.start, {"auto", "given"}) == 1;
+  options.fit.use_starts = chosen("--start", request.start, start_words()) == 1;
   options.fit.jobs = read_jobs(request.jobs);
   Progress progress(request.experiment.common.listener());
   progress.now("reading the experiments");
@@ -136,16 +136,20 @@ Command identify_command() {
   const auto request = std::make_shared<IdentifyRequest>();
   Command command{"identify", "Estimate masses, inertias, stiffnesses and damping from measured motions"};
   add_experiment_options(command, request->experiment, &request->files);
-  command.add({"--start", &request->start, "WHAT",
-               "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
-               "(the default); given: from those\nalways"});
+  command
+      .add({"--start", &request->start, "WHAT",
+            "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
+            "(the default); given: from those\nalways"})
+      .choices = start_words();
   command.add(
       {"--bootstrap", &request->bootstrap, "N",
        "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});
   command.add({"--profile", &request->profiles, "NAME",
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
-  command.add({"--scene", &request->experiment.common.written_scene, "FILE",
-               "Write the scene with the estimates in place to FILE"});
+  command
+      .add({"--scene", &request->experiment.common.written_scene, "FILE",
+            "Write the scene with the estimates in place to FILE"})
+      .ending = "toml";
   add_jobs_option(command, request->jobs,
                   "Threads for the motions of the runs and for profiles (0,\nthe default: all cores)");
   add_output_options(command, request->experiment.common,

@@ -57,7 +57,7 @@ MonteCarloOptions read_options(const MonteCarloRequest& request) {
   options.trials = request.trials;
   options.seed = request.seed;
   options.start_error = request.start_error;
-  options.use_starts = chosen("--start", request.start, {"given", "auto"}) == 0;
+  options.use_starts = chosen("--start", request.start, start_words()) == 1;
   options.study.jobs = read_jobs(request.jobs);
   options.study.folder = request.output;
   options.study.resume = request.resume;
@@ -107,10 +107,13 @@ Command montecarlo_command() {
   command.add(
       {"--start-error", &request->start_error, "PART",
        "Every fit starts from parameters that differ from the truth by\nup to this part of it, drawn at random (0.5)"});
-  command.add({"--start", &request->start, "WHAT",
-               "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"});
+  command
+      .add({"--start", &request->start, "WHAT",
+            "given: from those (the default); auto: from damped sines\nwhere the records oscillate so"})
+      .choices = start_words();
   add_jobs_option(command, request->jobs, "Threads, of each rank under mpirun (0, the default: all\ncores)");
-  command.add({"--output", &request->output, "DIR", "Keep every trial in files of this new folder (docs/studies.md)"});
+  command.add({"--output", &request->output, "DIR", "Keep every trial in files of this new folder (docs/studies.md)"})
+      .ending = "/";
   command.add({"--resume", &request->resume, "", "Go on with what --output DIR has"});
   command.add({"--shard", &request->shard, "i/N",
                "Only part i = 1 .. N of the trials, into --output DIR: for job\narrays; --resume without it then "

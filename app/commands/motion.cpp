@@ -24,6 +24,8 @@
 namespace poise::app {
 namespace {
 
+const std::vector<std::string> motion_starts = {"equilibrium", "start"};
+
 struct MotionRequest {
   Request common;
   double duration = 0.0;
@@ -52,7 +54,7 @@ void check(const MotionRequest& request) {
   if (request.noise > 0 && !request.show.empty()) {
     throw InputError("--noise: it is added to the record of all angles and travels; expected no --show with it");
   }
-  if (!request.from.empty()) chosen("--from", request.from, {"equilibrium", "start"});
+  if (!request.from.empty()) chosen("--from", request.from, motion_starts);
 }
 
 void expect_record_of_a_size(const MotionRequest& request, const MotionModel& model) {
@@ -216,10 +218,11 @@ Command motion_command() {
            "Start with this body turned, or joint moved, by so much from the\npose of --from, in the scene's units; "
            "several times");
   add_list("--release-rate", request->release_rate, "The same with a speed, per second");
-  command.add(
-      {"--from", &request->from, "WHAT",
-       "equilibrium: the one near the start (the default without drives);\nstart: as it is assembled (the default "
-       "with drives)"});
+  command
+      .add({"--from", &request->from, "WHAT",
+            "equilibrium: the one near the start (the default without drives);\nstart: as it is assembled (the default "
+            "with drives)"})
+      .choices = motion_starts;
   add_seek_option(command, request->seek);
   command.add({"--noise", &request->noise, "SIGMA",
                "Standard deviation of Gaussian noise added to the angles and\ntravels of --csv, in the scene's units"});

@@ -24,11 +24,7 @@
 namespace poise::app {
 namespace {
 
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const MethodTraits& method : all_methods()) names.emplace_back(method.name);
-  return names;
-}
+const std::vector<std::string> ways_to_seek = {"settle", "any", "stable"};
 
 std::vector<std::string> comma_separated(const std::string& text) {
   // A comma at the end leaves an empty word behind it, which getline would not give.
@@ -98,7 +94,7 @@ std::function<void(const std::string&)> Request::listener() const {
 }
 
 void add_scene_options(Command& command, Request& request) {
-  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required});
+  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required}).ending = "toml";
   add_settings(command, request);
 }
 
@@ -112,21 +108,24 @@ void add_settings(Command& command, Request& request) {
 void add_output_options(Command& command, Request& request, const FileHelp& help) {
   request.command = command.name;
   command.request = &request;
-  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"});
-  if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv});
-  command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"});
-  if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg});
-  command.add({"--html", &request.html, "FILE", "Write a page for the browser to FILE: one file, no network needed"});
+  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"}).ending =
+      "json";
+  if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv}).ending = "csv";
+  command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"}).ending = "md";
+  if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg}).ending = "svg";
+  command.add({"--html", &request.html, "FILE", "Write a page for the browser to FILE: one file, no network needed"})
+      .ending = "html";
   command.add({"--quiet", &request.quiet, "", "Print the verdict and warnings only"});
   command.add({"--verbose", &request.verbose, "", "Print all details"});
 }
 
 void add_seek_option(Command& command, std::string& seek) {
-  command.add(
-      {"--seek", &seek, "WHAT",
-       "settle: the equilibrium that the mechanism reaches from its start\nwhen released with heavy damping (the "
-       "default); any: any\nequilibrium near the start (minimising methods find minima only);\nstable: minima "
-       "only"});
+  command
+      .add({"--seek", &seek, "WHAT",
+            "settle: the equilibrium that the mechanism reaches from its start\nwhen released with heavy damping (the "
+            "default); any: any\nequilibrium near the start (minimising methods find minima only);\nstable: minima "
+            "only"})
+      .choices = ways_to_seek;
 }
 
 void add_quantities_option(Command& command, std::vector<std::string>& names) {
@@ -232,7 +231,7 @@ int read_jobs(int jobs) {
 
 Seek read_seek(const std::string& word) {
   constexpr Seek meanings[] = {Seek::settle, Seek::any, Seek::stable};
-  return meanings[chosen("--seek", word, {"settle", "any", "stable"})];
+  return meanings[chosen("--seek", word, ways_to_seek)];
 }
 
 void read_word(const std::string& option, const std::string& word, double& value) {
@@ -301,6 +300,20 @@ std::size_t chosen(const std::string& option, const std::string& word, const std
       fmt::format("{}: expected {}, found \"{}\"{}", option, listed(words, "or"), word, did_you_mean(word, words)));
 }
 
+std::vector<std::string> start_words() { return {"auto", "given"}; }
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const MethodTraits& method : all_methods()) names.emplace_back(method.name);
+  return names;
+}
+
+std::vector<std::string> method_list_words() {
+  std::vector<std::string> words = method_names();
+  words.emplace_back("all");
+  return words;
+}
+
 std::string method_help() {
   std::string text;
   for (const MethodTraits& method : all_methods()) {
@@ -319,8 +332,7 @@ std::vector<Method> read_methods(const std::string& option, const std::string& n
     for (const MethodTraits& method : all_methods()) methods.push_back(method.method);
     return methods;
   }
-  std::vector<std::string> known = method_names();
-  known.emplace_back("all");
+  const std::vector<std::string> known = method_list_words();
   for (const std::string& name : comma_separated(names)) {
     const std::size_t place = chosen(option, name, known);
     if (place + 1 == known.size()) return read_methods(option, "all");
@@ -386,13 +398,18 @@ DriveRange read_drive(const std::string& text, const Scene& scene, const std::st
 void add_experiment_options(Command& command, ExperimentRequest& request, std::vector<std::string>* several) {
   request.common.kind = "experiment";
   if (several != nullptr) {
-    command.add({"EXPERIMENT", several, "",
-                 "Experiment file (TOML); of several, models of the same readings are\ncompared", Presence::required});
+    command
+        .add({"EXPERIMENT", several, "",
+              "Experiment file (TOML); of several, models of the same readings are\ncompared", Presence::required})
+        .ending = "toml";
   } else {
-    command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required});
+    command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required}).ending =
+        "toml";
   }
-  command.add({"--data", &request.data, "FILE",
-               "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"});
+  command
+      .add({"--data", &request.data, "FILE",
+            "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"})
+      .ending = "csv";
   add_settings(command, request.common);
 }
 

@@ -107,8 +107,14 @@ void check_sweep(int steps, const std::optional<double>& rate);
 /// The place of a word among those that an option knows. Throws InputError naming them, with the nearest.
 std::size_t chosen(const std::string& option, const std::string& word, const std::vector<std::string>& words);
 
-/// One line for each method, "NAME: what it does", for the help of an option.
+/// The words of --start: where a fit starts from.
+std::vector<std::string> start_words();
+
+/// The names of all methods, and one line for each, "NAME: what it does", for the help of an option.
+std::vector<std::string> method_names();
 std::string method_help();
+/// What an option with a list of methods knows: their names, and all.
+std::vector<std::string> method_list_words();
 
 /// The method of a name. Throws InputError naming the option and all methods.
 Method read_method(const std::string& option, const std::string& name);

@@ -30,6 +30,9 @@
 namespace poise::app {
 namespace {
 
+const std::vector<std::string> path_curves = {"equilibria", "fold"};
+const std::vector<std::string> ways_to_follow = {"unstable", "jump"};
+
 struct PathRequest {
   Request common;
   std::string curve = "equilibria", from = "settle", follow = "unstable", at;
@@ -84,8 +87,8 @@ std::vector<double> read_at(const std::string& text, const VariedScene& varied) 
 PathOptions read_options(const PathRequest& request) {
   PathOptions options;
   options.from = read_from(request.from);
-  options.follow = chosen("--follow", request.follow, {"unstable", "jump"}) == 0 ? PathOptions::Follow::unstable
-                                                                                 : PathOptions::Follow::jump;
+  options.follow = chosen("--follow", request.follow, ways_to_follow) == 0 ? PathOptions::Follow::unstable
+                                                                           : PathOptions::Follow::jump;
   options.branches = request.branches;
   expect_between("--search", request.search, 0, 1'000'000);
   options.search = request.search;
@@ -257,7 +260,7 @@ int run_beside(const PathRequest& request, const Palette& palette) {
 }
 
 int run_path(const PathRequest& request, const Palette& palette) {
-  if (chosen("--curve", request.curve, {"equilibria", "fold"}) == 1) return run_fold_curve(request, palette);
+  if (chosen("--curve", request.curve, path_curves) == 1) return run_fold_curve(request, palette);
   if (!request.beside.empty() || !request.variants.empty()) return run_beside(request, palette);
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
@@ -308,17 +311,21 @@ Command path_command() {
        "Vary a number of the scene, in its own units: load.P=0..5,\nspring.S.stiffness=1..3; loads=0..1 (a factor "
        "of all loads);\nangle.BODY, length.SPRING, x.BODY.POINT, ...: what is driven, with the\neffort needed",
        Presence::required});
-  command.add(
-      {"--curve", &request->curve, "WHAT",
-       "equilibria: as one number changes (the default); fold: the curve of\nfolds, with its cusps, in the plane "
-       "of two numbers, --vary twice"});
-  command.add(
-      {"--from", &request->from, "WHAT",
-       "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "
-       "one nearest to the start"});
-  command.add({"--follow", &request->follow, "WHAT",
-               "unstable: the curve through its folds (the default); jump: stable\nequilibria only, snapping at folds, "
-               "there and back"});
+  command
+      .add({"--curve", &request->curve, "WHAT",
+            "equilibria: as one number changes (the default); fold: the curve of\nfolds, with its cusps, in the plane "
+            "of two numbers, --vary twice"})
+      .choices = path_curves;
+  command
+      .add({"--from", &request->from, "WHAT",
+            "settle: where the mechanism comes to rest when released from its\nstart (the default); equilibrium: the "
+            "one nearest to the start"})
+      .choices = from_words();
+  command
+      .add({"--follow", &request->follow, "WHAT",
+            "unstable: the curve through its folds (the default); jump: stable\nequilibria only, snapping at folds, "
+            "there and back"})
+      .choices = ways_to_follow;
   command.add({"--branches", &request->branches, "", "Follow all curves that cross at branch points too"});
   command.add({"--search", &request->search, "N",
                "Search also for curves that are not connected with the start, by\ndeflation from N starts at each of "
@@ -326,9 +333,11 @@ Command path_command() {
   command.add({"--at", &request->at, "NUMBERS", "Show the equilibria at these values of the number: 1,2.5,5"});
   add_show_option(command, request->show);
   command.add({"--measure", &request->measures, "NAME", "The same, of one; several times"});
-  command.add({"--beside", &request->beside, "OTHER",
-               "Follow the same number in this scene file too: one chart, and the\ndifferences at the values of --at; "
-               "several times"});
+  command
+      .add({"--beside", &request->beside, "OTHER",
+            "Follow the same number in this scene file too: one chart, and the\ndifferences at the values of --at; "
+            "several times"})
+      .ending = "toml";
   command.add({"--variant", &request->variants, "LABEL: SETTINGS",
                "The same with the scene changed: \"A: load.P=3, spring.S.stiffness=2\";\nseveral times"});
   add_proof_option(command, request->proof_seconds);

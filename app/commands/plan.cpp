@@ -66,8 +66,10 @@ Command plan_command() {
   add_experiment_options(command, request->experiment);
   command.add({"--seed", &request->seed, "N", "Of the runs that are tried (1)"});
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores)");
-  command.add({"--experiment", &request->experiment.common.experiment, "FILE",
-               "Write the experiment with the planned runs to FILE"});
+  command
+      .add({"--experiment", &request->experiment.common.experiment, "FILE",
+            "Write the experiment with the planned runs to FILE"})
+      .ending = "toml";
   add_output_options(command, request->experiment.common, {});
   command.run = [request](const Palette& palette) { return run_plan(*request, palette); };
   return command;

@@ -78,7 +78,8 @@ Command solve_command() {
   Command command{"solve", "Find an equilibrium and the forces in it, by one method"};
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
-  command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()});
+  command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()})
+      .choices = method_names();
   command.add({"--time", &request->time, "S", "Time at which loads that follow functions of time are taken (0)"});
   add_show_option(command, request->show);
   add_proof_option(command, request->proof_seconds);

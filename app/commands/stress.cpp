@@ -165,10 +165,14 @@ Command stress_command() {
   Command command{"stress", "Run all methods on the hard catalogue, from many starts"};
   command.add({"CASE", &request->cases, "", "Cases to try and to show in detail (all, on one sheet)"});
   command.add({"--list", &request->list, "", "Only list the cases"});
-  command.add({"--catalogue", &request->catalogue, "DIR",
-               "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md"});
-  command.add(
-      {"--methods", &request->methods, "NAMES", "all (the default), or names with commas between\n" + method_help()});
+  command
+      .add({"--catalogue", &request->catalogue, "DIR",
+            "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md"})
+      .ending = "/";
+  command
+      .add({"--methods", &request->methods, "NAMES",
+            "all (the default), or names with commas between\n" + method_help()})
+      .choices = method_list_words();
   command.add({"--starts", &request->starts, "N", "Starts per case (its own number)"});
   command.add({"--work", &request->work, "N",
                "Methods other than virtual-work try no further starts of a\ncase after N evaluations of a small "

@@ -65,8 +65,10 @@ Command tolerance_command() {
   const auto request = std::make_shared<ToleranceRequest>();
   Command command{"tolerance", "What tolerances of dimensions, springs and loads do to an equilibrium"};
   add_scene_options(command, request->common);
-  command.add({"--tolerances", &request->tolerances, "FILE",
-               "Half widths of numbers: [tolerances] with lines like \"point.*\" = 0.1", Presence::required});
+  command
+      .add({"--tolerances", &request->tolerances, "FILE",
+            "Half widths of numbers: [tolerances] with lines like \"point.*\" = 0.1", Presence::required})
+      .ending = "toml";
   add_quantities_option(command, request->of);
   command.add({"--samples", &request->samples, "N", "Draw N samples (100000); 0: first and second order only"});
   command.add({"--seed", &request->seed, "N", "Seed of the samples (1)"});

@@ -15,6 +15,8 @@
 namespace poise::app {
 namespace {
 
+const std::vector<std::string> validation_starts = {"fitted", "measured"};
+
 struct ValidateRequest {
   ExperimentRequest experiment;
   std::string with;
@@ -24,8 +26,7 @@ struct ValidateRequest {
 
 int run_validate(const ValidateRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
-  const Starts starts =
-      chosen("--starts", request.starts, {"fitted", "measured"}) == 1 ? Starts::measured : Starts::fitted;
+  const Starts starts = chosen("--starts", request.starts, validation_starts) == 1 ? Starts::measured : Starts::fitted;
   FitOptions options;
   options.jobs = read_jobs(request.jobs);
   if (!common.svg.empty()) expect_plotter();
@@ -68,13 +69,17 @@ Command validate_command() {
   const auto request = std::make_shared<ValidateRequest>();
   Command command{"validate", "Predict other records with the parameters of a fit, and compare"};
   add_experiment_options(command, request->experiment);
-  command.add({"--with", &request->with, "FILE",
-               "Result of poise identify --json FILE: its estimates are taken as\nthey "
-               "are, by the names of the unknowns",
-               Presence::required});
-  command.add({"--starts", &request->starts, "WHAT",
-               "fitted: start and equilibrium of every run are fitted to its record\n(the default); measured: starts "
-               "follow from the first readings"});
+  command
+      .add({"--with", &request->with, "FILE",
+            "Result of poise identify --json FILE: its estimates are taken as\nthey "
+            "are, by the names of the unknowns",
+            Presence::required})
+      .ending = "json";
+  command
+      .add({"--starts", &request->starts, "WHAT",
+            "fitted: start and equilibrium of every run are fitted to its record\n(the default); measured: starts "
+            "follow from the first readings"})
+      .choices = validation_starts;
   add_jobs_option(command, request->jobs, "Threads for the motions of the runs (0, the default:\nall cores)");
   add_output_options(command, request->experiment.common,
                      {.svg = "Draw the worst runs' readings, residuals and sensitivities into\nFILE",

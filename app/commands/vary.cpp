@@ -18,9 +18,10 @@ VariedScene load_varied_scene(const Request& request, const NamedRange& range) {
   return naming_vary([&] { return VariedScene(std::move(scene), range.name, range.from, range.to); });
 }
 
+std::vector<std::string> from_words() { return {"settle", "equilibrium"}; }
+
 PathOptions::From read_from(const std::string& word) {
-  return chosen("--from", word, {"settle", "equilibrium"}) == 0 ? PathOptions::From::settle
-                                                                : PathOptions::From::equilibrium;
+  return chosen("--from", word, from_words()) == 0 ? PathOptions::From::settle : PathOptions::From::equilibrium;
 }
 
 std::function<void(double, int)> progress_of(Progress& progress, const VariedScene& varied) {

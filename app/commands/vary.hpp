@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "app/commands/options.hpp"
 #include "app/terminal/progress.hpp"
@@ -31,7 +32,8 @@ NamedRange read_vary_range(const std::string& text);
 /// The scene of a request with that number varying over its range. Throws InputError.
 VariedScene load_varied_scene(const Request& request, const NamedRange& range);
 
-/// Where a path begins, by the word of --from: settle or equilibrium. Throws InputError.
+/// The words of --from, and where a path begins by such a word. Throws InputError.
+std::vector<std::string> from_words();
 PathOptions::From read_from(const std::string& word);
 
 /// Shows how far a path has come. Refers to both.

@@ -37,7 +37,7 @@ int run_view(const ViewRequest& request, const Palette&) {
 Command view_command() {
   const auto request = std::make_shared<ViewRequest>();
   Command command{"view", "Show a scene in the browser: drag joints and loads, and see every equilibrium"};
-  command.add({"SCENE", &request->scene, "", "Scene file (TOML)", Presence::required});
+  command.add({"SCENE", &request->scene, "", "Scene file (TOML)", Presence::required}).ending = "toml";
   command.add({"--port", &request->port, "N", "Port of 127.0.0.1 to listen on (0, the default: any that is free)"});
   command.add({"--frame-origin", &request->frame_origin, "ORIGIN",
                "Let pages of this origin, \"http://localhost:8888\", say, show the scene in a frame\n"

@@ -424,7 +424,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "scene.toml:5: body: expected an experiment, found a scene; give a file that names it"},
         BadWords{"DesignMethod",
                  {"design", dataset("wall_bed_design"), "--method", "newton"},
-                 "--method newton: expected slsqp, mma or auglag"},
+                 "--method: expected slsqp, mma or auglag, found \"newton\""},
         BadWords{"DesignOfAScene", {"design", dataset("wall_bed")}, "expected a design, found a scene"},
         BadWords{"CheckOfNothing", {"check"}, "SCENE is required"}),
     [](const auto& one) { return std::string(one.param.name); });
