@@ -133,7 +133,7 @@ void add_sheet(Group& group, const StressOutcome& outcome) {
   table.footnotes = {
       fmt::format("Columns: numbers of the {} below. !: false claims; -: the method does not apply.",
                   outcome.safeguards ? "forms" : "methods"),
-      "Asked for locked: it converges where it says that the joints lock; none: where it claims nothing."};
+      "Asked for locked: a start converges where the method says that the joints lock; none: where it claims nothing."};
 }
 
 template <class Row>
@@ -340,6 +340,10 @@ Result stress_result(const StressOutcome& outcome, const std::vector<FrictionRes
                  Tone::faint);
     return out;
   }
+  content.note(outcome.safeguards
+                   ? "Virtual work is started with all its safeguards, and with each of them switched off in turn."
+                   : "Every method is started from many random starts on cases that are hard and have a known answer.");
+  content.note("A start converges where it reaches the known answer and that is proved.");
   add_sheet(content, outcome);
   add_friction(content, friction);
   add_summaries(content, outcome);
