@@ -78,6 +78,12 @@ figures: all
 	  --of force.rubber --quiet --svg docs/clamp_force.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
 	$(BUILD)/poise identify datasets/lift_experiment.toml --svg docs/lift_fit.svg
+	$(BUILD)/poise path datasets/von_mises_toggle.toml --vary load.P=0..60 --quiet --svg docs/toggle_path.svg
+	$(BUILD)/poise equilibria datasets/von_mises_toggle.toml --quiet --svg docs/toggle_equilibria.svg
+	$(BUILD)/poise find datasets/toggle_clamp.toml --vary spring.rubber.stiffness=200..800 --for "force.rubber = -700" \
+	  --quiet --svg docs/clamp_find.svg
+	$(BUILD)/poise hold datasets/friction/drawer.toml --vary load.P --quiet --svg docs/drawer.svg
+	$(BUILD)/poise loads datasets/structures/three_hinged_portal.toml --quiet --svg docs/portal_loads.svg
 	$(BUILD)/poise stress --starts 10 --work 4000 --markdown docs/stress.md
 	$(BUILD)/poise stress --safeguards --starts 20 --work 40000 --markdown docs/safeguards.md
 
