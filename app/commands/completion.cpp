@@ -183,7 +183,7 @@ std::string zsh_script(const std::vector<CommandEntry>& commands) {
 # Completion of poise in zsh, as poise --completion zsh prints it.
 
 _poise() {{
-    local -a commands=(
+    local -a subcommands=(
 {}    )
     local curcontext=$curcontext state line
     local -A opt_args
@@ -194,7 +194,7 @@ _poise() {{
         '1:command:->command' \
         '*::word:->words'
     case $state in
-        command) _describe command commands ;;
+        command) _describe command subcommands ;;
         words)
             case $words[1] in
 {}            esac ;;
