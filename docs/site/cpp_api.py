@@ -83,7 +83,7 @@ class Group:
 
     @property
     def comment(self) -> str:
-        return self.of[0].comment
+        return next((one.comment for one in self.of if one.comment), "")
 
 
 def public_headers() -> dict[str, list[str]]:
@@ -150,9 +150,12 @@ def declared(node: ElementTree.Element, kind: str, name: str) -> Declaration:
 
 def members_of(compound: ElementTree.Element) -> Iterator[Declaration]:
     for node in compound.findall("sectiondef/memberdef"):
-        if node.get("prot") == "private" or node.get("kind") == "friend":
+        kind = node.get("kind", "")
+        if kind == "friend" and text_of(node, "argsstring"):
+            kind = "function"
+        if node.get("prot") == "private" or kind == "friend":
             continue
-        member = declared(node, node.get("kind", ""), text_of(node, "qualifiedname"))
+        member = declared(node, kind, text_of(node, "qualifiedname"))
         for value in node.findall("enumvalue"):
             named = declared(value, "enumvalue", f"{member.name}::{text_of(value, 'name')}")
             named.signature = f"{named.short} {text_of(value, 'initializer')}".strip()
@@ -199,7 +202,7 @@ def end_of_bracket(text: str, begin: int) -> int:
 def signature_of(lines: list[str], one: Declaration) -> str:
     """A declaration as its header has it, without its body."""
     begin = one.line - 1
-    while begin > 0 and re.match(r"\s*(?![\s/}#])(?!.*[;{}:]\s*(//.*)?$)", lines[begin - 1]):
+    while begin > 0 and re.match(r"\s*(?=[^\s/}#])(?!.*[;{}:]\s*(//.*)?$)", lines[begin - 1]):
         begin -= 1
     text = "\n".join(re.sub(r"\s*//.*", "", line) for line in lines[begin:begin + 40])
     place = 0
@@ -257,9 +260,8 @@ def table_after(page: Path, heading: str) -> list[list[str]]:
 class Reference:
     """All declarations, where each of them stands in the pages, and the pages."""
 
-    def __init__(self, declarations: list[Declaration], headers: dict[str, list[str]], directory_urls: bool) -> None:
+    def __init__(self, declarations: list[Declaration], headers: dict[str, list[str]]) -> None:
         self.headers = headers
-        self.directory_urls = directory_urls
         self.lines = {header: (SOURCE / header).read_text().splitlines() for of in headers.values() for header in of}
         self.by_file: dict[str, list[Declaration]] = {header: [] for header in self.lines}
         self.places: dict[str, str] = {}  # page and anchor of the ids of Doxygen, and of headers
@@ -310,11 +312,7 @@ class Reference:
 
     def address(self, place: str) -> str:
         """The same in HTML."""
-        page, _, anchor = place.partition("#")
-        if page == self.page:
-            return f"#{anchor}"
-        name = Path(page).stem
-        return f"../{name}/#{anchor}" if self.directory_urls else f"{name}.html#{anchor}"
+        return self.relative(place).replace(".md#", ".html#")
 
     def linked(self, one: Declaration, name: str) -> str:
         """A name of a signature, escaped already, with a link to what it names."""
@@ -447,9 +445,7 @@ def what_folders_contain() -> dict[str, str]:
 def write_pages(pages: Path, build: Path) -> list[Any]:
     headers = public_headers()
     xml = run_doxygen((header for of in headers.values() for header in of), build / "site" / "doxygen")
-    settings = SOURCE / "docs" / "site" / "mkdocs.yml"
-    files = settings.exists() and re.search(r"^use_directory_urls: *false", settings.read_text(), re.M)
-    reference = Reference(read_declarations(xml), headers, directory_urls=not files)
+    reference = Reference(read_declarations(xml), headers)
     about = what_folders_contain()
     (pages / "cpp").mkdir(parents=True, exist_ok=True)
     (pages / "cpp" / "index.md").write_text(reference.index_page(about))
@@ -457,7 +453,7 @@ def write_pages(pages: Path, build: Path) -> list[Any]:
         (pages / page_of(f"{folder}/")).write_text(reference.folder_page(folder, about.get(folder, "")))
     print(f"C++: {len(reference.lines)} headers, {reference.count} declarations, "
           f"{reference.without_words} of them without a comment of their own")
-    return [{"C++": ["cpp/index.md", *({folder: page_of(f"{folder}/")} for folder in headers)]}]
+    return [{"Reference of C++": ["cpp/index.md", *({folder: page_of(f"{folder}/")} for folder in headers)]}]
 
 
 if __name__ == "__main__":
