@@ -8,7 +8,6 @@ have the same name or the same parameters.
 from __future__ import annotations
 
 import dataclasses
-import html
 import re
 import shutil
 import subprocess
@@ -18,8 +17,6 @@ from pathlib import Path
 from typing import Any, Iterable, Iterator
 
 import plain_text
-from pygments import highlight
-from pygments.formatters import HtmlFormatter
 from pygments.lexers import CppLexer
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -269,7 +266,7 @@ class Reference:
         self.written = Declaration("", "", "", "", 0, 0, "", {}, [])  # whose comment is
         self.count = self.without_words = 0
         self.page = ""  # the one that is written
-        self.lexer, self.formatter = CppLexer(), HtmlFormatter(nowrap=True)
+        self.lexer = CppLexer()
         taken: set[str] = set()
         for one in sorted(declarations, key=lambda one: (one.file, one.line)):
             if one.file in self.by_file:
@@ -310,31 +307,27 @@ class Reference:
     def relative(self, place: str) -> str:
         return place.removeprefix(self.page) if place.startswith(f"{self.page}#") else place.removeprefix("cpp/")
 
-    def address(self, place: str) -> str:
-        """The same in HTML."""
-        return self.relative(place).replace(".md#", ".html#")
-
-    def linked(self, one: Declaration, name: str) -> str:
-        """A name of a signature, escaped already, with a link to what it names."""
-        place = self.places.get(one.references.get(html.unescape(name), ""))
-        return f'<a href="{self.address(place)}">{name}</a>' if place else name
+    def named_by(self, one: Declaration, name: str) -> str | None:
+        """The address, in HTML, of what a word of a signature names."""
+        place = self.places.get(one.references.get(name, ""))
+        return self.relative(place).replace(".md#", ".html#") if place else None
 
     def block(self, group: Group, anchors: bool = True) -> str:
         """The signatures of functions and types."""
-        lines = []
+        shown = []
         for one in group.of:
-            text = highlight(one.signature, self.lexer, self.formatter).rstrip("\n")
-            text = re.sub(r'<span class="[wp]">([^<]*)</span>', r"\1", text)
-            text = re.sub(r'(?<=<span class="n">)\w+(?=</span>)', lambda name: self.linked(one, name.group()), text)
-            lines.append(f'<span id="{one.anchor}">{text}</span>' if anchors else text)
-        return '<div class="highlight"><pre><code>' + "\n".join(lines) + "</code></pre></div>"
+            text = plain_text.signature(one.signature, self.lexer, lambda name: self.named_by(one, name))
+            shown.append(f'<span id="{one.anchor}">{text}</span>' if anchors else text)
+        return plain_text.signatures(shown)
 
     def item(self, group: Group) -> str:
         """Values, as an item of a list."""
         shown: dict[str, str] = {}
         for one in group.of:
             text = plain_text.escape(" ".join(one.signature.split()))
-            text = re.sub(r"(?<![&#\w])[A-Za-z]\w*", lambda name: self.linked(one, name.group()), text)
+            for name in sorted(one.references):
+                if name and (address := self.named_by(one, name)):
+                    text = re.sub(rf"(?<![&#\w]){name}\b", f'<a href="{address}">{name}</a>', text, count=1)
             shown.setdefault(text, f'<code id="{one.anchor}">{text}</code>')
         words = plain_text.indented(self.words(group)) if group.comment else ""
         return "- " + "<br>\n    ".join(shown.values()) + (f"<br>\n    {words}" if words else "")

@@ -1,10 +1,16 @@
-"""Comments and docstrings, which are plain text, as Markdown."""
+"""Comments and docstrings, which are plain text, as Markdown; and signatures as HTML."""
 
 from __future__ import annotations
 
+import html
 import re
 from typing import Callable
 
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexer import Lexer
+
+FORMATTER = HtmlFormatter(nowrap=True)
 ITEM = re.compile(r"(- |\d+\. )(.*)")
 Link = Callable[[str], "str | None"]  # the address of what a word names
 
@@ -48,7 +54,24 @@ def block(lines: list[str]) -> str:
     """Lines that stay as they are: formulas, tables, code."""
     least = min(len(line) - len(line.lstrip()) for line in lines if line)
     text = "\n".join(line[least:] for line in lines).strip("\n")
-    return f"```{'cpp' if re.search(r'[;{]$', text, re.M) else 'text'}\n{text}\n```"
+    language = "pycon" if text.startswith(">>> ") else "cpp" if re.search(r"[;{]$", text, re.M) else "text"
+    return f"```{language}\n{text}\n```"
+
+
+def signature(text: str, lexer: Lexer, address: Callable[[str], str | None]) -> str:
+    """Highlighted, with links from the names that have an address."""
+
+    def linked(name: re.Match[str]) -> str:
+        to = address(html.unescape(name.group()))
+        return f'<a href="{to}">{name.group()}</a>' if to else name.group()
+
+    shown = re.sub(r'<span class="[wp]">([^<]*)</span>', r"\1", highlight(text, lexer, FORMATTER).rstrip("\n"))
+    return re.sub(r'(?<=<span class="n">)\w+(?=</span>)', linked, shown)
+
+
+def signatures(shown: list[str]) -> str:
+    """A block of them."""
+    return '<div class="highlight"><pre><code>' + "\n".join(shown) + "</code></pre></div>"
 
 
 def indented(text: str, by: int = 4) -> str:
@@ -56,7 +79,8 @@ def indented(text: str, by: int = 4) -> str:
 
 
 def markdown(text: str, link: Link) -> str:
-    """Paragraphs, lists with "-" or numbers, and lines that are indented by two or more, which stay as they are."""
+    """Paragraphs, lists with "-" or numbers, and lines that stay as they are: indented by two or more, or of a session
+    of Python."""
     parts: list[str] = []
     lines = text.split("\n")
     at = 0
@@ -79,6 +103,10 @@ def markdown(text: str, link: Link) -> str:
                     break
                 at += 1
             parts.append("\n".join(f"- {prose(' '.join(item), link)}" for item in items))
+        elif lines[at].startswith(">>> "):
+            while at < len(lines) and lines[at].strip():
+                at += 1
+            parts.append(block(lines[begin:at]))
         elif indent >= 2 or re.search(r"\S {3,}\S", lines[at]):
             while at < len(lines) and (not lines[at].strip() or lines[at].startswith("  ")
                                        or re.search(r"\S {3,}\S", lines[at])):
