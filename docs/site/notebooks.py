@@ -62,12 +62,20 @@ def file_of(cell: form.Cell) -> tuple[str, str, str]:
     return name, mode, written.value.args[0].value.strip("\n")
 
 
+def block_of(cell: form.Cell) -> str:
+    """What a hidden cell writes, as a page shows it."""
+    return f"```toml\n{file_of(cell)[2]}\n```"
+
+
 def notebook_of(parts: list[str | form.Cell]) -> Any:
     notebook = nbformat.v4.new_notebook()
+    written = [block_of(part) for part in parts if not isinstance(part, str) and part.hidden]
     for part in parts:
         if isinstance(part, str):
             # The pages that links lead to are not beside the notebook.
             words = re.sub(r"\[([^\]]+)\]\(([^):#]+)(#[^)]*)?\)", r"\1 (docs/\2)", part)
+            for block in written:
+                words = words.replace(block, "").rstrip()
             notebook.cells.append(nbformat.v4.new_markdown_cell(words))
         elif part.hidden:
             name, mode, text = file_of(part)
@@ -82,7 +90,7 @@ def notebook_of(parts: list[str | form.Cell]) -> Any:
 
 def execute(notebook: Any, module: Path) -> None:
     """Runs all cells with the module in a folder that has a copy of datasets/."""
-    os.environ["PYTHONPATH"] = str(module)
+    os.environ.update({"PYTHONPATH": str(module), "PYDEVD_DISABLE_FILE_VALIDATION": "1"})
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(SOURCE / "datasets", Path(folder) / "datasets")
         ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
@@ -118,8 +126,10 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
             out.append(part)
             continue
         if part.hidden:
-            file, mode, text = file_of(part)
-            out.append(f'```toml title="{"added to " if mode == "a" else ""}{file}"\n{text}\n```')
+            if not any(block_of(part) in other for other in parts if isinstance(other, str)):
+                file, mode, _ = file_of(part)
+                title = f"added to {file}" if mode == "a" else file
+                out.append(block_of(part).replace("```toml", f'```toml title="{title}"', 1))
             continue
         out.append(f"```python\n{part.source}\n```")
         for ending, data in pictures_of(run.outputs):

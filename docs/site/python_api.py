@@ -57,8 +57,8 @@ PAGES = [
          ["_poise.InputError"]),
 ]
 INTRODUCTION = """[Poise in Python](../python.md) shows how the module `poise` is used; here is every name of it.
-Numbers are in the units of the scene, arrays are NumPy's. Where a shape is named, n is the number of coordinates, m that
-of the rows that hold."""
+Numbers are in the units of the scene, arrays are NumPy's. Where a shape is named, n is the number of coordinates, m
+that of the rows that hold."""
 #: Classes of which users make objects by calling them.
 MADE = ("SceneBuilder", "Experiment")
 #: How users write what calls these.
