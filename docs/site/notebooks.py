@@ -140,8 +140,7 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
             out.append(f'<img src="{folder.name}/{file}" alt="What {what} shows">')
         if part.output is not None:
             lines = form.cut_like(part.output, text_of(run.outputs))
-            out.append("```text\n" + "\n".join(lines).replace("\n...\n", "\n…\n") + "\n```")
-    out.insert(1 if isinstance(parts[0], str) else 0, "")
+            out.append("\n".join(["```text", *lines, "```"]))
     title, _, rest = "\n\n".join(out).partition("\n")
     return f"{title}\n\n{DOWNLOAD.format(name=name)}\n{rest}\n"
 
