@@ -322,15 +322,16 @@ class Reference:
 
     def item(self, group: Group) -> str:
         """Values, as an item of a list."""
-        shown: dict[str, str] = {}
+        anchors: dict[str, str] = {}  # of what is shown once: double from = 0.0, to = 1.0
         for one in group.of:
             text = plain_text.escape(" ".join(one.signature.split()))
             for name in sorted(one.references):
                 if name and (address := self.named_by(one, name)):
                     text = re.sub(rf"(?<![&#\w]){name}\b", f'<a href="{address}">{name}</a>', text, count=1)
-            shown.setdefault(text, f'<code id="{one.anchor}">{text}</code>')
-        words = plain_text.indented(self.words(group)) if group.comment else ""
-        return "- " + "<br>\n    ".join(shown.values()) + (f"<br>\n    {words}" if words else "")
+            anchors[text] = anchors.get(text, "") + f'<span id="{one.anchor}"></span>'
+        shown = [f"{anchor}<code>{text}</code>" for text, anchor in anchors.items()]
+        words = self.words(group)
+        return "- " + "<br>\n    ".join([*shown, plain_text.indented(words)] if words else shown)
 
     def words(self, group: Group) -> str:
         self.written = group.of[0]

@@ -131,16 +131,20 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
                 title = f"added to {file}" if mode == "a" else file
                 out.append(block_of(part).replace("```toml", f'```toml title="{title}"', 1))
             continue
-        out.append(f"```python\n{part.source}\n```")
+        shown = []
         for ending, data in pictures_of(run.outputs):
             pictures += 1
             file = f"{name}-{pictures}.{ending}"
             (folder / file).write_bytes(data)
             what = html.escape(part.source.strip().split("\n")[-1], quote=True)
-            out.append(f'<img src="{folder.name}/{file}" alt="What {what} shows">')
+            shown.append(f'<img src="{folder.name}/{file}" alt="What {what} shows">')
         if part.output is not None:
-            lines = form.cut_like(part.output, text_of(run.outputs))
-            out.append("\n".join(["```text", *lines, "```"]))
+            printed = text_of(run.outputs)
+            lines = form.cut_like(part.output, printed) if form.difference(part.output, printed) else part.output
+            shown.append("\n".join(["```text", *lines, "```"]))
+        out.append(f"```python\n{part.source}\n```")
+        if shown:
+            out += ['<div class="result" markdown>', *shown, "</div>"]
     title, _, rest = "\n\n".join(out).partition("\n")
     return f"{title}\n\n{DOWNLOAD.format(name=name)}\n{rest}\n"
 
