@@ -120,7 +120,7 @@ def pictures_of(outputs: list[Any]) -> Iterator[tuple[str, bytes]]:
 def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder: Path) -> str:
     """The page with what its cells print and show; the pictures are written to the folder."""
     out: list[str] = []
-    pictures = 0
+    pictures: list[bytes] = []  # each is shown once
     for part, run in zip(parts, notebook.cells):
         if isinstance(part, str):
             out.append(part)
@@ -133,8 +133,10 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
             continue
         shown = []
         for ending, data in pictures_of(run.outputs):
-            pictures += 1
-            file = f"{name}-{pictures}.{ending}"
+            if data in pictures:
+                continue
+            pictures.append(data)
+            file = f"{name}-{len(pictures)}.{ending}"
             (folder / file).write_bytes(data)
             what = html.escape(part.source.strip().split("\n")[-1], quote=True)
             shown.append(f'<img src="{folder.name}/{file}" alt="What {what} shows">')
