@@ -110,21 +110,28 @@ class SceneBuilder {
   /// A number that expressions refer to, or one that is such an expression itself (docs/scene-files.md#expressions).
   SceneBuilder& number(const std::string& name, double value);
   SceneBuilder& number(const std::string& name, const std::string& expression);
+  /// The acceleration of gravity.
   SceneBuilder& gravity(Vec2 acceleration);
+  /// A point of the ground.
   SceneBuilder& ground_point(const std::string& name, Vec2 at);
+  /// A body with its points, mass and inertia.
   SceneBuilder& body(const std::string& name, const BodyData& data);
   /// The section of a body that was added before, with its "area", "second_moment", "modulus", "height", "left" and
   /// "profile", and the points of its line in order; both points of a body that has two where none are given.
   SceneBuilder& section(const std::string& body, const std::vector<Key>& keys,
                         const std::vector<std::string>& line = {});
 
-  /// Joints of two points of different bodies, see Joint. The axis is fixed in the first body; only its direction
-  /// counts. angle: what angle(second body) - angle(first body) stays.
+  /// A pin of two points of different bodies, as of all joints; see Joint.
   SceneBuilder& pin(const std::string& a, const std::string& b, const std::string& name = {});
+  /// A slide along an axis that is fixed in the first body, of which only the direction counts. angle: what
+  /// angle(second body) - angle(first body) stays.
   SceneBuilder& slide(const std::string& a, const std::string& b, Vec2 axis, const std::string& name = {},
                       double angle = 0.0);
+  /// A pin, the second point, in a straight slot of the first body through the first point, along the axis.
   SceneBuilder& pin_in_slot(const std::string& a, const std::string& b, Vec2 axis, const std::string& name = {});
+  /// Two bodies that are one: the points coincide, and the angle between the bodies stays.
   SceneBuilder& weld(const std::string& a, const std::string& b, double angle = 0.0, const std::string& name = {});
+  /// A distance of two points that stays.
   SceneBuilder& bar(const std::string& a, const std::string& b, double length, const std::string& name = {});
 
   /// Friction of the joint that was added last: "coefficient", "radius" and "torque" of a pin, "coefficient", "length"
@@ -141,13 +148,16 @@ class SceneBuilder {
   /// A stop with its "min", "max" or both.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
-  /// Gears, cams, ropes, chains, slots, rolling wheels and profiles, whose tables docs/gears-cams-ropes.md,
-  /// docs/curved-slots.md and docs/rolling-profiles.md describe; `keys` are the keys of these that are not named here:
-  /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
+  /// Gears on two bodies. docs/gears-cams-ropes.md, docs/curved-slots.md and docs/rolling-profiles.md describe the
+  /// tables of this and all that follow up to profiles; `keys` are the keys of these that are not named here:
+  /// {{"ratio", 2},
+  /// {"carrier", "arm"}, {"internal", true}}.
   SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
+  /// A belt round two bodies: "ratio", "crossed", ...
   SceneBuilder& belt(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
+  /// A rack, which is a slide, and its pinion, a body: "radius", ...
   SceneBuilder& rack(const std::string& slide, const std::string& pinion, const std::vector<Key>& keys,
                      const std::string& name = {});
   /// measures::sum(...) held at its "value".
@@ -156,19 +166,27 @@ class SceneBuilder {
   /// parts.
   SceneBuilder& cam(const std::string& a, const std::string& b, const MeasureByName& follower,
                     const std::vector<CamPart>& law, const std::vector<Key>& keys, const std::string& name = {});
+  /// A rope over points and pulleys: "length", or "stiffness" and "free_length".
   SceneBuilder& rope(const std::vector<RopePoint>& over, const std::vector<Key>& keys, const std::string& name = {});
+  /// A chain round two sprockets: "radius_a", "radius_b", "turn", ...
   SceneBuilder& chain(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                       const std::string& name = {});
+  /// A pin in a slot of a circle: "radius", "from", "to".
   SceneBuilder& circular_slot(const std::string& pin, const std::string& center, const std::vector<Key>& keys,
                               const std::string& name = {});
+  /// A pin in a slot along a curve, which is fixed in the body of the point `at`: "closed", ...
   SceneBuilder& curved_slot(const std::string& pin, const std::string& at, const std::vector<Vec2>& curve,
                             const std::vector<Key>& keys = {}, const std::string& name = {});
+  /// A wheel that rolls on a line: "radius", ...
   SceneBuilder& rolling(const std::string& wheel, const std::string& line, Vec2 axis, const std::vector<Key>& keys,
                         const std::string& name = {});
+  /// A wheel that rolls on a circle: "radius", "circle_radius", "inside", ...
   SceneBuilder& rolling_on_circle(const std::string& wheel, const std::string& center, const std::vector<Key>& keys,
                                   const std::string& name = {});
+  /// A curve, fixed in the body of the point `at`, that rolls on a line.
   SceneBuilder& rolling_profile(const std::string& at, const std::vector<Vec2>& curve, const std::string& line,
                                 Vec2 axis, const std::vector<Key>& keys = {}, const std::string& name = {});
+  /// A curve, fixed in the body of the point `at`, that rolls on a circle: "circle_radius", ...
   SceneBuilder& rolling_profile_on_circle(const std::string& at, const std::vector<Vec2>& curve,
                                           const std::string& center, const std::vector<Key>& keys,
                                           const std::string& name = {});
@@ -181,6 +199,7 @@ class SceneBuilder {
   /// A force per length on the straight line between two points of one body.
   SceneBuilder& distributed_load(const std::string& name, const std::string& a, const std::string& b, Vec2 vector,
                                  const std::string& follows = {});
+  /// One that has its direction at every size, 0 too.
   SceneBuilder& distributed_load_along(const std::string& name, const std::string& a, const std::string& b,
                                        Vec2 direction, double size, const std::string& follows = {});
   /// A torque on a body from the ground, counter-clockwise positive.
