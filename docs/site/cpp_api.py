@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from pathlib import Path
 from typing import Any, Iterable, Iterator
 
@@ -264,7 +265,8 @@ class Reference:
         self.places: dict[str, str] = {}  # page and anchor of the ids of Doxygen, and of headers
         self.named: dict[str, list[Declaration]] = {}
         self.written = Declaration("", "", "", "", 0, 0, "", {}, [])  # whose comment is
-        self.count = self.without_words = 0
+        self.count = 0
+        self.without_words: Counter[str] = Counter()  # by kind
         self.page = ""  # the one that is written
         self.lexer = CppLexer()
         taken: set[str] = set()
@@ -312,12 +314,12 @@ class Reference:
         place = self.places.get(one.references.get(name, ""))
         return self.relative(place).replace(".md#", ".html#") if place else None
 
-    def block(self, group: Group, anchors: bool = True) -> str:
-        """The signatures of functions and types."""
+    def block(self, group: Group, headed: bool = False) -> str:
+        """The signatures of functions and types. A heading has the anchor of the first."""
         shown = []
         for one in group.of:
             text = plain_text.signature(one.signature, self.lexer, lambda name: self.named_by(one, name))
-            shown.append(f'<span id="{one.anchor}">{text}</span>' if anchors else text)
+            shown.append(text if headed and one is group.of[0] else f'<span id="{one.anchor}">{text}</span>')
         return plain_text.signatures(shown)
 
     def item(self, group: Group) -> str:
@@ -340,7 +342,7 @@ class Reference:
     def counted(self, group: Group) -> None:
         self.count += len(group.of)
         if not group.comment and group.of[0].kind != "enumvalue":
-            self.without_words += sum(one.needs_words for one in group.of)
+            self.without_words[group.of[0].kind] += sum(one.needs_words for one in group.of)
 
     def members(self, one: Declaration, level: int) -> Iterator[str]:
         nested = [member for member in one.inside if member.kind in TYPES and member.kind != "typedef"]
@@ -358,8 +360,7 @@ class Reference:
         self.counted(group)
         names = list(dict.fromkeys(one.name for one in group.of))
         yield f"{'#' * level} {plain_text.escape(', '.join(names[:4]))} {{#{group.of[0].anchor}}}"
-        yield self.block(Group(group.of[:1]), anchors=False) if len(group.of) == 1 else self.block(
-            Group([dataclasses.replace(group.of[0], anchor=group.of[0].anchor + "-first"), *group.of[1:]]))
+        yield self.block(group, headed=True)
         yield self.words(group)
         for one in group.of:
             yield from self.members(one, level)
@@ -397,12 +398,12 @@ class Reference:
             ["the same of a compiled scene, by indices", "`StaticModel`, `solve`",
              "`<poise/statics/model/static_model.hpp>`, `<poise/statics/equilibrium/equilibrium.hpp>`"],
         ]
-        tasks += [row for row in table_after(SOURCE / "docs" / "library.md", "Motion and identification")[1:]]
+        tasks += table_after(SOURCE / "docs" / "library.md", "Motion and identification")[1:]
         table = ["| task | functions and types | header |", "| --- | --- | --- |"]
         for task, names, files in tasks:
-            headers = re.findall(r"<poise/(.*?)>", files)
+            headers: list[str] = re.findall(r"<poise/(.*?)>", files)
             table.append(f"| {task.replace('](', '](../')} | "
-                         + re.sub(r"`([^`]+)`", lambda name: self.function(name.group(1), headers), names) + " | "
+                         + re.sub(r"`([^`]+)`", lambda name: self.function(str(name.group(1)), headers), names) + " | "
                          + ", ".join(f"[{header}]({self.relative(self.places[header])})" for header in headers) + " |")
         folders = ["| folder | what it contains |", "| --- | --- |"]
         for folder in self.headers:
@@ -427,10 +428,10 @@ class Reference:
 def what_folders_contain() -> dict[str, str]:
     """From the tables of docs/architecture.md."""
     found = {}
-    for heading, rows in re.findall(r"^\| (folder|wing of `\w+/`) \|.*\n\| ---.*\n((?:\|.*\n)+)",
+    for heading, rows in re.findall(r"^\| (folder|(?:wing|folder) of `\w+/`) \|.*\n\| ---.*\n((?:\|.*\n)+)",
                                     (SOURCE / "docs" / "architecture.md").read_text(), re.M):
         parent = "" if heading == "folder" else heading.split("`")[1]
-        for row in re.findall(r"^\| `(\w+)/` \|.*\| (.*) \|$", rows, re.M):
+        for row in re.findall(r"^\| `(\w+)/` \|(?:.* \|)? (.*) \|$", rows, re.M):
             words = re.sub(r"\[(.*?)\]\(.*?\)", r"docs/\1", row[1])
             found[parent + row[0]] = words[0].upper() + words[1:]
     return found
@@ -445,8 +446,10 @@ def write_pages(pages: Path, build: Path) -> list[Any]:
     (pages / "cpp" / "index.md").write_text(reference.index_page(about))
     for folder in headers:
         (pages / page_of(f"{folder}/")).write_text(reference.folder_page(folder, about.get(folder, "")))
+    values, functions = reference.without_words["variable"], reference.without_words["function"]
     print(f"C++: {len(reference.lines)} headers, {reference.count} declarations, "
-          f"{reference.without_words} of them without a comment of their own")
+          f"{reference.without_words.total()} without a comment of their own: {values} values, {functions} functions, "
+          f"{reference.without_words.total() - values - functions} types")
     return [{"Reference of C++": ["cpp/index.md", *({folder: page_of(f"{folder}/")} for folder in headers)]}]
 
 

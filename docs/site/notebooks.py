@@ -57,25 +57,18 @@ def parts_of(text: str, cells: list[form.Cell]) -> Iterator[str | form.Cell]:
 
 def file_of(cell: form.Cell) -> tuple[str, str, str]:
     """What a hidden cell writes: the name of the file, how it is opened, and the text."""
-    opened, written = ast.parse(cell.source).body[0], ast.parse(cell.source).body[0].body[0]
-    name, mode = (argument.value for argument in opened.items[0].context_expr.args)
-    return name, mode, written.value.args[0].value.strip("\n")
-
-
-def block_of(cell: form.Cell) -> str:
-    """What a hidden cell writes, as a page shows it."""
-    return f"```toml\n{file_of(cell)[2]}\n```"
+    written = re.fullmatch(r"with open\((.*), (.*)\) as file:\n    file\.write\((.*)\)", cell.source)
+    assert written is not None
+    name, mode, text = map(ast.literal_eval, written.groups())
+    return name, mode, text.strip("\n")
 
 
 def notebook_of(parts: list[str | form.Cell]) -> Any:
     notebook = nbformat.v4.new_notebook()
-    written = [block_of(part) for part in parts if not isinstance(part, str) and part.hidden]
     for part in parts:
         if isinstance(part, str):
             # The pages that links lead to are not beside the notebook.
             words = re.sub(r"\[([^\]]+)\]\(([^):#]+)(#[^)]*)?\)", r"\1 (docs/\2)", part)
-            for block in written:
-                words = words.replace(block, "").rstrip()
             notebook.cells.append(nbformat.v4.new_markdown_cell(words))
         elif part.hidden:
             name, mode, text = file_of(part)
@@ -126,10 +119,9 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
             out.append(part)
             continue
         if part.hidden:
-            if not any(block_of(part) in other for other in parts if isinstance(other, str)):
-                file, mode, _ = file_of(part)
-                title = f"added to {file}" if mode == "a" else file
-                out.append(block_of(part).replace("```toml", f'```toml title="{title}"', 1))
+            file, mode, text = file_of(part)
+            title = f"added to {file}" if mode == "a" else file
+            out.append(f'```toml title="{title}"\n{text}\n```')
             continue
         shown = []
         for ending, data in pictures_of(run.outputs):

@@ -38,7 +38,7 @@ def prose(text: str, link: Link) -> str:
             continue
         at = 0
         # Files, what is called, qualified names, and names that are no words: camel case and with underscores.
-        for name in re.finditer(r"(?<![\w/.])(?:[\w/-]+\.(?:md|hpp)(?:#[\w-]+)?|(?:\w+::)*\w+\(\)|(?:\w+::)+\w+"
+        for name in re.finditer(r"(?<![\w/.\"])(?:[\w/-]+\.(?:md|hpp)(?:#[\w-]+)?|(?:\w+::)*\w+\(\)|(?:\w+::)+\w+"
                                 r"|[A-Z][a-z]+(?:[A-Z][a-z]*)+|[a-z]{2,}(?:_[a-z]+)*_[a-z]{2,})(?![\w/])", part):
             address = link(name.group())
             if address or "(" in name.group() or "_" in name.group() or "::" in name.group():

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import functools
 import inspect
 import re
 import sys
@@ -66,6 +67,7 @@ CALLED = {"__getitem__": "{}[name]", "__call__": "{}(name)", "__bool__": "bool({
           "__len__": "len({})", "__iter__": "iter({})"}
 
 
+@functools.cache
 def definition(module: str, name: str) -> ast.ClassDef | ast.FunctionDef:
     """From the file of a module, or from the stub of what is compiled."""
     file = PACKAGE / f"{module}.py"
@@ -175,7 +177,8 @@ class Reference:
 
     def block(self, text: str) -> str:
         def address(name: str) -> str | None:
-            return (self.link(name) or "").replace(".md#", ".html#")
+            is_type = name[0].isupper()
+            return (self.link(name) or "").replace(".md#", ".html#") if is_type else None
 
         return plain_text.signatures([plain_text.signature(text, LEXER, address)])
 
