@@ -1,81 +1,66 @@
 #include "app/terminal/mpi_ranks.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <exception>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
 #include <thread>
 
-#include <mpi.h>
+#include <dlfcn.h>
 
+#include "app/terminal/mpi_module.hpp"
+#include "model/input_error.hpp"
 #include "solvers/parallel.hpp"
 
 namespace poise::app {
 namespace {
 
-/// Calls MPI by its second names, PMPI_: the sequential MUMPS that Ipopt brings has functions of its own under some of
-/// the first ones, MPI_Comm_rank for example.
-class MpiRanks : public studies::Ranks {
- public:
-  MpiRanks() {
-    int provided = 0;
-    // The thread that runs a study is the only one that sends and receives.
-    PMPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
-    PMPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-    PMPI_Comm_size(MPI_COMM_WORLD, &size_);
+namespace fs = std::filesystem;
+
+/// Whether mpirun, or srun with MPI, has started this process.
+bool has_mpi_environment() {
+  // Of Open MPI, of PMIx (srun) and of MPICH.
+  constexpr std::array variables = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
+  return std::any_of(variables.begin(), variables.end(),
+                     [](const char* variable) { return std::getenv(variable) != nullptr; });
+}
+
+[[noreturn]] void refuse(const std::string& reason) {
+  throw InputError("mpirun: " + reason +
+                   ", every rank would do the whole study; install poise-mpi, or build Poise with Open MPI "
+                   "(libopenmpi-dev), or use --shard i/N");
+}
+
+/// Beside the program in the build folder, or where it is installed.
+fs::path module_file() {
+  std::error_code unknown;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  for (const char* place : {"", POISE_MODULE_FOLDER}) {
+    const fs::path file = (folder / place / "poise_mpi.so").lexically_normal();
+    if (fs::exists(file, unknown)) return file;
   }
+  refuse("this poise has no module for MPI (poise_mpi.so)");
+}
 
-  ~MpiRanks() override {
-    if (std::uncaught_exceptions() == 0) {
-      PMPI_Finalize();
-    } else if (rank_ != 0) {
-      // All ranks find the same mistake in the input. Rank 0 says so, and its end is that of the others; where it found
-      // none, this one still has its say.
-      std::this_thread::sleep_for(std::chrono::seconds(1));
-    }
-  }
-  MpiRanks(const MpiRanks&) = delete;
-  MpiRanks& operator=(const MpiRanks&) = delete;
-
-  int rank() const override { return rank_; }
-  int size() const override { return size_; }
-
-  void send(int to, const std::string& bytes) override {
-    PMPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to, 0, MPI_COMM_WORLD);
-  }
-
-  std::optional<Message> receive() override {
-    int has_arrived = 0;
-    MPI_Status status;
-    PMPI_Iprobe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &has_arrived, &status);
-    if (has_arrived == 0) return std::nullopt;
-    int count = 0;
-    PMPI_Get_count(&status, MPI_BYTE, &count);
-    Message message{status.MPI_SOURCE, std::string(static_cast<std::size_t>(count), '\0')};
-    PMPI_Recv(message.bytes.data(), count, MPI_BYTE, message.from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-    return message;
-  }
-
-  int ranks_on_this_machine() const {
-    MPI_Comm here = MPI_COMM_NULL;
-    PMPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-    int count = 1;
-    PMPI_Comm_size(here, &count);
-    PMPI_Comm_free(&here);
-    return count;
-  }
-
- private:
-  int rank_ = 0, size_ = 1;
-};
+/// The module stays loaded to the end of the process, as MPI does.
+decltype(&poise_join_mpi) load_module() {
+  void* const module = ::dlopen(module_file().c_str(), RTLD_NOW);
+  void* const join = module == nullptr ? nullptr : ::dlsym(module, "poise_join_mpi");
+  if (join == nullptr) refuse("cannot load MPI (" + std::string(::dlerror()) + ")");
+  return reinterpret_cast<decltype(&poise_join_mpi)>(join);
+}
 
 }  // namespace
 
 std::unique_ptr<studies::Ranks> join_ranks(int& jobs) {
   if (!has_mpi_environment()) return nullptr;
-  auto ranks = std::make_unique<MpiRanks>();
+  int ranks_on_this_machine = 1;
+  std::unique_ptr<studies::Ranks> ranks(load_module()(&ranks_on_this_machine));
   if (jobs == 0) {
     // mpirun binds a rank to cores of its own, or, where it does not, all of them may use all.
-    const int share = static_cast<int>(std::thread::hardware_concurrency()) / ranks->ranks_on_this_machine();
+    const int share = static_cast<int>(std::thread::hardware_concurrency()) / ranks_on_this_machine;
     jobs = std::clamp(share, 1, solvers::threads_of(0));
   }
   return ranks;

@@ -198,10 +198,17 @@ TEST(StudyCommands, RanksDoNotMatter) {
 }
 
 TEST(StudyCommands, WithoutMpiRanksAreRefused) {
-  if (POISE_HAS_MPI) GTEST_SKIP() << "built with MPI";
-  const ProgramRun run = run_poise({"montecarlo", dataset("lift_experiment")}, {"OMPI_COMM_WORLD_SIZE=2"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_TRUE(has(run.err, "mpirun: this poise was built without MPI")) << run.err;
+  const TempFolder folder;
+  const std::string program = folder.path("poise").string(), out = folder.path("out").string();
+  fs::copy_file(POISE_EXECUTABLE, program);
+  const Words words = {"/usr/bin/env", "OMPI_COMM_WORLD_SIZE=2", program, "montecarlo", dataset("lift_experiment")};
+  EXPECT_EQ(run_and_wait(words, out), 2);
+  EXPECT_TRUE(has(contents(out), "mpirun: this poise has no module for MPI")) << contents(out);
+  // So is a module whose libraries are missing; this one is no library at all.
+  const std::string module = folder.write("poise_mpi.so", "damaged");
+  EXPECT_EQ(run_and_wait(words, out), 2);
+  EXPECT_TRUE(has(contents(out), "mpirun: cannot load MPI (" + module + ": ")) << contents(out);
+  EXPECT_TRUE(has(contents(out), "every rank would do the whole study")) << contents(out);
 }
 
 }  // namespace
