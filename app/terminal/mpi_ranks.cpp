@@ -38,7 +38,7 @@ fs::path module_file() {
   std::error_code unknown;
   const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
   for (const char* place : {"", POISE_MODULE_FOLDER}) {
-    const fs::path file = (folder / place / "poise_mpi.so").lexically_normal();
+    fs::path file = (folder / place / "poise_mpi.so").lexically_normal();
     if (fs::exists(file, unknown)) return file;
   }
   refuse("this poise has no module for MPI (poise_mpi.so)");

@@ -35,6 +35,20 @@ if(NOT result EQUAL 0 OR output STREQUAL "")
   message(FATAL_ERROR "the example of README.md ended with ${result}")
 endif()
 
+# The same by the compiler and pkg-config alone.
+file(GLOB_RECURSE packages "${prefix}/*/poise.pc")
+cmake_path(GET packages PARENT_PATH packages)
+set(ENV{PKG_CONFIG_PATH} "${packages}")
+execute_process(COMMAND pkg-config --cflags --libs poise OUTPUT_VARIABLE words OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(words UNIX_COMMAND "${flags} ${words}")
+run("${compiler}" -std=c++20 "${work}/source/example.cpp" -o "${work}/example" ${words})
+execute_process(COMMAND "${work}/example" datasets/toggle_clamp.toml
+  WORKING_DIRECTORY "${prefix}/share/poise" OUTPUT_VARIABLE by_pkg_config COMMAND_ERROR_IS_FATAL ANY)
+if(NOT by_pkg_config STREQUAL output)
+  message(FATAL_ERROR "the example of README.md, compiled by pkg-config, says\n${by_pkg_config}")
+endif()
+
 # The example of docs/library.md, in its own project: the page shows what is in the installed file and what it prints.
 set(examples "${prefix}/share/poise/docs/examples")
 set(common -G "${generator}" "-DCMAKE_CXX_COMPILER=${compiler}" "-DCMAKE_CXX_FLAGS=${flags}"
