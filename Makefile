@@ -1,6 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
 #   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
-#        format | compile-time | install PREFIX=/usr/local | setup | clean
+#        format | compile-time | install PREFIX=/usr/local | package | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -15,7 +15,7 @@ SOURCE_FOLDERS := model solvers studies statics comparison motion design identif
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
-  compile-time install setup configure app all clean
+  compile-time install package setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -111,6 +111,15 @@ format:
 
 install: app
 	cmake --install $(BUILD) --prefix $(PREFIX)
+
+# What can be given to others, of the build folder into build/packages: the Debian packages.
+package: configure
+	cmake/setup.sh package
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise poise_python
+	rm -rf $(BUILD)/packages
+	cpack --config $(BUILD)/CPackConfig.cmake -B $(BUILD)/packages
+	rm -rf $(BUILD)/packages/_CPack_Packages
+	@cd $(BUILD)/packages && du -h *
 
 setup:
 	cmake/setup.sh
