@@ -1,6 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
 #   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
-#        format | compile-time | install PREFIX=/usr/local | package | setup | clean
+#        format | compile-time | install PREFIX=/usr/local | package | package-test | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -15,7 +15,7 @@ SOURCE_FOLDERS := model solvers studies statics comparison motion design identif
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
-  compile-time install package setup configure app all clean
+  compile-time install package package-test setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -120,6 +120,10 @@ package: configure
 	cpack --config $(BUILD)/CPackConfig.cmake -B $(BUILD)/packages
 	rm -rf $(BUILD)/packages/_CPack_Packages
 	@cd $(BUILD)/packages && du -h *
+
+# Installs them in fresh roots of Debian and uses them there, as root; the first time takes minutes more.
+package-test: package
+	cmake/package/test.sh $(BUILD)/packages $(BUILD)/package-root
 
 setup:
 	cmake/setup.sh

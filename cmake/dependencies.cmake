@@ -3,7 +3,7 @@
 # Tools: # apt: cmake ninja-build g++ pkg-config gnuplot-nox
 # Tools of `make lint`: # apt lint: clang-format clang-tidy flake8
 # Those of `make fuzz`: # apt fuzz: clang libclang-rt-14-dev
-# Those of `make package`: # apt package: dpkg-dev file
+# Those of `make package` and `make package-test`: # apt package: dpkg-dev file lintian debootstrap
 
 find_package(PkgConfig REQUIRED)
 

@@ -3,7 +3,7 @@
 #   cmake/setup.sh             what building, testing and benchmarking need
 #   cmake/setup.sh lint        what `make lint` and `make format` need
 #   cmake/setup.sh fuzz        what `make fuzz` needs
-#   cmake/setup.sh package     what `make package` needs
+#   cmake/setup.sh package     what `make package` and `make package-test` need
 #   cmake/setup.sh baselines   programs that benchmarks compare Poise with, where they are installed
 #   cmake/setup.sh browser     the browser that tests of pages run in
 #   cmake/setup.sh oracles     programs that tests check Poise against, where they are installed
