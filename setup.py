@@ -55,7 +55,7 @@ def configure(build: Path) -> None:
 
 
 class BuildByCMake(build_ext):
-    """Compiles poise._poise with CMake and puts it where setuptools collects the package."""
+    """Compiles poise._poise with CMake and puts it, with the examples, where setuptools collects the package."""
 
     def build_extension(self, ext: Extension) -> None:
         given = os.environ.get("POISE_BUILD_FOLDER")
@@ -73,6 +73,8 @@ class BuildByCMake(build_ext):
             raise RuntimeError(f"expected {built}: is this folder that of another Python than {sys.executable}?")
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(built, target)
+        # The examples of poise.example(), which are beside the package in the sources.
+        shutil.copytree(SOURCE / "datasets", target.parent / "datasets", dirs_exist_ok=True)
 
 
 (SOURCE / WORK).mkdir(exist_ok=True)

@@ -17,6 +17,7 @@ try:
     poise.load("nowhere.toml")
 except poise.InputError as error:
     print(type(error).__mro__[1].__name__)
+print(poise.example("toggle_clamp").solve().verdict)
 """
 FILES = {"__init__.py", "py.typed", "_poise.pyi", "_found.py", "_scene.py"}
 
@@ -44,20 +45,26 @@ def venv(tmp_path_factory):
 
 
 def test_pip_installs_what_runs_elsewhere(venv, tmp_path):
-    folder, version, error = output(venv / "bin" / "python", "-c", PROGRAM).splitlines()
+    folder, version, error, verdict = output(venv / "bin" / "python", "-c", PROGRAM).splitlines()
     assert Path(folder).is_relative_to(venv)
     assert f"project(poise VERSION {version} " in (SOURCE / "CMakeLists.txt").read_text()
     assert error == "ValueError"
+    assert verdict == "In equilibrium, proved: stable."
     assert f"Version: {version}" in output(venv / "bin" / "python", "-m", "pip", "show", "poise")
 
 
-def test_pip_installs_types_and_no_data(venv):
+def files_below(folder):
+    return {file.relative_to(folder) for file in folder.rglob("*") if file.is_file()}
+
+
+def test_pip_installs_types_and_examples(venv):
     folder = Path(output(venv / "bin" / "python", "-c", PROGRAM).splitlines()[0])
     installed = {file.name for file in folder.iterdir() if file.is_file()}
     sources = {file.name for file in (SOURCE / "python" / "poise").iterdir() if file.is_file()}
     libraries = [name for name in installed if name.endswith(".so")]
     assert FILES <= installed
     assert len(libraries) == 1 and installed - set(libraries) == sources
+    assert files_below(folder / "datasets") == files_below(SOURCE / "datasets")
 
 
 def test_cmake_installs_the_same(tmp_path):
@@ -65,5 +72,6 @@ def test_cmake_installs_the_same(tmp_path):
     (folder,) = tmp_path.rglob("poise/__init__.py")
     folder = folder.parent
     assert FILES <= {file.name for file in folder.iterdir()}
+    assert files_below(folder / "datasets") == files_below(SOURCE / "datasets")
     found = output(sys.executable, "-c", PROGRAM, PYTHONPATH=str(folder.parent)).splitlines()[0]
     assert Path(found) == folder
