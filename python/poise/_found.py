@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import shutil
 import zlib
 from typing import Any, Callable, Iterator, Mapping, Sequence, TypeVar, Union, overload
 
@@ -331,7 +332,9 @@ class Found:
                                     f"found {path.suffix or 'none'!r}")
         made = makers[path.suffix.lower()]()
         if not made:
-            raise _poise.InputError(f"{path}: this has no {path.suffix[1:]} to write")
+            needs = path.suffix.lower() == ".svg" and shutil.which("gnuplot") is None
+            raise _poise.InputError(f"{path}: this has no {path.suffix[1:]} to write" + (
+                "; a chart needs gnuplot, which was not found; install gnuplot-nox, or save .html" if needs else ""))
         write_file(path, made)
 
     # Copies. A result never changes.

@@ -351,6 +351,15 @@ def test_without_pandas_and_matplotlib_it_is_said_how_to_get_them(clamp, monkeyp
         rest.plot()
 
 
+def test_without_gnuplot_charts_are_on_the_page_alone(clamp, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    curve = clamp.path("load.P", 0, 10)
+    curve.save(tmp_path / "curve.html")
+    clamp.solve().save(tmp_path / "clamp.svg")
+    with pytest.raises(poise.InputError, match="this has no svg to write; a chart needs gnuplot, which was not found"):
+        curve.save(tmp_path / "curve.svg")
+
+
 def test_files_by_their_endings(curve, tmp_path):
     for ending, begin in ((".json", "{"), (".svg", "<?xml"), (".html", "<!"), (".csv", "branch,"), (".md", "#")):
         curve.save(tmp_path / f"curve{ending}")
