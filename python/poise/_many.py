@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _poise
 from ._pictures import axes
-from ._tables import Record, checked_name, frozen, needed, refuse_mask, si_unit, unknown
+from ._tables import ByName, Record, checked_name, frozen, needed, refuse_mask, si_unit, unknown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -151,7 +151,7 @@ def _html_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><thead><tr>{names}</tr></thead><tbody>{body}</tbody></table>"
 
 
-class Many(Mapping[str, "Floats"]):
+class Many(ByName["Floats"]):
     """The equilibria of many variants of a scene. All arrays have the `shape` of the numbers that were given.
 
     ``many["angle.arm"]`` are the values of a quantity that was asked for, in the units of the scene, nan where it has

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterator, Mapping, Sequence
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 
 from . import _pictures, _poise
 from ._found import Core, Found
-from ._tables import Array, checked_name, frozen, needed, si_unit
+from ._tables import Array, ByName, checked_name, frozen, needed, si_unit
 
 
-class Family(Mapping[str, float]):
+class Family(ByName[float]):
     """Quantities of one kind by what they are of: ``rest.angle["arm"]`` is ``rest["angle.arm"]``."""
 
     def __init__(self, rest: Rest, family: str) -> None:
@@ -281,7 +281,7 @@ class Rest(Found):
         return (_solved, (scene, dict(given, proof=core.proved is not None), self._in_si))
 
 
-class Points(Mapping[str, Array]):
+class Points(ByName[Array]):
     """Places of the points of moving bodies by "BODY.POINT", arrays [x, y]."""
 
     def __init__(self, rest: Rest) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import importlib
 import pathlib
-from typing import TYPE_CHECKING, Any, Iterator, Mapping, Sequence, TypeAlias
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Sequence, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt  # takes 3 ms to import
 
 Array: TypeAlias = "npt.NDArray[Any]"
+Value = TypeVar("Value", covariant=True)
 #: What the compiled part gives of a column: texts, or numbers and their unit.
 Column: TypeAlias = "list[str] | tuple[npt.NDArray[np.float64], str]"
 
@@ -79,7 +80,25 @@ def float_of(value: Any) -> float:
     return float("nan") if value is None else float(value)
 
 
-class Table(Mapping[str, Array]):
+class ByName(Mapping[str, Value]):
+    """What has parts by name. ``[]`` raises InputError for a name that is none, which Mapping does not expect."""
+
+    def __contains__(self, name: object) -> bool:
+        try:
+            self[name]  # type: ignore[index]  # what is no text is no name
+        except _poise.InputError:
+            return False
+        return True
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The part of a name, or ``default`` where there is none."""
+        try:
+            return self[name]
+        except _poise.InputError:
+            return default
+
+
+class Table(ByName[Array]):
     """Columns by name. Numbers are arrays of float64 that cannot be written to: where they come from the work itself
     they are views of its memory, not copies, and keep it alive. Texts are arrays of str. What is undefined is nan."""
 
@@ -137,7 +156,7 @@ class Table(Mapping[str, Array]):
         return f"<{self.rows} rows of {', '.join(self)}>"
 
 
-class Record(Mapping[str, Any]):
+class Record(ByName[Any]):
     """An object of JSON (docs/json.md), whose members are attributes too: ``event["kind"]`` is ``event.kind``."""
 
     def __init__(self, members: Mapping[str, Any]) -> None:

@@ -387,3 +387,16 @@ def test_positions_of_a_view_in_si_are_in_si():
     assert found.si[0]["angle.arm"] == pytest.approx(np.radians(found[0]["angle.arm"]), rel=1e-14)
     with pytest.raises(poise.InputError, match="without .si"):
         found.si.tables
+
+
+def test_parts_by_name_are_asked_for_as_of_a_dictionary(clamp, curve):
+    rest, equilibria = clamp.solve(), clamp.equilibria()
+    many = clamp.solve_many({"load.P": [20, 30]}, of="force.rubber")
+    known = [(rest.angle, "arm"), (rest.point, "arm.T"), (rest.tables["reactions"], "kind"), (curve.columns, "energy"),
+             (curve.events[0], "kind"), (equilibria[0], "angle.arm"), (many, "load.P")]
+    for parts, name in known:
+        assert name in parts and np.array_equal(parts.get(name), parts[name])
+        for other in ("nothing.of.this", "", 3, None):
+            assert other not in parts and parts.get(other) is None and parts.get(other, 7) == 7
+            with pytest.raises(poise.InputError):
+                parts[other]
