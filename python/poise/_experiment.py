@@ -16,7 +16,7 @@ from . import _commands, _poise
 from ._found import Fit, Found
 from ._run import Path, is_row, shown
 from ._scene import Scene
-from ._tables import refuse_mask, unknown, write_file
+from ._tables import checked_text, refuse_mask, unknown, write_file
 from ._toml import toml_text
 
 Floats = npt.NDArray[np.float64]
@@ -249,7 +249,7 @@ def _file_name(file: Any) -> str:
         name = ""
     if not name or "\0" in name:
         raise _poise.InputError(f"Experiment: expected the name of a file or a Scene, found {shown(file)}")
-    return name
+    return checked_text(name)
 
 
 def _text(file: str) -> str:

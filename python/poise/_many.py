@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _poise
 from ._pictures import axes
-from ._tables import ByName, Record, checked_name, frozen, needed, refuse_mask, si_unit, unknown
+from ._tables import ByName, Record, checked_name, checked_text, frozen, needed, refuse_mask, si_unit, unknown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -638,15 +638,13 @@ class Batches:
 
 
 def _names(what: str, given: Any) -> list[str]:
-    if isinstance(given, str):
-        return [given]
     try:
-        names = list(given)
+        names = [given] if isinstance(given, str) else list(given)
     except TypeError:
         names = [None]
     if not all(isinstance(name, str) for name in names):
         raise _poise.InputError(f"{what}: expected names of quantities, found {_poise.shown(given)}")
-    return names
+    return [checked_text(name) for name in names]
 
 
 def _samples(proved: Any) -> int:

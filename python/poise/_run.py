@@ -27,7 +27,7 @@ from typing import runtime_checkable
 
 from . import _poise
 from ._found import Call, Found
-from ._tables import refuse_mask
+from ._tables import checked_text, refuse_mask
 from ._toml import number_text, toml_text
 
 #: Called with a sentence on what is being done, ten times a second at most, by any thread. An exception that it raises
@@ -87,9 +87,9 @@ def run(kind: type[Kind], command: str, scene: _poise.Scene | None, given: Mappi
         for option in _options_of(command):
             name = option["name"]
             if ranged is not None and ranged[0] == name and any(part is not None for part in ranged[1:]):
-                options.append((name, _range_word(*ranged)))
+                options.append((name, checked_text(_range_word(*ranged))))
             if given.get(name) is not None:
-                options += [(name, word) for word in _words_of(option, given[name], files)]
+                options += [(name, checked_text(word)) for word in _words_of(option, given[name], files)]
         _check_required(command, scene is not None, options)
         if scene is not None:
             options = [(name, _full_range(scene, word) if name == "--vary" else word) for name, word in options]

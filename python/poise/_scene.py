@@ -13,7 +13,7 @@ from ._commands import SceneCommands
 from ._many import Batches
 from ._numerics import Equations
 from ._rest import Rest
-from ._tables import refuse_mask, write_file
+from ._tables import checked_name, checked_text, refuse_mask, write_file
 from ._view import View, view
 
 
@@ -99,7 +99,7 @@ class Scene(SceneCommands, Equations, Batches):
 
     def unit(self, name: str) -> str:
         """The unit of a number; "" of one without. Raises InputError for unknown names."""
-        return self._core.unit_of(name)
+        return self._core.unit_of(checked_name(name))
 
     @property
     def quantities(self) -> list[str]:
@@ -168,4 +168,5 @@ def _read_again(text: str, name: str, changes: list[tuple[str, float]]) -> Scene
 
 def load(file: str | os.PathLike[str]) -> Scene:
     """Read a scene file. Raises InputError, one line with file, line, item and what was expected."""
-    return Scene(_poise.Scene.load(os.fspath(file)))
+    name = os.fspath(file)
+    return Scene(_poise.Scene.load(checked_text(name) if isinstance(name, str) else name))

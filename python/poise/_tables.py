@@ -30,7 +30,7 @@ def needed(module: str, package: str, what: str) -> Any:
 
 def unknown(what: str, name: object, known: Sequence[str]) -> _poise.InputError:
     """The error of a name that is none, with the nearest ones."""
-    return _poise.InputError(f"{name}: expected {what}{_poise.did_you_mean(str(name), list(known))}")
+    return _poise.InputError(f"{name}: expected {what}{_poise.did_you_mean(checked_text(str(name)), list(known))}")
 
 
 def write_file(path: pathlib.Path, text: str) -> None:
@@ -42,10 +42,19 @@ def write_file(path: pathlib.Path, text: str) -> None:
         raise _poise.InputError(f"{path}: expected a file that can be written: {why}") from error
 
 
+def checked_text(text: str) -> str:
+    """A text that the compiled part can be given. Raises InputError for one with surrogates."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise _poise.InputError(f"expected a text that UTF-8 can hold, found {text!r:.200}") from None
+    return text
+
+
 def checked_name(name: Any) -> str:
     """A name, which is a text. Raises InputError for anything else."""
     if isinstance(name, str):
-        return name
+        return checked_text(name)
     raise _poise.InputError(f"expected a name in quotes, found {name!r:.200}")
 
 

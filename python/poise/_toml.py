@@ -6,7 +6,7 @@ import operator
 from typing import Any, Mapping, Sequence
 
 from . import _poise
-from ._tables import refuse_mask
+from ._tables import checked_text, refuse_mask
 
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
@@ -15,7 +15,7 @@ _DEEPEST = 20
 
 
 def _text(word: str) -> str:
-    shown = (_ESCAPES.get(c, c if c >= " " and c != "\x7f" else f"\\u{ord(c):04X}") for c in word)
+    shown = (_ESCAPES.get(c, c if c >= " " and c != "\x7f" else f"\\u{ord(c):04X}") for c in checked_text(word))
     return '"' + "".join(shown) + '"'
 
 

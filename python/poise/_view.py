@@ -11,6 +11,7 @@ import webbrowser
 from typing import TYPE_CHECKING, Any
 
 from . import _poise
+from ._tables import checked_text
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -77,6 +78,8 @@ def view(
             raise _poise.InputError(f"{name}: expected a whole number, found {value!r:.200}")
     if origin is not None and not isinstance(origin, str):
         raise _poise.InputError(f"origin: expected a text as \"http://localhost:8888\", found {origin!r:.200}")
+    if origin is not None:
+        checked_text(origin)
     if not 0 <= port <= 65535 or not 1 <= height <= 100_000:
         raise _poise.InputError(
             f"view: expected a port from 0 to 65535 and a height from 1 to 100000, found {port} and {height}"

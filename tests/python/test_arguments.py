@@ -151,3 +151,21 @@ def test_parts_of_results_pickle(clamp):
     for thing in (clamp.system(), clamp.certify(clamp.solve().x), poise.SceneBuilder("a"), poise.measures.x("b.P")):
         with pytest.raises(TypeError, match="pickle"):
             pickle.dumps(thing)
+
+
+def test_texts_that_are_no_utf8_are_bad_input_everywhere(clamp):
+    bad = "a\ud800"
+    rest, equilibria = clamp.solve(), clamp.equilibria()
+    calls = [
+        lambda: poise.load(bad), lambda: poise.example(bad), lambda: clamp.unit(bad),
+        lambda: clamp.solve({bad: 1}), lambda: clamp.with_numbers({bad: 1}), lambda: rest[bad], lambda: rest.why(bad),
+        lambda: rest.unit(bad), lambda: rest.to_frame(bad), lambda: equilibria[bad], lambda: equilibria[0][bad],
+        lambda: equilibria.columns[bad], lambda: clamp.path(bad, 0, 60), lambda: clamp.path("load.P", 0, 60, show=bad),
+        lambda: clamp.path("load.P", 0, 60, set={bad: 1}), lambda: clamp.find("load.P", 0, 60, bad),
+        lambda: clamp.tolerance(tolerances={bad: 1}, of="force.rubber"), lambda: poise.identify(bad),
+        lambda: poise.Experiment(bad), lambda: poise.Experiment(clamp, sensors={bad: {}}, unknowns=[]).identify(),
+        lambda: clamp.solve_many({bad: [1, 2]}), lambda: clamp.solve_many({"load.P": [1, 2]}, of=bad),
+        lambda: clamp.path_many({"load.P": [1, 2]}, vary=(bad, 0, 1)), lambda: clamp.view(origin=bad, browser=False),
+    ]
+    for call in calls:
+        refused(call, r"expected a text that UTF-8 can hold, found .*\\ud800")
