@@ -346,16 +346,19 @@ class Found:
         return self
 
     def __reduce__(self) -> Any:
-        again = self._again if isinstance(self._again, Call) and self._pictured is None else None
-        pictured = self._with_pictures() if again is None else None
-        return (_revived, (type(self), Kept.of(self._outcome(), pictured), again, self._in_si))
+        again = self._again if isinstance(self._again, Call) else None
+        pictured = self._with_pictures() if again is None else self._pictured
+        kept = Kept.of(self._outcome(), pictured)
+        return (_revived, (type(self), kept, again, pictured is not None, self._in_si))
 
 
-def _revived(kind: type[Self], kept: Kept, again: Call | None, in_si: bool) -> Self:
+def _revived(kind: type[Self], kept: Kept, again: Call | None, is_pictured: bool, in_si: bool) -> Self:
     for column in [*kept.csv_columns.values(), *(c for t in kept.all_tables.values() for c in t.values())]:
         if not isinstance(column, list):
             column[0].flags.writeable = False
     out = kind(kept, again)
+    if is_pictured:
+        out._pictured = kept
     return out.si if in_si else out
 
 

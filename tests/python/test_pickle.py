@@ -90,6 +90,14 @@ def test_a_curve_can_do_the_same_after_pickle(clamp):
     assert len(pickle.dumps(curve)) < 200_000
 
 
+def test_equilibria_can_do_the_same_after_pickle(clamp):
+    equilibria = clamp.equilibria()
+    other = again(equilibria)
+    assert other.svg == equilibria.svg and other["reaction.B"].tobytes() == equilibria["reaction.B"].tobytes()
+    assert again(other)[0]["reaction.B"] == equilibria[0]["reaction.B"]
+    assert np.array_equal(again(equilibria.si)["force.rubber"], equilibria.si["force.rubber"])
+
+
 def test_a_fit_can_do_the_same_after_pickle():
     fit = poise.identify("datasets/lift_experiment.toml")
     other = again(fit)
