@@ -281,7 +281,11 @@ class Many(ByName["Floats"]):
             if noted == at:
                 return str(why)
         if self._found["by"][at] in (_BY.index("lanes"), _BY.index("search")):
-            return ""
+            if not np.isnan(self._found["values"][at]).any():
+                return ""
+            if self.interrupted:
+                return "an interrupt came before its quantities were found"
+            return "a quantity has no value; reasons are kept of the first 1000 variants alone"
         if self._found["by"][at] == _BY.index("not solved"):
             return "an interrupt came before its turn"
         return "no equilibrium was found; reasons are kept of the first 1000 variants alone"
@@ -639,7 +643,7 @@ class Batches:
 
 def _names(what: str, given: Any) -> list[str]:
     try:
-        names = [given] if isinstance(given, str) else list(given)
+        names: list[Any] = [given] if isinstance(given, str) else list(given)
     except TypeError:
         names = [None]
     if not all(isinstance(name, str) for name in names):

@@ -49,6 +49,7 @@ class Batch {
     if (lanes_) run_lanes();
     search_others();
     if (lanes_) complete_values();
+    explain_lanes();
     prove();
     conclude();
     return std::move(out_);
@@ -300,6 +301,7 @@ class Batch {
       out_.solved_by[v] = SolvedBy::search;
       keep_place(v, model, found.x);
       keep_values(v, model, found.x, found.certificate.active_stops);
+      if (has_undefined(v)) explain(v, model, found.x, found.certificate.active_stops);
       if (is_to_prove(v)) keep_proof(v, found.certificate);
     } catch (const InputError& error) {  // its loops cannot be closed
       lose(v, error.what());
@@ -308,8 +310,42 @@ class Batch {
 
   void lose(std::size_t v, std::string why) {
     out_.solved_by[v] = SolvedBy::none;
+    note(v, std::move(why));
+  }
+
+  void note(std::size_t v, std::string why) {
     const std::lock_guard lock(notes_mutex_);
     out_.notes.push_back({v, std::move(why)});
+  }
+
+  bool has_undefined(std::size_t v) const {
+    const auto first = out_.values.begin() + static_cast<std::ptrdiff_t>(v * quantities());
+    return std::any_of(first, first + static_cast<std::ptrdiff_t>(quantities()),
+                       [](double value) { return std::isnan(value); });
+  }
+
+  // Notes why quantities of a variant that was solved have no value.
+  void explain(std::size_t v, const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active) {
+    const std::vector<QuantityValue> found = quantity_values(resting_place(model, x, active), out_.quantities);
+    std::string why;
+    for (std::size_t k = 0; k < quantities(); ++k) {
+      if (!std::isnan(out_.values[v * quantities() + k]) || found[k].why.empty()) continue;
+      why += fmt::format("{}{}: {}", why.empty() ? "" : "; ", out_.quantities[k].name, found[k].why);
+    }
+    if (!why.empty()) note(v, std::move(why));
+  }
+
+  // In lanes only the values are found. Reasons are found for as many variants as there may be notes.
+  void explain_lanes() {
+    std::vector<std::size_t> undefined;
+    for (std::size_t v = 0; v < out_.variants && undefined.size() < ManySolutions::most_notes; ++v) {
+      if (out_.solved_by[v] == SolvedBy::lanes && has_undefined(v)) undefined.push_back(v);
+    }
+    if (undefined.empty() || is_interrupted()) return;
+    for_each(undefined, out_.variants - undefined.size(), [&](std::size_t v) {
+      const StaticModel model(scene_of(v), scales_, varying_);
+      explain(v, model, place_of(v, model), active_stops_);
+    });
   }
 
   void keep_place(std::size_t v, const StaticModel& model, const std::vector<double>& x) {

@@ -120,6 +120,21 @@ def test_variants_without_equilibrium_are_marked():
     assert many.to_dict()["quantities"]["travel.rail"]["values"][1] is None
 
 
+def test_quantities_without_a_value_say_why(clamp):
+    # The clamp rests on one stop or on the other, and cannot move there: no push at the grip has a leverage.
+    forces, of = [25.0, 30.0, 38.0, 60.0], ["force.rubber", "push.handle.grip.x"]
+    many = clamp.solve_many({"P": forces}, of=of)
+    assert list(many.by) == ["lanes", "lanes", "search", "search"]
+    for at, force in enumerate(forces):
+        rest = clamp.solve(P=force)
+        assert np.isnan(many["push.handle.grip.x"][at]) and np.isnan(rest["push.handle.grip.x"])
+        assert many.why(at) == f"push.handle.grip.x: {rest.why('push.handle.grip.x')}"
+    assert clamp.solve_many({"P": forces}, of="force.rubber").why(0) == ""
+    lots = clamp.solve_many({"P": np.linspace(20, 30, 1500)}, of=of)
+    assert lots.why(999) == many.why(0)
+    assert lots.why(1499) == "a quantity has no value; reasons are kept of the first 1000 variants alone"
+
+
 def test_shapes_are_kept(clamp):
     for values, shape in [(25.0, ()), ([25.0], (1,)), (np.full((2, 1, 3), 25.0), (2, 1, 3))]:
         many = clamp.solve_many({"load.P": values}, of="force.rubber", proved="all")
