@@ -1,6 +1,6 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
 #   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
-#        format | compile-time | install PREFIX=/usr/local | package | package-test | setup | clean
+#        format | compile-time | install PREFIX=/usr/local | package | package-tar | package-wheel | package-test | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -15,7 +15,7 @@ SOURCE_FOLDERS := model solvers studies statics comparison motion design identif
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
-  compile-time install package package-test setup configure app all clean
+  compile-time install package package-tar package-wheel package-test setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -97,7 +97,7 @@ docs: all
 lint lint-all: lint-setup
 	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
 	@echo clang-format: clean
-	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python docs/figures
+	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python cmake/package docs/figures
 	@echo flake8: clean
 	cmake/tidy.sh build-lint $(JOBS) $(if $(filter lint-all,$@),all,changed)
 
@@ -112,14 +112,24 @@ format:
 install: app
 	cmake --install $(BUILD) --prefix $(PREFIX)
 
-# What can be given to others, of the build folder into build/packages: the Debian packages.
+# What can be given to others, of the build folder into build/packages: the Debian packages, and an archive of the program
+# and a wheel of the Python module that have their libraries inside.
 package: configure
 	cmake/setup.sh package
 	cmake --build --preset $(PRESET) -j $(JOBS) --target poise poise_python
 	rm -rf $(BUILD)/packages
 	cpack --config $(BUILD)/CPackConfig.cmake -B $(BUILD)/packages
 	rm -rf $(BUILD)/packages/_CPack_Packages
+	cmake/package/tar.sh $(BUILD) $(BUILD)/packages
+	cmake/package/wheel.sh $(BUILD) $(BUILD)/packages
 	@cd $(BUILD)/packages && du -h *
+
+package-tar: app
+	cmake/package/tar.sh $(BUILD) $(BUILD)/packages
+
+package-wheel: configure
+	cmake --build --preset $(PRESET) -j $(JOBS) --target poise_python
+	cmake/package/wheel.sh $(BUILD) $(BUILD)/packages
 
 # Installs them in fresh roots of Debian and uses them there, as root; the first time takes minutes more.
 package-test: package

@@ -53,6 +53,7 @@ if(POISE_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
   # Of the Python module: its tests, types, notebooks, and installing it into a virtual environment.
   # apt: python3-pytest mypy python3-nbconvert python3-ipykernel python3-venv python3-setuptools python3-wheel
+  # Of the packages that have their libraries inside (cmake/package/).              # apt: patchelf
   # What its results give their data to, where it is installed.                      # apt: python3-pandas python3-matplotlib
   # Looked for when tests run, which skip what it checks without it.                 # apt oracles: phcpack
   # The same: the browser that tests of pages run in.                                # apt browser: chromium chromium-driver

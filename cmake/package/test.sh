@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs what `make package` has written in fresh roots of Debian, uses it there as its users would, and prints the
 # seconds from the packages on the disk to the first result. What they only recommend, gnuplot, is left out.
-#   cmake/package/test.sh PACKAGES WORK [TEST]...    TEST: debian, program, mpi, python, library; all without
+#   cmake/package/test.sh PACKAGES WORK [TEST]...
+# TEST is debian, program, mpi, python, library, archive or wheel; all without.
 # Needs root. The base of the roots and the packages that apt has fetched are kept in WORK, which makes later runs quick.
 set -eu
 [ "$(id -u)" -eq 0 ] || { echo "$0: needs root" >&2; exit 1; }
@@ -118,7 +119,7 @@ python() {
 import poise
 
 rest = poise.load("my_four_bar.toml").solve()
-assert rest.proved
+assert rest.proved and poise.example("toggle_clamp").solve().proved
 rest.save("first.svg")
 END
   user 'python3 first.py; grep -q "</svg>" first.svg'
@@ -145,7 +146,17 @@ END
   since 'the example of README.md by pkg-config'
 }
 
-for test in ${*:-debian program mpi python library}; do
+archive() {
+  fresh ''
+  "$source/cmake/package/test_tar.sh" "$work/$test" "$packages"/poise-*.tar.gz
+}
+
+wheel() {
+  fresh 'python3-venv python3-numpy'
+  "$source/cmake/package/test_wheel.sh" "$work/$test" "$packages"/poise-*.whl
+}
+
+for test in ${*:-debian program mpi python library archive wheel}; do
   $test
   [ -d "$work/$test" ] || continue
   umount "$work/$test/proc" "$work/$test/packages" "$work/$test/var/cache/apt/archives"

@@ -1,0 +1,62 @@
+"""Programs are packed with their libraries and run where these are not; wheels name the glibc that they need."""
+
+import os
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).resolve().parents[2]
+SCRIPTS = SOURCE / "cmake" / "package"
+GLIBC = re.compile(r"lib(c|m|mvec|dl|rt|pthread)\.so\.[0-9]+")
+
+
+def output(*command):
+    run = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return run.stdout
+
+
+@pytest.mark.skipif("POISE_SANITIZED" in os.environ, reason="the address sanitizer's library is loaded before others")
+@pytest.mark.parametrize("names", [[], ["--hashed-names"]])
+def test_a_program_and_its_libraries_run_from_any_folder(names, tmp_path):
+    made, moved = tmp_path / "made", tmp_path / "moved elsewhere"
+    program = made / "bin" / "poise"
+    program.parent.mkdir(parents=True)
+    shutil.copyfile(os.environ["POISE_EXECUTABLE"], program)
+    program.chmod(0o755)
+    output(sys.executable, SCRIPTS / "bundle_libraries.py", "--into", made / "lib", "--licences", made / "licences",
+           "--keep-out", "libgcc_s.so.1", *names, program)
+    made.rename(moved)
+    program = moved / "bin" / "poise"
+
+    loaded = dict(re.findall(r"(\S+) => (/.*) \(", output("ldd", program)))
+    foreign = {name for name, file in loaded.items() if not Path(file).is_relative_to(moved)}
+    assert {name for name in foreign if not GLIBC.fullmatch(name)} == {"libgcc_s.so.1"}
+    assert any(re.fullmatch(r"libipopt-[0-9a-f]{8}\.so\.1" if names else r"libipopt\.so\.1", name) for name in loaded)
+    assert "proved: stable" in output(program, "solve", SOURCE / "datasets" / "toggle_clamp.toml", "--method", "energy")
+
+    index = (moved / "licences" / "README.txt").read_text()
+    licences = dict(re.findall(r"^(\S+\.txt) +(\S+)", index, flags=re.MULTILINE))
+    assert {"poise.txt", *licences} <= {file.name for file in (moved / "licences").iterdir()}
+    listed = set(re.findall(r"lib\S+\.so\S*", index))
+    stems = {re.sub(r"-[0-9a-f]{8}\.so", ".so", file.name) for file in (moved / "lib").iterdir()}
+    assert stems == listed
+
+
+def test_the_platform_is_the_oldest_that_has_all_symbols():
+    oldest = runpy.run_path(str(SCRIPTS / "platform_tag.py"))["oldest_glibc"]
+    assert oldest({("GLIBC", (2, 2, 5)), ("GLIBC", (2, 36)), ("GLIBCXX", (3, 4, 29))}) == (2, 36)
+    assert oldest({("GLIBC", (2, 17)), ("GLIBCXX", (3, 4)), ("GLIBCXX", (3, 4, 30))}) == (2, 35)
+    assert oldest({("GLIBC", (2, 34)), ("GLIBCXX", (3, 4, 21))}) == (2, 34)
+    with pytest.raises(SystemExit, match="GLIBCXX_3.4.99: expected at most"):
+        oldest({("GLIBCXX", (3, 4, 99))})
+
+
+def test_the_platform_is_read_from_files():
+    tag = output(sys.executable, SCRIPTS / "platform_tag.py", os.environ["POISE_EXECUTABLE"])
+    assert re.fullmatch(r"manylinux_2_[0-9]+_\w+\n", tag)
