@@ -20,6 +20,7 @@ LONG_CALLS = {
         'poise.load("datasets/toggle_clamp.toml").tolerance({"point.*": 0.1}, "force.rubber", samples=10**7, **told)',
     "montecarlo": f'poise.montecarlo("{EXPERIMENT}", trials=1000000, **told)',
     "identify": f'poise.identify("{EXPERIMENT}", bootstrap=1000000, **told)',
+    "design": 'poise.design("datasets/eighteen_points_design.toml", starts=1_000_000, **told)',
     "kept trials": f'poise.montecarlo("{EXPERIMENT}", trials=1000000, output="trials", **told)',
 }
 

@@ -203,7 +203,7 @@ Result path_synthesis_result(const PathProblem& problem, const PathAnswer& answe
   out.verdict = verdict_of_path(problem, answer);
   if (answer.interrupted) {
     out.warnings.push_back(
-        doubtful(fmt::format("Stopped early: {} of {} starts were searched.", answer.starts, options.starts)));
+        doubtful(fmt::format("Interrupted: {} of {} starts were searched.", answer.starts, options.starts)));
   }
   Group& content = out.content;
   Group& design = content.group("design", "", Verbosity::data);
