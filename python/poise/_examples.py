@@ -8,15 +8,13 @@ from typing import Any
 
 from . import _poise
 from ._scene import Scene, load
-from ._tables import checked_name, unknown
-
-FOLDER = pathlib.Path(__file__).with_name("datasets")
+from ._tables import EXAMPLES, checked_name, unknown
 
 
 def _files() -> dict[str, pathlib.Path]:
     """All files that come with the package, by their place in the folder; without the ending .toml."""
-    files = (file for file in sorted(FOLDER.rglob("*")) if file.is_file())
-    return {file.relative_to(FOLDER).as_posix().removesuffix(".toml"): file for file in files}
+    files = (file for file in sorted(EXAMPLES.rglob("*")) if file.is_file())
+    return {file.relative_to(EXAMPLES).as_posix().removesuffix(".toml"): file for file in files}
 
 
 def _document(file: pathlib.Path) -> dict[str, Any]:

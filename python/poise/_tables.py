@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = "npt.NDArray[Any]"
 Value = TypeVar("Value", covariant=True)
+#: The folder of the scenes and other files that come with the package.
+EXAMPLES = pathlib.Path(__file__).with_name("datasets")
 #: What the compiled part gives of a column: texts, or numbers and their unit.
 Column: TypeAlias = "list[str] | tuple[npt.NDArray[np.float64], str]"
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import atexit
 import html
 import os
+import pathlib
 import sys
 import urllib.parse
 import webbrowser
 from typing import TYPE_CHECKING, Any
 
 from . import _poise
-from ._tables import checked_text
+from ._tables import EXAMPLES, checked_text
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -95,7 +96,9 @@ def view(
 
 
 def _is_unchanged_file(scene: Scene) -> bool:
-    """Whether the scene is what its file has now, which the page may then save."""
+    """Whether the scene is what a file of the user's has now, which the page may then save."""
+    if pathlib.Path(scene._core.name).is_relative_to(EXAMPLES):
+        return False
     try:
         with open(scene._core.name, encoding="utf-8") as file:
             return not scene._core.changes and file.read() == scene._core.text

@@ -1,6 +1,8 @@
 """The live page, served by the process that asks for it."""
 
 import gc
+import json
+import shutil
 import urllib.error
 import urllib.request
 
@@ -39,6 +41,16 @@ def test_only_the_origin_of_the_notebook_may_frame_it():
     assert answer_of(view.url.rsplit("/", 2)[0] + "/" + "0" * 32 + "/")[0] in (403, 404)
     assert f'src="{view.url}"' in view._repr_html_()
     view.stop()
+
+
+def test_the_page_of_an_example_does_not_save_into_the_package(tmp_path):
+    own = tmp_path / "clamp.toml"
+    shutil.copyfile(poise.example_path("toggle_clamp"), own)
+    for scene, has_file in ((poise.load(own), True), (poise.example("toggle_clamp"), False)):
+        with scene.view(browser=False) as view:
+            request = urllib.request.Request(view.url + "do", b'{"do": "look"}', {"Content-Type": "application/json"})
+            with urllib.request.urlopen(request, timeout=20) as reply:
+                assert json.load(reply)["has_file"] == has_file
 
 
 def test_two_pages_of_changed_scenes_do_not_meet():
