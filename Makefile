@@ -1,6 +1,7 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | lint | lint-all
-#        format | compile-time | install PREFIX=/usr/local | package | package-tar | package-wheel | package-test | setup | clean
+#   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | site | lint
+#        lint-all | format | compile-time | install PREFIX=/usr/local | package | package-tar | package-wheel | package-test
+#        setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
@@ -14,8 +15,8 @@ BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
 SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app python
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
-.PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs lint lint-all lint-setup format \
-  compile-time install package package-tar package-wheel package-test setup configure app all clean
+.PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs site lint lint-all lint-setup \
+  format compile-time install package package-tar package-wheel package-test setup configure app all clean
 
 run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
@@ -92,12 +93,20 @@ docs: all
 	POISE_UPDATE_DOCS=1 $(BUILD)/tests/poise_docs_tests --gtest_brief=1
 	POISE_UPDATE_DOCS=1 ctest --preset $(PRESET) --tests-regex '^Python.docs$$'
 
+# The site, from README.md, docs/ and the sources, into build/site/html: index.html opens from disk. Where a browser is
+# installed, every page is looked at in it.
+site: all
+	cmake/setup.sh site
+	/usr/bin/python3 -B docs/site/build.py $(BUILD)
+	POISE_SITE=$(BUILD)/site/html $(BUILD)/tests/poise_page_tests --gtest_brief=1 --gtest_filter='Site.*'
+
 # Every source alone, without precompiled headers: clang-tidy cannot read those of GCC, and every source must include what it
 # uses. `make lint` checks the sources that are affected by what has changed since `make lint-all` last checked all.
 lint lint-all: lint-setup
 	@clang-format --dry-run --Werror $(call sources_under,$(SOURCE_FOLDERS) tests benchmarks)
 	@echo clang-format: clean
-	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' setup.py python tests/python cmake/package docs/figures
+	@flake8 --max-line-length 120 --per-file-ignores 'python/poise/_commands.py:E501 tests/python/test_*:E501' \
+	  setup.py python tests/python cmake/package docs/figures docs/site tests/site
 	@echo flake8: clean
 	cmake/tidy.sh build-lint $(JOBS) $(if $(filter lint-all,$@),all,changed)
 

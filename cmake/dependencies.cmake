@@ -2,6 +2,7 @@
 
 # Tools: # apt: cmake ninja-build g++ pkg-config gnuplot-nox
 # Tools of `make lint`: # apt lint: clang-format clang-tidy flake8
+# Those of `make site`: # apt site: mkdocs mkdocs-material python3-pymdownx libjs-katex nodejs doxygen
 # Those of `make fuzz`: # apt fuzz: clang libclang-rt-14-dev
 # Those of `make package` and `make package-test`: # apt package: dpkg-dev file lintian debootstrap
 

@@ -6,6 +6,7 @@
 #   cmake/setup.sh package     what `make package` and `make package-test` need
 #   cmake/setup.sh baselines   programs that benchmarks compare Poise with, where they are installed
 #   cmake/setup.sh browser     the browser that tests of pages run in
+#   cmake/setup.sh site        what `make site` needs
 #   cmake/setup.sh oracles     programs that tests check Poise against, where they are installed
 # The packages are those named in cmake/dependencies.cmake after "# apt:", "# apt lint:" and so on.
 set -eu
