@@ -97,4 +97,7 @@ foreach(file README.md docs/scene-files.md docs/toggle_clamp.svg datasets/toggle
     message(FATAL_ERROR "share/poise/${file} is not installed")
   endif()
 endforeach()
+if(EXISTS "${prefix}/share/poise/docs/site")
+  message(FATAL_ERROR "share/poise/docs/site is installed, which only builds the website")
+endif()
 run("${prefix}/bin/poise" stress --list)
