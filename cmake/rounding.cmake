@@ -1,6 +1,5 @@
-# Options of sources that use solvers/interval.hpp: the compiler must not assume that results are rounded to nearest, nor
-# fuse a product and a sum into one rounding.
-set(POISE_DIRECTED_ROUNDING -frounding-math -ffp-contract=off)
+# Options of sources that use solvers/interval.hpp: the compiler must not assume that results are rounded to nearest.
+set(POISE_DIRECTED_ROUNDING -frounding-math)
 
 # Single sources with these options. Precompiled headers belong to other options.
 function(poise_directed_rounding)
