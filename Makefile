@@ -1,21 +1,22 @@
 # Short commands. All work is done by CMake: see CMakePresets.json and CMakeLists.txt.
-#   make run | test | python | campaign | sanitize | fuzz | mutants | bench | benchmarks | figures | docs | site | lint
-#        lint-all | format | compile-time | install PREFIX=/usr/local | package | package-tar | package-wheel | package-test
-#        setup | clean
+#   make run | test | python | campaign | sanitize | fuzz | arm64 | mutants | bench | benchmarks | figures | docs | site
+#        lint | lint-all | format | compile-time | install PREFIX=/usr/local | package | package-tar | package-wheel
+#        package-test | setup | clean
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
+# PRESET=clang builds by clang into build-clang.
 # TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
 
 PRESET ?= $(if $(CI),ci,release)
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
 comma := ,
-BUILD := build$(addprefix -,$(filter daily debug,$(PRESET)))
+BUILD := build$(addprefix -,$(filter daily debug clang,$(PRESET)))
 
 SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app python
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
-.PHONY: run test python campaign sanitize fuzz mutants bench benchmarks figures docs site lint lint-all lint-setup \
+.PHONY: run test python campaign sanitize fuzz arm64 mutants bench benchmarks figures docs site lint lint-all lint-setup \
   format compile-time install package package-tar package-wheel package-test setup configure app all clean
 
 run: app
@@ -55,6 +56,14 @@ fuzz: setup
 	cmake --preset fuzz
 	cmake --build --preset fuzz -j $(JOBS)
 	tests/fuzz/run.sh build-fuzz $(SECONDS) '$(TARGETS)'
+
+# Tests of the solvers and of interval arithmetic on arm64: compiled for it here, run by qemu.
+arm64: setup
+	cmake/setup.sh arm64
+	cmake/arm64_sysroot.sh build-arm64/sysroot
+	cmake --preset arm64
+	cmake --build --preset arm64 -j $(JOBS)
+	qemu-aarch64 -L build-arm64/sysroot build-arm64/tests/poise_solvers_tests --gtest_brief=1
 
 bench: benchmarks
 	$(BUILD)/benchmarks/poise_ratios
@@ -148,6 +157,7 @@ setup:
 	cmake/setup.sh
 
 configure: setup
+	$(if $(filter clang,$(PRESET)),cmake/setup.sh clang)
 	cmake --preset $(PRESET)
 
 app: configure
@@ -165,4 +175,4 @@ compile-time:
 	cmake/compile_time.sh $(BUILD)
 
 clean:
-	rm -rf build build-daily build-debug build-lint build-fuzz build-python
+	rm -rf build build-daily build-debug build-lint build-fuzz build-clang build-arm64 build-python

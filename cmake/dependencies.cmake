@@ -5,6 +5,8 @@
 # Those of `make site`: # apt site: mkdocs mkdocs-material python3-pymdownx libjs-katex nodejs doxygen
 # Those of `make fuzz`: # apt fuzz: clang libclang-rt-14-dev
 # Those of `make package` and `make package-test`: # apt package: dpkg-dev file lintian debootstrap
+# Those of PRESET=clang: # apt clang: clang
+# Those of `make arm64`: # apt arm64: g++-aarch64-linux-gnu qemu-user
 
 find_package(PkgConfig REQUIRED)
 

@@ -4,6 +4,8 @@
 #   cmake/setup.sh lint        what `make lint` and `make format` need
 #   cmake/setup.sh fuzz        what `make fuzz` needs
 #   cmake/setup.sh package     what `make package` and `make package-test` need
+#   cmake/setup.sh clang       what PRESET=clang needs
+#   cmake/setup.sh arm64       what `make arm64` needs, but for its libraries (cmake/arm64_sysroot.sh)
 #   cmake/setup.sh baselines   programs that benchmarks compare Poise with, where they are installed
 #   cmake/setup.sh browser     the browser that tests of pages run in
 #   cmake/setup.sh site        what `make site` needs
