@@ -106,8 +106,8 @@ NonlinearProgramResult nonlinear_program(const ProgramFunction& function, const 
   search.below = first.below.size();
   search.equal = first.equal.size();
   search.best.value = first.value;
-  using Handle = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
-  const Handle handle(nlopt_create(algorithm_of(options.method), n), nlopt_destroy);
+  using OwnedOpt = std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)>;
+  const OwnedOpt handle(nlopt_create(algorithm_of(options.method), n), nlopt_destroy);
   search.handle = handle.get();
   nlopt_set_min_objective(handle.get(), objective_of_program, &search);
   nlopt_set_lower_bounds(handle.get(), lower.data());
@@ -126,9 +126,9 @@ NonlinearProgramResult nonlinear_program(const ProgramFunction& function, const 
   nlopt_set_xtol_rel(handle.get(), options.step_tolerance);
   const std::vector<double> least(n, options.step_tolerance);
   nlopt_set_xtol_abs(handle.get(), least.data());
-  Handle local(nullptr, nlopt_destroy);
+  OwnedOpt local(nullptr, nlopt_destroy);
   if (options.method == ProgramMethod::auglag) {
-    local = Handle(nlopt_create(NLOPT_LD_LBFGS, n), nlopt_destroy);
+    local = OwnedOpt(nlopt_create(NLOPT_LD_LBFGS, n), nlopt_destroy);
     nlopt_set_xtol_rel(local.get(), options.step_tolerance);
     nlopt_set_local_optimizer(handle.get(), local.get());
   }
