@@ -1,6 +1,8 @@
 #include "solvers/linear_program.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace poise::solvers {
@@ -10,8 +12,9 @@ using Real = long double;
 using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
-constexpr Real pivot_rounding = 1e-14L;  // of coefficients of order one, in long double after some hundred pivots
-constexpr Real no_slope = 1e-10L;        // of an objective along a ray
+// Of coefficients of order one after some hundred pivots: more where long double is no longer than double.
+constexpr Real pivot_rounding = std::max(1e-14L, 9e4L * std::numeric_limits<Real>::epsilon());
+constexpr Real no_slope = 1e-10L;  // of an objective along a ray
 constexpr int most_pivots = 5000;
 constexpr int steps_before_bland = 200;
 
