@@ -35,8 +35,8 @@ std::string brief(const Option& option, const std::string& choice = "") {
   return text.size() > most ? text.substr(0, text.rfind(' ', most)) + " ..." : text;
 }
 
-/// Puts a backslash before these characters.
-std::string escaped(std::string_view text, std::string_view characters) {
+/// A text with a backslash before these characters.
+std::string with_backslashes(std::string_view text, std::string_view characters) {
   std::string out;
   for (const char c : text) {
     if (characters.find(c) != std::string_view::npos) out += '\\';
@@ -132,13 +132,13 @@ std::string zsh_quoted(const std::string& text) {
 }
 
 /// A text within a specification of _arguments.
-std::string zsh_text(const std::string& text) { return zsh_quoted(escaped(text, "\\[]:")); }
+std::string zsh_text(const std::string& text) { return zsh_quoted(with_backslashes(text, "\\[]:")); }
 
 /// The choices of an option, each with what it does: (settle\:"..." any\:"...").
 std::string zsh_choices(const Option& option) {
   std::string out;
   for (const std::string& choice : option.choices) {
-    const std::string what = zsh_quoted(escaped(brief(option, choice), "\\:\"$`"));
+    const std::string what = zsh_quoted(with_backslashes(brief(option, choice), "\\:\"$`"));
     out += fmt::format("{}{}\\:\"{}\"", out.empty() ? "" : " ", choice, what);
   }
   return "(" + out + ")";
@@ -211,7 +211,7 @@ fi
                      names, fmt::join(completed_shells(), " "), cases);
 }
 
-std::string fish_text(const std::string& text) { return "'" + escaped(text, "\\'") + "'"; }
+std::string fish_text(const std::string& text) { return "'" + with_backslashes(text, "\\'") + "'"; }
 
 /// The choices of an option, each with a tab and what it does.
 std::string fish_choices(const Option& option) {
