@@ -35,7 +35,8 @@ class Page:
 PAGES = [
     Page("scenes", "Scenes", "Read a scene, change its numbers, and find an equilibrium. A scene has its "
          "[commands](commands.md), [many variants](many.md) and [equations](equations.md) as methods too.",
-         ["_scene.load", "_scene.Scene", "_view.View"]),
+         ["_scene.load", "_examples.example", "_examples.examples", "_examples.example_path", "_scene.Scene",
+          "_view.View"]),
     Page("results", "Results", "What calls return. A result never changes, is true where what was asked for is found "
          "and confirmed, and has its numbers by name.",
          ["_rest.Rest", "_rest.Why", "_rest.Family", "_rest.Points", "_found.Found", "_found.Columned", "_found.Curve",
