@@ -11,7 +11,6 @@ import base64
 import html
 import os
 import re
-import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -24,16 +23,8 @@ SOURCE = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "tests" / "python"))
 import page as form  # noqa: E402: the form of these pages, as tests/python/test_docs.py checks them
 
-#: Pages of docs/, and their names in the navigation.
-TUTORIALS = {
-    "python-clamp": "In Python: a toggle clamp",
-    "python-rig": "In Python: the parameters of a rig",
-    "python-lift": "In Python: identifying a lift",
-    "python-bistable": "In Python: designing a bistable switch",
-}
 DOWNLOAD = (
-    '<a href="notebooks/{name}.ipynb" download>Download this page as a notebook.</a> It runs where Poise is installed, '
-    "in a folder that has Poise's folder `datasets`.")
+    '<a href="notebooks/{name}.ipynb" download>Download this page as a notebook.</a> It runs where Poise is installed.')
 
 
 def parts_of(text: str, cells: list[form.Cell]) -> Iterator[str | form.Cell]:
@@ -82,10 +73,9 @@ def notebook_of(parts: list[str | form.Cell]) -> Any:
 
 
 def execute(notebook: Any, module: Path) -> None:
-    """Runs all cells with the module in a folder that has a copy of datasets/."""
+    """Runs all cells with the module, in an empty folder."""
     os.environ.update({"PYTHONPATH": str(module), "PYDEVD_DISABLE_FILE_VALIDATION": "1"})
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(SOURCE / "datasets", Path(folder) / "datasets")
         ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
 
 
@@ -146,15 +136,16 @@ def executed_page(name: str, parts: list[str | form.Cell], notebook: Any, folder
 def write_pages(pages: Path, build: Path) -> list[Any]:
     folder = pages / "notebooks"
     folder.mkdir(parents=True, exist_ok=True)
-    for name in TUTORIALS:
-        source = SOURCE / "docs" / f"{name}.md"
+    tutorials = sorted((SOURCE / "docs").glob("python-*.md"))
+    for source in tutorials:
+        name = source.stem
         parts = list(parts_of(source.read_text(), form.cells_of(source)))
         notebook = notebook_of(parts)
         execute(notebook, build / "python")
         nbformat.write(notebook, folder / f"{name}.ipynb")
         (pages / f"{name}.md").write_text(executed_page(name, parts, notebook, folder))
-    print(f"Notebooks: {len(TUTORIALS)}")
-    return [{title: f"{name}.md"} for name, title in TUTORIALS.items()]
+    print(f"Notebooks: {len(tutorials)}")
+    return []  # docs/site/contents.yml names the pages, which are there in the quick form of the site too
 
 
 if __name__ == "__main__":
