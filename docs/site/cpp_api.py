@@ -247,12 +247,13 @@ def page_of(header: str) -> str:
     return f"cpp/{header.rpartition('/')[0].replace('/', '-')}.md"
 
 
-def table_after(page: Path, heading: str) -> list[list[str]]:
-    """The rows of all tables of a section."""
-    section = re.search(rf"^## {heading}\n(.*?)(?=^## |\Z)", page.read_text(), re.M | re.S)
-    assert section is not None
-    rows = re.findall(r"^\| (.*) \|$", section.group(1), re.M)
-    return [row.split(" | ") for row in rows if not row.startswith("---")]
+def tasks_of_library() -> list[list[str]]:
+    """Tasks, functions and headers: the rows of the table of docs/library.md that has these columns."""
+    page = (SOURCE / "docs" / "library.md").read_text()
+    table = re.search(r"^\| task \| functions \| header \|\n\| ---.*\n((?:\|.*\n)+)", page, re.M)
+    if table is None:
+        raise SystemExit("docs/library.md: expected a table with the columns task, functions and header")
+    return [row.strip("| ").split(" | ") for row in table.group(1).splitlines()]
 
 
 class Reference:
@@ -398,7 +399,7 @@ class Reference:
             ["the same of a compiled scene, by indices", "`StaticModel`, `solve`",
              "`<poise/statics/model/static_model.hpp>`, `<poise/statics/equilibrium/equilibrium.hpp>`"],
         ]
-        tasks += table_after(SOURCE / "docs" / "library.md", "Motion and identification")[1:]
+        tasks += tasks_of_library()
         table = ["| task | functions and types | header |", "| --- | --- | --- |"]
         for task, names, files in tasks:
             headers: list[str] = re.findall(r"<poise/(.*?)>", files)
