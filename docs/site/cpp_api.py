@@ -178,8 +178,9 @@ def read_declarations(xml: Path) -> list[Declaration]:
                 continue
             made = declared(compound, kind, name)
             made.inside += members_of(compound)
-            (private.add if compound.get("prot") == "private" else lambda _: None)(made.name)
             types[made.name] = made
+            if compound.get("prot") == "private":
+                private.add(made.name)
     for name, made in types.items():
         scopes = [name.rsplit("::", depth)[0] for depth in range(name.count("::") + 1)]
         if not private.intersection(scopes):
@@ -378,8 +379,8 @@ class Reference:
         for header in self.headers[folder]:
             name = Path(header).name
             groups = groups_of(self.by_file[header], self.lines[header])
-            declared = dict.fromkeys(one.name for group in groups for one in group.of if "operator" not in one.name)
-            rows.append(f"| [{name}](#{name}) | {', '.join(map(plain_text.code, declared))} |")
+            names = dict.fromkeys(one.name for group in groups for one in group.of if "operator" not in one.name)
+            rows.append(f"| [{name}](#{name}) | {', '.join(map(plain_text.code, names))} |")
             sections += [f"## {plain_text.escape(name)} {{#{name}}}", f"`#include <poise/{header}>`",
                          plain_text.markdown(self.opening(header), self.link)]
             if not groups:
