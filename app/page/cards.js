@@ -1,61 +1,51 @@
-// Cards: every frame of a drawing in a grid, with its caption; one of them enlarged in a dialog.
+// Cards: every frame of a drawing in a grid, with its caption; enlarged in a dialog, where they are played one after the
+// other.
 
 import {button, element} from './dom.js';
 import {drawingView, Picture, showCaption} from './figure.js';
+import {Player} from './player.js';
 
-class EnlargedCard {
+// How long each card is shown while they are played, s.
+const seconds_of_card = 0.8;
+
+class EnlargedCards {
   constructor(drawing, palette) {
-    this.drawing = drawing;
-    this.view = drawingView(drawing, palette);
-    this.place = element('span', {class: 'place'});
-    const close = button('Close', () => this.dialog.close());
+    const view = drawingView(drawing, palette);
+    const values = drawing.frames.map((_, k) => k + 1);
+    this.stage = view.stage;
     this.dialog = element(
       'dialog',
-      {class: 'enlarged', 'aria-label': 'Enlarged card', keydown: (event) => this.key(event)},
-      element(
-        'div',
-        {class: 'dialog-top'},
-        button('Previous', () => this.show(this.k - 1)),
-        this.place,
-        button('Next', () => this.show(this.k + 1)),
-        close
-      ),
-      this.view.element
+      {class: 'enlarged', 'aria-label': 'Enlarged cards'},
+      element('div', {class: 'dialog-top'}, button('Close', () => this.dialog.close())),
+      view.element
     );
+    this.player = new Player(
+      view,
+      {label: '', unit: `of ${values.length}`, values, seconds: seconds_of_card * values.length},
+      () => {}
+    );
+    this.player.listenIn(this.dialog);
+    this.dialog.addEventListener('close', () => this.player.setPlaying(false));
     this.dialog.addEventListener('click', (event) => {
       if (event.target === this.dialog) this.dialog.close();
     });
     document.body.append(this.dialog);
   }
 
-  open(k) {
-    this.show(k);
+  open(k, playing) {
+    this.player.step(k);
     this.dialog.showModal();
-    this.view.stage.focus();
-  }
-
-  show(k) {
-    const count = this.drawing.frames.length;
-    this.k = (k + count) % count;
-    this.view.frame(this.k);
-    this.place.textContent = `${this.k + 1} of ${count}`;
-  }
-
-  key(event) {
-    if (event.target.closest('.menu')) return;
-    if (event.key === 'ArrowLeft') this.show(this.k - 1);
-    else if (event.key === 'ArrowRight') this.show(this.k + 1);
-    else return;
-    event.preventDefault();
+    this.stage.focus();
+    this.player.setPlaying(playing);
   }
 }
 
 /// All frames of a drawing as cards.
 export function cardsView(drawing, palette) {
   let enlarged = null;
-  const open = (k) => {
-    enlarged ??= new EnlargedCard(drawing, palette);
-    enlarged.open(k);
+  const open = (k, playing = false) => {
+    enlarged ??= new EnlargedCards(drawing, palette);
+    enlarged.open(k, playing);
   };
   const card = (_, k) => {
     const stage = element('div', {class: 'stage'});
@@ -66,5 +56,14 @@ export function cardsView(drawing, palette) {
     face.append(caption);
     return element('li', {}, face);
   };
-  return element('ul', {class: 'cards'}, ...drawing.frames.map(card));
+  return element(
+    'div',
+    {},
+    element(
+      'p',
+      {class: 'card-tools'},
+      button('One after the other', () => open(0, true))
+    ),
+    element('ul', {class: 'cards'}, ...drawing.frames.map(card))
+  );
 }

@@ -211,16 +211,22 @@ async function checkCharts() {
 
 async function checkCards() {
   const page = await open('cards');
+  const place = () => page.locator('dialog .value').textContent();
   await page.locator('.card').nth(7).focus();
   await page.keyboard.press('Enter');
-  expect('enlarged', (await page.locator('dialog .place').textContent()) === '8 of 12');
+  expect('enlarged', (await place()) === '8 of 12', await place());
   await page.waitForTimeout(100);
   await page.screenshot({path: `${shots}/enlarged.png`});
   await page.keyboard.press('ArrowRight');
-  expect('the next one', (await page.locator('dialog .place').textContent()) === '9 of 12');
+  expect('the next one', (await place()) === '9 of 12', await place());
   await page.keyboard.press('Escape');
   expect('closed', !(await page.locator('dialog').isVisible()));
   expect('focus returns', (await page.evaluate(() => document.activeElement.className)) === 'card');
+  await page.getByRole('button', {name: 'One after the other'}).click();
+  expect('from the first one on', (await place()) === '1 of 12', await place());
+  await page.waitForTimeout(2000);
+  expect('one after the other', ['2 of 12', '3 of 12'].includes(await place()), await place());
+  await page.keyboard.press('Escape');
   await page.context().close();
 }
 
