@@ -18,7 +18,7 @@ DOCS = pathlib.Path(__file__).resolve().parents[1]
 #: The pages of docs/ that show what a command does, the first at length.
 GUIDES = {
     "check": ["scene-files", "tutorial"],
-    "solve": ["tutorial", "method", "certificate"],
+    "solve": ["tutorial", "method"],
     "equilibria": ["equilibria"],
     "hold": ["friction"],
     "view": ["view"],

@@ -49,7 +49,7 @@ FEATURES: list[tuple[str, str, Callable[[dict[str, Any]], bool]]] = [
     ("expressions", "scene-files.md#expressions", lambda d: "numbers" in d),
     ("design files", "design-files.md", lambda d: "variables" in d),
     ("synthesis of four-bars", "synthesis.md", lambda d: d.get("synthesis", {}).get("kind") in ("poses", "function")),
-    ("linkages through points", "path-synthesis.md", lambda d: d.get("synthesis", {}).get("kind") == "path"),
+    ("linkages through points", "path-synthesis.md", lambda d: bool(d.get("synthesis", {}).get("kind") == "path")),
     ("balance", "balance.md", lambda d: "balance" in d),
     ("experiment files", "experiment-files.md", lambda d: "sensor" in d),
     ("planning runs", "planning.md", lambda d: "plan" in d),

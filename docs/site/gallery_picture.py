@@ -106,7 +106,7 @@ def figure_that_plays(document: dict[str, Any]) -> dict[str, Any] | None:
         elif figure["kind"] == "drawing" and figure["play"]:
             layers = [layer for layer, _ in figure["drawing"]["slots"]]
             moved = {layers[slot] for changes in figure["drawing"]["frames"][1:] for slot in changes[::2]}
-            if moved & {*MOVING, "joints", "stops"}:
+            if moved & {*MOVING, "joints", "stops", "diagrams"}:
                 return dict(figure)
     return cards
 

@@ -49,7 +49,7 @@ class Reports:
     """The reports of command lines that are run one after the other, in a folder that is kept."""
 
     def __init__(self, program: pathlib.Path, kept: pathlib.Path) -> None:
-        self.program = program
+        self.program = program.resolve()
         self.kept = kept
         self.seal = hashlib.sha256(program.read_bytes()).hexdigest()
         kept.mkdir(parents=True, exist_ok=True)
