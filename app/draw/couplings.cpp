@@ -43,11 +43,19 @@ Wheels wheels_of(const Stage& stage, const Stop& stop) {
 constexpr double line_width = 1.3;
 constexpr std::string_view pitch_line = "7 2 2 2";  // the dash of pitch circles in engineering drawings
 
+/// The pitch circle of a wheel, with a radius that turns with it; the ground's does not.
+void draw_wheel(Stage& stage, Vec2 centre, double radius, int body) {
+  stage.canvas.circle(centre, radius, {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
+  if (body == 0) return;
+  const double angle = stage.now.poses[static_cast<std::size_t>(body)].angle;
+  stage.canvas.line(centre, centre + radius * Stage::page_direction(unit(angle)),
+                    {.stroke = ink::free_stop, .width = line_width});
+}
+
 void draw_wheels(Stage& stage, const Stop& stop) {
   const Wheels wheels = wheels_of(stage, stop);
-  const Paint paint{.stroke = ink::free_stop, .width = line_width, .dash = pitch_line};
-  stage.canvas.circle(wheels.a, wheels.radius_a, paint);
-  stage.canvas.circle(wheels.b, wheels.radius_b, paint);
+  draw_wheel(stage, wheels.a, wheels.radius_a, stop.on.terms[1].measure.body_b);
+  draw_wheel(stage, wheels.b, wheels.radius_b, stop.on.terms[0].measure.body_b);
   const Vec2 line = wheels.b - wheels.a;
   const double apart = norm(line);
   if (stop.table != "belt" || apart < 4.0) return;
@@ -71,7 +79,7 @@ void draw_rack(Stage& stage, const Stop& stop) {
   const Vec2 beside = quarter_turn(along);
   const double side = dot(stage.page(slide.b) - pivot, beside) < 0.0 ? -1.0 : 1.0;
   const Vec2 contact = pivot + (side * radius) * beside;
-  stage.canvas.circle(pivot, radius, {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
+  draw_wheel(stage, pivot, radius, pinion.body_b);
   stage.canvas.line(contact - (1.5 * radius + 8.0) * along, contact + (1.5 * radius + 8.0) * along,
                     {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
 }
