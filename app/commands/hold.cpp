@@ -8,10 +8,9 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
-#include "app/draw/mechanism.hpp"
+#include "app/draw/hold_pictures.hpp"
 #include "app/results/parts.hpp"
 #include "model/parameters.hpp"
-#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -59,27 +58,6 @@ std::optional<PoseToHold> pose_of(const StaticModel& model, const HoldRequest& r
   return PoseToHold{answer.equilibrium.x, radius_of(answer.equilibrium)};
 }
 
-/// The mechanism in that pose, with a mark where something slips first: in the middle of the two bodies' points of a
-/// [[friction]] on a distance, at the centre of a pulley, at a joint's second point.
-std::string picture_of_hold(const StaticModel& model, const std::vector<double>& x, const HeldPose& pose,
-                            const std::string& heading, bool decided) {
-  const Scene& scene = model.scene();
-  MechanismPicture out{.poses = model.poses(x), .heading = heading, .confirmed = decided};
-  const std::vector<Rubbing> all = rubbing(scene);
-  for (const Slip& slip : pose.slips) {
-    const Rubbing& one = all[slip.of];
-    if (one.joint >= 0 || one.rope >= 0) {
-      const PointRef at = one.joint >= 0 ? scene.joints[static_cast<std::size_t>(one.joint)].b
-                                         : one.on.contacts[static_cast<std::size_t>(one.contact)].at;
-      out.slipping.push_back(out.poses[static_cast<std::size_t>(at.body)].world(scene.local(at)));
-      continue;
-    }
-    const std::vector<UnitEffort> efforts = unit_efforts(scene, one.on, out.poses);
-    if (!efforts.empty()) out.slipping.push_back(0.5 * (efforts.front().a + efforts.front().b));
-  }
-  return draw_mechanism(scene, out);
-}
-
 int run_hold(const HoldRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
@@ -114,7 +92,11 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   const Result result = hold_result(model, x, pose, view, request.common.settings);
   const bool decided = pose.verdict != Holding::not_decided && pose.proved && (!view.range || view.range->why.empty());
   Pictures pictures;
-  if (files.wants_svg()) pictures.svg = picture_of_hold(model, x, pose, result.verdict.text, decided);
+  if (files.wants_svg()) pictures.svg = hold_picture(model, x, pose, result.verdict.text, decided);
+  if (files.wants_html()) {
+    pictures.figures = {view.range ? hold_figure(model, x, *view.range, view.number, result.verdict.text, decided)
+                                   : hold_figure(model, x, pose, result.verdict.text, decided)};
+  }
   return finish(request.common, result, &files, pictures, decided, progress, palette);
 }
 
