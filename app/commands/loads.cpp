@@ -101,7 +101,8 @@ int run_over_range(const LoadsRequest& request, const Palette& palette) {
   Pictures pictures;
   const std::vector<Panel> panels = answer.loads.empty() ? std::vector<Panel>{} : loads_along_panels(varied, answer);
   if (files.wants_svg() && !panels.empty()) pictures.svg = draw_plot(panels);
-  if (files.wants_html()) pictures.figures = chart_figures("Loads over " + varied.name(), panels);
+  if (files.wants_html() && !answer.loads.empty())
+    pictures.figures = {loads_figure(varied, answer, panels, is_complete(answer))};
   const bool interrupted = answer.found.status == Path::Status::interrupted;
   return finish(request.common, result, interrupted ? nullptr : &files, pictures, is_complete(answer), progress,
                 palette);

@@ -35,11 +35,16 @@ void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
 
 }  // namespace
 
-void draw_diagrams(Stage& stage) {
+double largest_of(const std::vector<Diagram>& diagrams) {
   double largest = 0.0;
-  for (const Diagram& diagram : stage.picture.diagrams) {
+  for (const Diagram& diagram : diagrams) {
     for (const double value : diagram.value) largest = std::max(largest, std::abs(value));
   }
+  return largest;
+}
+
+void draw_diagrams(Stage& stage) {
+  const double largest = stage.picture.largest_diagram.value_or(largest_of(stage.picture.diagrams));
   if (largest == 0.0) return;
   stage.canvas.open("diagrams");
   for (const Diagram& diagram : stage.picture.diagrams) draw_diagram(stage, diagram, largest);

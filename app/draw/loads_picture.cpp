@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <list>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/draw/followed.hpp"
 #include "app/draw/frames.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/result/numbers.hpp"
@@ -82,9 +84,28 @@ struct Titled {
   MechanismPicture picture;
 };
 
-std::vector<Titled> pictures_of(const Poses& poses, const std::vector<LinkLoads>& all) {
+/// Those that are known.
+std::vector<LinkLoads> known(const std::vector<LinkLoads>& all) {
   std::vector<LinkLoads> links;
   std::copy_if(all.begin(), all.end(), std::back_inserter(links), [](const LinkLoads& l) { return l.why.empty(); });
+  return links;
+}
+
+/// What shows most of links over a range: how they bend, or, where none does, how they are pulled.
+const Drawn& told_of(const std::vector<LoadsAt>& loads) {
+  constexpr double negligible = 1e-9;
+  double force = 0.0, moment = 0.0;
+  for (const LoadsAt& here : loads) {
+    for (const LinkLoads& link : here.links) {
+      force = std::max(force, std::abs(link.normal.value) * link.length);
+      moment = std::max(moment, std::abs(link.moment.value));
+    }
+  }
+  return moment > negligible * force ? drawn_quantities[2] : drawn_quantities[0];
+}
+
+std::vector<Titled> pictures_of(const Poses& poses, const std::vector<LinkLoads>& all) {
+  const std::vector<LinkLoads> links = known(all);
   std::vector<Titled> out;
   for (const Drawn& drawn : drawn_quantities) {
     out.push_back({drawn.title, picture_of_quantity(poses, links, drawn)});
@@ -123,6 +144,39 @@ Figure loads_figure(const Scene& scene, const Poses& poses, const std::vector<Li
           .drawing = draw_frames(std::move(positions),
                                  "Normal force, shear force, bending moment and deflection of the "
                                  "links, drawn on the mechanism")};
+}
+
+Figure loads_figure(const VariedScene& varied, const LoadsAlong& answer, std::vector<Panel> panels, bool confirmed) {
+  const Drawn& told = told_of(answer.loads);
+  const std::string unit = varied.unit_name().empty() ? "" : " " + varied.unit_name();
+  Play play{.label = varied.name(), .unit = varied.unit_name()};
+  std::list<Scene> scenes;
+  std::vector<Position> positions;
+  double largest = 0.0;
+  bool has_diagrams = false;
+  for (const std::size_t k : evenly(answer.loads.size(), most_frames(varied.scene(), true))) {
+    const LoadsAt& here = answer.loads[k];
+    const Poses poses = varied.model_at(here.point.parameter)->poses(here.point.x);
+    const double value = here.point.parameter / varied.unit();
+    scenes.push_back(varied.is_driven() ? varied.scene() : varied.scene_at(here.point.parameter));
+    Position& position = positions.emplace_back(Position{.scene = &scenes.back()});
+    if (here.links.empty()) {
+      position.picture = {.poses = poses, .reactions = here.check.reactions};
+    } else {
+      position.picture = picture_of_quantity(poses, known(here.links), told);
+      has_diagrams = true;
+    }
+    position.picture.heading = fmt::format("{} = {}{}", varied.name(), significant(value, 4), unit);
+    position.picture.confirmed = confirmed;
+    largest = std::max(largest, largest_of(position.picture.diagrams));
+    play.values.push_back(value);
+  }
+  for (Position& position : positions) position.picture.largest_diagram = largest;
+  Figure figure{.title = fmt::format("{} over {}", has_diagrams ? told.title : "Forces", varied.name())};
+  figure.charts.panels = std::move(panels);
+  figure.charts.cursors.assign(figure.charts.panels.size(), {.x = play.values});
+  animate(figure, std::move(positions), std::move(play), "The mechanism with its loads over the range", {});
+  return figure;
 }
 
 }  // namespace poise::app

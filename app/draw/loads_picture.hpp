@@ -6,6 +6,7 @@
 #include "app/draw/figure.hpp"
 #include "app/draw/mechanism.hpp"
 #include "statics/equilibrium/link_loads.hpp"
+#include "statics/paths/loads_along.hpp"
 
 namespace poise::app {
 
@@ -16,5 +17,9 @@ std::string loads_picture(const Scene& scene, const Poses& poses, const std::vec
 
 /// The same pictures side by side.
 Figure loads_figure(const Scene& scene, const Poses& poses, const std::vector<LinkLoads>& links, bool confirmed);
+
+/// Over the range of a number, of which there are loads, with `panels` over it: the bending moment of the links, where
+/// none bends the normal force, drawn on the mechanism; of scenes without links the forces of the joints.
+Figure loads_figure(const VariedScene& varied, const LoadsAlong& answer, std::vector<Panel> panels, bool confirmed);
 
 }  // namespace poise::app

@@ -38,6 +38,9 @@ struct Diagram {
   std::vector<double> value{};  ///< at each, SI
 };
 
+/// SI; 0 where there are no values.
+double largest_of(const std::vector<Diagram>& diagrams);
+
 /// What a picture shows of a mechanism beside its bodies, joints, springs, dampers and stops. All numbers are finite.
 struct MechanismPicture {
   Poses poses;            ///< the position drawn
@@ -54,6 +57,7 @@ struct MechanismPicture {
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
   std::vector<Diagram> diagrams{};
+  std::optional<double> largest_diagram{};  ///< SI: the value drawn farthest out; where absent, the largest of them
   /// Instant centres, m in the world, and what they are named: "crank, ground". Those far from the bodies are left out.
   std::vector<std::pair<Vec2, std::string>> centres{};
   std::vector<Vec2> slipping{};  ///< m in the world: where what slips first is marked
