@@ -32,7 +32,7 @@ masses, stiffnesses and damping from measured motions. Every equilibrium is
 proved in ball arithmetic.")
 poise_package(program poise science "equilibria and motions of planar mechanisms"
   "${about}\n.\nThis package contains the program, its documentation and example scenes."
-  SHLIBDEPS ON RECOMMENDS "gnuplot-nox | gnuplot" SUGGESTS "poise-mpi, python3-poise")
+  SHLIBDEPS ON SUGGESTS "gnuplot-nox, poise-mpi, python3-poise")
 if(TARGET poise_mpi)
   poise_package(mpi poise-mpi science "planar mechanisms - studies on many machines"
     "${about}\n.\nThis package lets poise montecarlo run under mpirun."
@@ -49,7 +49,7 @@ if(TARGET poise_python)
     "${about}\n.\nThis package contains the Python module, whose results are NumPy\narrays, and pictures in a notebook."
     SHLIBDEPS ON
     DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy (>= 1:1.22)"
-    RECOMMENDS "gnuplot-nox | gnuplot" SUGGESTS "poise, python3-matplotlib, python3-pandas"
+    SUGGESTS "gnuplot-nox, poise, python3-matplotlib, python3-pandas"
     CONTROL_EXTRA "${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/prerm")
 endif()
 include(CPack)

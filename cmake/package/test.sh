@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what `make package` has written in fresh roots of Debian, uses it there as its users would, and prints the
-# seconds from the packages on the disk to the first result. What they only recommend, gnuplot, is left out.
+# seconds from the packages on the disk to the first result.
 #   cmake/package/test.sh PACKAGES WORK [TEST]...
 # TEST is debian, program, mpi, python, library, archive or wheel; all without.
 # Needs root. The base of the roots and the packages that apt has fetched are kept in WORK, which makes later runs quick.
