@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <regex>
@@ -137,6 +138,77 @@ TEST(Html, TablesHaveAllRowsAsTextAndAsNumbers) {
 }
 
 // What text shows with --verbose is in the report, marked as such.
+TEST(Html, WhatFrictionHoldsIsPlayedBeyondItsRange) {
+  const TempFolder folder;
+  // A coefficient may not be negative; a rope over a drum has no load path.
+  for (const Words& words :
+       {Words{dataset("friction/drawer"), "--vary", "load.P"}, Words{dataset("friction/capstan"), "--vary", "load.P"},
+        Words{dataset("friction/wedge"), "--vary", "slide.floor.friction.coefficient"},
+        Words{dataset("friction/wedge"), "--vary", "loads"}}) {
+    Words line = {"hold"};
+    line.insert(line.end(), words.begin(), words.end());
+    const json page = document_of(page_of(folder, line));
+    const json& figure = page["figures"][0];
+    const json& range = page["result"]["range"];
+    const json& captions = figure["drawing"]["captions"];
+    const auto bound = [&](const char* end, double otherwise) {
+      return range[end]["without_end"].get<bool>() ? otherwise : range[end]["value"].get<double>();
+    };
+    const double low = bound("lower", -INFINITY), high = bound("upper", INFINITY);
+    std::size_t held = 0;
+    for (std::size_t k = 0; k < captions.size(); ++k) {
+      const double value = figure["play"]["values"][k];
+      // Values are written to six digits: an end itself is one of both.
+      if (std::min(std::abs(value - low), std::abs(value - high)) < 1e-5 * std::abs(value)) continue;
+      const bool is_held = value >= low && value <= high;
+      held += is_held ? 1 : 0;
+      EXPECT_EQ(captions[k].get<std::string>().ends_with(": held"), is_held) << captions[k] << words[0];
+    }
+    EXPECT_GT(held, 0U) << words[0];
+    const bool ends = !(range["lower"]["without_end"].get<bool>() && range["upper"]["without_end"].get<bool>());
+    EXPECT_EQ(held < captions.size(), ends) << words[0] << words[2];
+  }
+  const json still = document_of(page_of(folder, {"hold", dataset("friction/drawer")}));
+  EXPECT_EQ(still["figures"][0]["kind"], "drawing");
+  EXPECT_TRUE(still["figures"][0]["play"].is_null());
+}
+
+TEST(Html, LoadsOverARangeArePlayedInOneScale) {
+  const TempFolder folder;
+  const json page = document_of(
+      page_of(folder, {"loads", dataset("structures/three_hinged_portal"), "--vary", "loads=0..1", "--steps", "4"}));
+  const json& figure = page["figures"][0];
+  EXPECT_EQ(figure["title"], "Bending moment, on the stretched side over loads");
+  EXPECT_EQ(figure["play"]["values"], json({0.0, 0.25, 0.5, 0.75, 1.0}));
+  EXPECT_EQ(figure["charts"]["panels"].size(), 2U);
+  // The largest ordinate of a frame, px, grows with the loads.
+  const json& drawing = figure["drawing"];
+  std::vector<int> shown = drawing["frames"][0];
+  std::vector<double> largest;
+  for (std::size_t k = 0; k < drawing["frames"].size(); ++k) {
+    const json& changes = drawing["frames"][k];
+    for (std::size_t i = 0; k > 0 && i < changes.size(); i += 2) shown[changes[i]] = changes[i + 1];
+    largest.push_back(0.0);
+    for (std::size_t s = 0; s < shown.size(); ++s) {
+      if (drawing["slots"][s][0] != "diagrams" || shown[s] < 0) continue;
+      const json& shape = drawing["shapes"][static_cast<std::size_t>(shown[s])];
+      if (shape[0] != "line") continue;
+      largest.back() = std::max(largest.back(), std::hypot(shape[4].get<double>() - shape[2].get<double>(),
+                                                           shape[5].get<double>() - shape[3].get<double>()));
+    }
+  }
+  EXPECT_EQ(largest[0], 0.0);
+  for (std::size_t k = 1; k < 5; ++k) EXPECT_NEAR(largest[k] / largest[4], 0.25 * static_cast<double>(k), 0.02) << k;
+}
+
+TEST(Html, WheelsShowThatTheyTurn) {
+  const TempFolder folder;
+  const json page = document_of(page_of(folder, {"kinematics", dataset("hard/nearly_locked_gears"), "--set",
+                                                 "gear.train.ratio=0.5", "--drive", "wheel=0..6", "--steps", "4"}));
+  const json& frames = page["figures"][0]["drawing"]["frames"];
+  for (std::size_t k = 1; k < frames.size(); ++k) EXPECT_GE(frames[k].size(), 4U) << "both radii move";
+}
+
 TEST(Html, DetailsAreMarked) {
   const TempFolder folder;
   const json page = document_of(page_of(folder, {"modes", dataset("lift")}));
