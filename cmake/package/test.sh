@@ -66,7 +66,7 @@ fresh() {  # [FILE or NAME]...
 }
 
 install() {  # OPTION FILES
-  quietly inside "$test" 0:0 "cd /packages; apt-get install -y --no-install-recommends $1 $2"
+  quietly inside "$test" 0:0 "cd /packages; apt-get install -y $1 $2"
 }
 
 user() { quietly inside "$test" 1000:1000 "$1"; }
