@@ -42,9 +42,8 @@ std::optional<std::string> program(const std::vector<std::string>& names) {
 std::optional<std::string> chromium() { return program({"chromium", "chromium-browser", "google-chrome"}); }
 std::optional<std::string> chromedriver() { return program({"chromedriver"}); }
 
-/// The number behind `words` in what a program prints, read until it comes.
-int number_printed(int pipe, const std::string& words) {
-  std::string printed;
+/// The number behind `words` in what a program prints, read until it comes; none where the program ends before.
+std::optional<int> number_printed(int pipe, const std::string& words, std::string& printed) {
   std::array<char, 256> piece{};
   for (;;) {
     const std::size_t at = printed.find(words);
@@ -52,7 +51,7 @@ int number_printed(int pipe, const std::string& words) {
       return std::stoi(printed.substr(at + words.size()));
     }
     const ssize_t got = ::read(pipe, piece.data(), piece.size());
-    if (got <= 0) throw std::runtime_error("chromedriver did not start: " + printed);
+    if (got <= 0) return std::nullopt;
     printed.append(piece.data(), static_cast<std::size_t>(got));
   }
 }
@@ -90,6 +89,48 @@ std::string key_code(const std::string& name) {
 class Browser::Driver {
  public:
   Driver() {
+    // ChromeDriver takes a free port of IPv6 and ends where another program has that of IPv4, so that the next try
+    // helps.
+    constexpr int tries = 10;
+    std::optional<int> listens;
+    std::string printed;
+    for (int k = 0; k < tries && !listens; ++k) {
+      if (k > 0) end_process();
+      start_process();
+      listens = number_printed(output_, "successfully on port ", printed);
+    }
+    if (!listens) {
+      end_process();
+      throw std::runtime_error("chromedriver did not start: " + printed);
+    }
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", *listens);
+    client_->set_read_timeout(120);
+    // ChromeDriver sends an answer in two pieces, and holds back the second for 40 ms where the connection stays open.
+    client_->set_keep_alive(false);
+    std::string folder = (std::filesystem::temp_directory_path() / "poise_browser_XXXXXX").string();
+    if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no folder for the browser");
+    profile_ = folder;
+  }
+
+  ~Driver() {
+    if (!session.empty()) client_->Delete(("/session/" + session).c_str());
+    end_process();
+    std::error_code left;
+    std::filesystem::remove_all(profile_, left);
+  }
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+
+  json post(const std::string& path, const json& body) {
+    return value_of(client_->Post(path.c_str(), body.dump(), "application/json"));
+  }
+  json get(const std::string& path) { return value_of(client_->Get(path.c_str())); }
+  const std::string& profile() const { return profile_; }
+
+  std::string session;
+
+ private:
+  void start_process() {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
     posix_spawn_file_actions_t actions;
@@ -106,38 +147,16 @@ class Browser::Driver {
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     ::close(ends[1]);
-    if (error != 0) throw std::runtime_error("chromedriver cannot be started");
     output_ = ends[0];
-    const int listens = number_printed(output_, "successfully on port ");
-    client_ = std::make_unique<httplib::Client>("127.0.0.1", listens);
-    client_->set_read_timeout(120);
-    // ChromeDriver sends an answer in two pieces, and holds back the second for 40 ms where the connection stays open.
-    client_->set_keep_alive(false);
-    std::string folder = (std::filesystem::temp_directory_path() / "poise_browser_XXXXXX").string();
-    if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no folder for the browser");
-    profile_ = folder;
+    if (error != 0) throw std::runtime_error("chromedriver cannot be started");
   }
 
-  ~Driver() {
-    if (!session.empty()) client_->Delete(("/session/" + session).c_str());
+  void end_process() {
     ::kill(-process_, SIGTERM);
     ::waitpid(process_, nullptr, 0);
     ::close(output_);
-    std::error_code left;
-    std::filesystem::remove_all(profile_, left);
   }
-  Driver(const Driver&) = delete;
-  Driver& operator=(const Driver&) = delete;
 
-  json post(const std::string& path, const json& body) {
-    return value_of(client_->Post(path.c_str(), body.dump(), "application/json"));
-  }
-  json get(const std::string& path) { return value_of(client_->Get(path.c_str())); }
-  const std::string& profile() const { return profile_; }
-
-  std::string session;
-
- private:
   static json value_of(const httplib::Result& result) {
     if (!result) throw std::runtime_error("chromedriver does not answer");
     json value = json::parse(result->body).at("value");
