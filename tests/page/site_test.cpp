@@ -79,14 +79,15 @@ void expect_that_search_finds(const std::string& address) {
 TEST_F(Site, SearchFindsFromDisk) { expect_that_search_finds(from_disk("index.html")); }
 
 TEST_F(Site, SearchFindsWhereItIsServed) {
-  httplib::Server server;
-  server.set_keep_alive_timeout(1);  // a connection that stays open holds up stop()
+  // Serves until the program ends: connections that the browser keeps open hold up its stop(), and those that it closes
+  // while the browser is about to use them are errors there.
+  static httplib::Server& server = *new httplib::Server;
+  server.set_keep_alive_timeout(600);
+  server.set_file_extension_and_mimetype_mapping("json", "application/octet-stream");  // it would be compressed, slowly
   server.set_mount_point("/", folder_.string());
   const int port = server.bind_to_any_port("127.0.0.1");
-  std::thread serving([&] { server.listen_after_bind(); });
+  std::thread([] { server.listen_after_bind(); }).detach();
   expect_that_search_finds("http://127.0.0.1:" + std::to_string(port) + "/index.html");
-  server.stop();
-  serving.join();
 }
 
 /// No page scrolls sideways on a telephone; none asks for what is not in the folder; formulas are rendered.
