@@ -1,10 +1,10 @@
 #include "app/terminal/mpi_ranks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -19,18 +19,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether mpirun, or srun with MPI, has started this process.
+/// Whether mpirun, or srun with MPI, has started this process, and not this one alone.
 bool has_mpi_environment() {
-  // Of Open MPI, of PMIx (srun) and of MPICH.
-  constexpr std::array variables = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"};
-  return std::any_of(variables.begin(), variables.end(),
-                     [](const char* variable) { return std::getenv(variable) != nullptr; });
+  // Of Open MPI, of MPICH and of PMIx (srun), which does not say how many there are.
+  for (const char* size : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
+    if (const char* const ranks = std::getenv(size); ranks != nullptr) return std::string_view(ranks) != "1";
+  }
+  return std::getenv("PMIX_RANK") != nullptr || std::getenv("PMI_RANK") != nullptr;
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw InputError("mpirun: " + reason +
                    ", every rank would do the whole study; install poise-mpi, or build Poise with Open MPI "
-                   "(libopenmpi-dev), or use --shard i/N");
+                   "(libopenmpi-dev), or start parts of the study by --shard i/N without mpirun");
 }
 
 /// Beside the program in the build folder, or where it is installed.

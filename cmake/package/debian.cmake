@@ -49,7 +49,9 @@ if(TARGET poise_python)
     "${about}\n.\nThis package contains the Python module, whose results are NumPy\narrays, and pictures in a notebook."
     SHLIBDEPS ON
     DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy (>= 1:1.22)"
-    SUGGESTS "gnuplot-nox, poise, python3-matplotlib, python3-pandas"
-    CONTROL_EXTRA "${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/prerm")
+    SUGGESTS "gnuplot-nox, poise, python3-matplotlib, python3-pandas")
+  # A list, which the fields of poise_package() cannot be.
+  set(CPACK_DEBIAN_PYTHON_DEBIAN_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/prerm")
 endif()
 include(CPack)

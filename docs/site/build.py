@@ -82,14 +82,15 @@ def render_formulas(site: Path) -> None:
         path.write_text(text.replace("</head>", f"{link}</head>", 1), encoding="utf-8")
 
 
-def finish_search(site: Path, wishes: dict[str, dict[str, Any]]) -> None:
+def finish_search(site: Path, wishes: dict[str, dict[str, Any]], quick: bool) -> None:
     """The search knows words and weights of pages, leaves out copies of files, and is ready for theme/search.js."""
     file = site / "search/search_index.json"
     index = json.loads(file.read_text(encoding="utf-8"))
     index["docs"] = [entry for entry in index["docs"] if not entry["location"].startswith("files/")]
     places = {entry["location"]: entry for entry in index["docs"]}
     for page, words in wishes["words"].items():
-        places[page]["tags"] = words
+        if page in places or not quick:  # the quick form lacks pages of parts
+            places[page]["tags"] = words
     for place, entry in places.items():
         entry["boost"] = next((weight for name, weight in wishes["weights"].items() if place.startswith(name)), 1)
     text = json.dumps(index, separators=(",", ":"))
@@ -121,7 +122,7 @@ def main() -> None:
     except DeadLinks as error:
         sys.exit(f"dead links:\n{error}")
     run_mkdocs(site, nav)
-    finish_search(site / "html", contents["search"])
+    finish_search(site / "html", contents["search"], options.quick)
     render_formulas(site / "html")
     faults = check.faults(site / "html")
     if faults:

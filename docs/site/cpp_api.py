@@ -430,10 +430,10 @@ class Reference:
 def what_folders_contain() -> dict[str, str]:
     """From the tables of docs/architecture.md."""
     found = {}
-    for heading, rows in re.findall(r"^\| (folder|(?:wing|folder) of `\w+/`) \|.*\n\| ---.*\n((?:\|.*\n)+)",
+    for heading, rows in re.findall(r"^\| (folder|wing of `\w+/`) \|.*\n\| ---.*\n((?:\|.*\n)+)",
                                     (SOURCE / "docs" / "architecture.md").read_text(), re.M):
         parent = "" if heading == "folder" else heading.split("`")[1]
-        for row in re.findall(r"^\| `(\w+)/` \|(?:.* \|)? (.*) \|$", rows, re.M):
+        for row in re.findall(r"^\| `([\w/]+)/` \|.* \| (.*) \|$", rows, re.M):
             words = re.sub(r"\[(.*?)\]\(.*?\)", r"docs/\1", row[1])
             found[parent + row[0]] = words[0].upper() + words[1:]
     return found

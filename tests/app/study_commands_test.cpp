@@ -209,6 +209,10 @@ TEST(StudyCommands, WithoutMpiRanksAreRefused) {
   EXPECT_EQ(run_and_wait(words, out), 2);
   EXPECT_TRUE(has(contents(out), "mpirun: cannot load MPI (" + module + ": ")) << contents(out);
   EXPECT_TRUE(has(contents(out), "every rank would do the whole study")) << contents(out);
+  // A rank that is alone needs no other.
+  const Words alone = {
+      "/usr/bin/env", "OMPI_COMM_WORLD_SIZE=1", program, "montecarlo", dataset("lift_experiment"), "--trials", "2"};
+  EXPECT_EQ(run_and_wait(alone, out), 0) << contents(out);
 }
 
 }  // namespace

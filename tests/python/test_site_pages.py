@@ -137,7 +137,8 @@ def test_every_command_has_a_page(tmp_path):
         plain = re.sub(r"\\(.)", r"\1", page)
         assert all(word in plain or "docs/" in word or word.endswith(":") for word in words)
         for guide in commands.GUIDES[entry["name"]]:
-            assert f"poise {entry['name']}" in (ROOT / "docs" / f"{guide}.md").read_text(), guide
+            words = " ".join((ROOT / "docs" / f"{guide}.md").read_text().split())
+            assert f"poise {entry['name']}" in words, guide
 
 
 def test_the_index_of_commands(tmp_path):
