@@ -103,9 +103,7 @@ int run_over_range(const LoadsRequest& request, const Palette& palette) {
   if (files.wants_svg() && !panels.empty()) pictures.svg = draw_plot(panels);
   if (files.wants_html() && !answer.loads.empty())
     pictures.figures = {loads_figure(varied, answer, panels, is_complete(answer))};
-  const bool interrupted = answer.found.status == Path::Status::interrupted;
-  return finish(request.common, result, interrupted ? nullptr : &files, pictures, is_complete(answer), progress,
-                palette);
+  return finish(request.common, result, &files, pictures, is_complete(answer), progress, palette);
 }
 
 int run_loads(const LoadsRequest& request, const Palette& palette) {

@@ -69,7 +69,7 @@ STYLE = """<style>
 .cards-of-gallery span { margin: .1rem .5rem .5rem; font-size: .62rem; opacity: .8; }
 </style>
 """
-FRAME = '<iframe src="{}" title="{}" loading="lazy" style="width:100%;height:820px;border:1px solid #8886"></iframe>'
+FRAME = '<iframe src="{}" class="report" title="{}" loading="lazy"></iframe>'
 #: Within a page of the gallery, which has its title and its command line, a report shows its player at once.
 FRAMED = """<style>
 .framed .page-header, .framed footer { display: none; }

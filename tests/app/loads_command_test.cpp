@@ -68,6 +68,13 @@ TEST(LoadsCommand, OverARangeHasTheLoadsOfItsEquilibria) {
   }
 }
 
+TEST(LoadsCommand, OverARangeSaysWhereItSnaps) {
+  const ProgramRun outcome = run_poise({"loads", dataset("toggle_clamp"), "--vary", "load.P=0..60"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("At load.P = 37.09"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("the mechanism snaps"), std::string::npos) << outcome.out;
+}
+
 TEST(LoadsCommand, OverARangeNeedsNoLinks) {
   const json found = loads_of(dataset("toggle_press"), 0, {"--vary", "angle.crank=110..130", "--steps", "4"});
   EXPECT_EQ(found["parameter"]["driven"], "angle of crank in the world");

@@ -185,6 +185,15 @@ void add_equilibria_loads(Group& content, const VariedScene& varied, const std::
   for (const LoadSeries& one : links) add("link", one);
 }
 
+/// The loads before and behind a snap are those of two poses that no equilibria connect.
+std::string snap_in_words(const VariedScene& varied, const PathEvent& event) {
+  const std::string unit = varied.unit_name().empty() ? "" : " " + varied.unit_name();
+  return fmt::format("At {} = {}{} {}", varied.name(), significant(event.at.parameter / varied.unit(), force_digits),
+                     unit,
+                     event.landing ? "the mechanism snaps; the loads behind are those of where it lands."
+                                   : "it loses its stability, and comes to rest nowhere.");
+}
+
 Line verdict_over_range(const VariedScene& varied, const LoadsAlong& answer) {
   const std::string unit = varied.unit_name().empty() ? "" : " " + varied.unit_name();
   const auto shown = [&](double si) { return significant(si / varied.unit(), force_digits); };
@@ -226,6 +235,9 @@ Result loads_along_result(const VariedScene& varied, const LoadsAlong& answer,
   Result out = scene_result(varied.scene(), settings);
   out.verdict = verdict_over_range(varied, answer);
   for (const std::string& note : answer.found.notes) out.warnings.push_back(doubtful(note));
+  for (const PathEvent& event : answer.found.events) {
+    if (event.kind == PathEvent::Kind::snap) out.warnings.push_back(doubtful(snap_in_words(varied, event)));
+  }
   Group& content = out.content;
   content.data("stress_unit", stress_unit(varied.scene().units));
   content.data("status", to_string(answer.found.status));
