@@ -14,15 +14,16 @@ inline void wait_where_python_ends() {
 /// While it lives this thread does not hold the lock of the interpreter.
 class WithoutLock {
  public:
-  WithoutLock() : state_(PyEval_SaveThread()) {}
+  WithoutLock() : ends_python_(_Py_IsFinalizing() != 0), state_(PyEval_SaveThread()) {}
   ~WithoutLock() {
-    wait_where_python_ends();
+    if (!ends_python_) wait_where_python_ends();
     PyEval_RestoreThread(state_);
   }
   WithoutLock(const WithoutLock&) = delete;
   WithoutLock& operator=(const WithoutLock&) = delete;
 
  private:
+  bool ends_python_;  ///< only the thread that ends the interpreter has the lock while it ends
   PyThreadState* state_;
 };
 

@@ -3,6 +3,8 @@
 import gc
 import json
 import shutil
+import subprocess
+import sys
 import urllib.error
 import urllib.request
 
@@ -77,6 +79,17 @@ def test_bad_input_is_one_line(options):
     with pytest.raises(poise.InputError) as error:
         poise.load(CLAMP).view(browser=False, **options)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("last", ["", "view.stop()"])
+def test_python_ends_where_a_page_is_left_in_a_global_variable(last):
+    program = f"""
+import poise
+view = poise.load("{CLAMP}").view(browser=False)
+{last}
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0, run.stderr
 
 
 def test_the_page_lives_without_anybody_who_refers_to_it():
