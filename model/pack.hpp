@@ -17,7 +17,7 @@ template <int N>
 class Mask {
  public:
   Mask() = default;
-  /// The same in all lanes.
+  /// All lanes have this value.
   explicit Mask(bool value) { is_.fill(value); }
 
   bool operator[](int lane) const { return is_[static_cast<std::size_t>(lane)]; }
@@ -66,7 +66,7 @@ template <class T, int N>
 class Pack {
  public:
   Pack() = default;
-  /// The same in all lanes.
+  /// All lanes have this value.
   Pack(const T& value) { at_.fill(value); }
 
   const T& operator[](int lane) const { return at_[static_cast<std::size_t>(lane)]; }

@@ -150,8 +150,7 @@ class SceneBuilder {
 
   /// Gears on two bodies. docs/gears-cams-ropes.md, docs/curved-slots.md and docs/rolling-profiles.md describe the
   /// tables of this and all that follow up to profiles; `keys` are the keys of these that are not named here:
-  /// {{"ratio", 2},
-  /// {"carrier", "arm"}, {"internal", true}}.
+  /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.
   SceneBuilder& gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
   /// A belt round two bodies: "ratio", "crossed", ...
@@ -218,7 +217,7 @@ class SceneBuilder {
   /// A name that a body, a point or a guess has already is refused when the second one is added.
   Scene build() const;
 
-  /// The same as a scene file, in the order in which it was added; read_scene() of it gives the scene of build(), to
+  /// Writes all this as a scene file, in the order in which it was added. Its read_scene() is the scene of build(), to
   /// the last bit. Items are not checked.
   std::string text() const;
 

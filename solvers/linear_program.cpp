@@ -12,7 +12,8 @@ using Real = long double;
 using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
-// Of coefficients of order one after some hundred pivots: more where long double is no longer than double.
+// Coefficients of order one have this rounding after some hundred pivots; it is larger where long double is no longer
+// than double.
 constexpr Real pivot_rounding = std::max(1e-14L, 9e4L * std::numeric_limits<Real>::epsilon());
 constexpr Real no_slope = 1e-10L;  // of an objective along a ray
 constexpr int most_pivots = 5000;

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// Whether mpirun, or srun with MPI, has started this process, and not this one alone.
 bool has_mpi_environment() {
-  // Of Open MPI, of MPICH and of PMIx (srun), which does not say how many there are.
+  // Open MPI and MPICH say how many ranks there are, PMIx (srun) does not.
   for (const char* size : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
     if (const char* const ranks = std::getenv(size); ranks != nullptr) return std::string_view(ranks) != "1";
   }

@@ -21,7 +21,7 @@ struct Answers {
 /// Where a LocalServer listens, and for whom.
 struct Listening {
   int port = 0;  ///< of 127.0.0.1; 0: one that is free
-  /// Of the pages that may show this one in a frame, for read_frame_origin(); empty: none may.
+  /// Pages of this origin may show the page in a frame (read_frame_origin()); empty: none may.
   std::optional<std::string> frame_origin{};
   double most_in_a_second = 500;  ///< requests
 };

@@ -52,7 +52,7 @@ struct ManyOptions {
   };
   Prove prove = Prove::none;
   std::size_t sample = 0;
-  /// Of the search that solves what lanes do not: Seek::settle, by virtual work; its interrupt ends everything.
+  /// What lanes do not solve is searched with these, Seek::settle by virtual work; their interrupt ends everything.
   SolveOptions solve{};
   int jobs = 0;                                      ///< threads; 0: as many as there are cores
   std::function<void(std::size_t done)> progress{};  ///< variants; by one thread at a time

@@ -132,7 +132,7 @@ class CompletionInFolder : public testing::Test {
                     "printf \"%s\\n\" \"${{COMPREPLY[@]}}\"'",
                     folder_.path("").string(), file_for("bash"), words));
   }
-  /// The same of fish for the end of a line.
+  /// What fish offers for the end of a line.
   std::set<std::string> fish_offers(const std::string& line) const {
     return answers(fmt::format("cd {} && fish --no-config -c 'source {}; complete -C \"{}\"'",
                                folder_.path("").string(), file_for("fish"), line));

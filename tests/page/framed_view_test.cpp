@@ -121,7 +121,7 @@ TEST_F(FramedView, WorksInANotebookThatIsAllowed) {
   EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the cell";
   if (const char* file = std::getenv("POISE_FRAMED_PICTURE")) browser().picture(file);
   expect_silence();
-  // By itself it opens as before.
+  // The page opens by itself as before.
   browser().open(view->address());
   EXPECT_TRUE(browser().wait_for("document.querySelector('.picture *')"));
   expect_silence();

@@ -25,7 +25,7 @@ struct RecordedNewton {
 /// a product with a sum is one instruction, and so are sine and cosine.
 class LaneCode {
  public:
-  /// Of what was recorded to `recording` on this thread. `units`: of x.
+  /// Makes code of what was recorded to `recording` on this thread; `units` are those of x.
   LaneCode(Recording& recording, const RecordedNewton& newton, std::vector<double> units);
   LaneCode(const LaneCode&) = delete;
   LaneCode& operator=(const LaneCode&) = delete;

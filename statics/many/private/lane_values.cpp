@@ -92,7 +92,7 @@ bool LaneValues::find_efforts() {
   std::vector<std::size_t> pivot_column;
   double first = 0.0;
   for (std::size_t k = 0; k < efforts; ++k) {
-    // Of large entries one with the fewest others in its row and column.
+    // The pivot is that of the large entries which has the fewest others in its row and column.
     double largest = 0.0;
     std::vector<int> in_row(places, 0), in_column(efforts, 0);
     for (std::size_t i = k; i < places; ++i) {

@@ -23,8 +23,8 @@ class LaneValues {
   void place(const Mechanism<Recorded>& mechanism, const std::vector<Recorded>& x);
   /// x, y, m, and angle of every body but the ground.
   void add_poses(std::vector<Recorded>& out) const;
-  /// Those of the quantities, SI, that can be recorded; says which. Others depend on pivots of their own, on redundant
-  /// forces, or on more than a place.
+  /// Adds those of the quantities, SI, that can be recorded, and says which. Others depend on pivots of their own, on
+  /// redundant forces, or on more than a place.
   std::vector<char> add(const std::vector<SoughtQuantity>& of, std::vector<Recorded>& out);
   /// Where the pivots of forces are no small part of what they are in the scene as it is.
   const RecordedMask& is_good() const { return good_; }

@@ -68,7 +68,7 @@ template <>
 class Mask<0> {
  public:
   Mask() = default;
-  /// The same in all lanes.
+  /// All lanes have this value.
   explicit Mask(bool value) : value_(value) {}
   Mask(bool value, int node) : value_(value), node_(node) {}
 

@@ -56,7 +56,7 @@ void StepEquations::evaluate(const std::vector<Recorded>& x) {
   }
 }
 
-// Of entries that are no small part of the largest one that leads to the fewest new entries.
+// Of entries that are no small part of the largest one, the pivot is the one that leads to the fewest new entries.
 void StepEquations::choose_pivot(const std::vector<char>& row_used, const std::vector<char>& column_used,
                                  double least) {
   const std::size_t n = column_used.size();
