@@ -12,29 +12,7 @@ import pandas
 import poise
 import pytest
 from poise._many import Varied
-
-MASS_ON_SPRING = """
-gravity = [0, -9810]
-[units]
-length = "mm"
-[ground]
-points = { O = [0, 0] }
-[body.block]
-points = { P = [0, 0] }
-mass = 2
-center = [0, 0]
-[[slide]]
-name = "rail"
-points = ["ground.O", "block.P"]
-axis = [0, 1]
-[[spring]]
-name = "k"
-slide = "rail"
-stiffness = 4
-free_length = 100
-[start]
-rail = 90
-"""
+from scenes import MASS_ON_SPRING
 
 
 @pytest.fixture(scope="module")

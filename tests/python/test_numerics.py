@@ -6,6 +6,7 @@ import numpy as np
 import poise
 import pytest
 import scipy.optimize
+from scenes import MASS_ON_SPRING
 
 FREE = [
     "andrews",
@@ -130,29 +131,7 @@ def test_multipliers_and_directions_are_those_of_their_formulas(name):
 
 def test_units_are_those_of_the_scene():
     # A mass on a spring: k (y - y0) + m g = 0 in N and mm.
-    text = """
-    gravity = [0, -9810]
-    [units]
-    length = "mm"
-    [ground]
-    points = { O = [0, 0] }
-    [body.block]
-    points = { P = [0, 0] }
-    mass = 2
-    center = [0, 0]
-    [[slide]]
-    name = "rail"
-    points = ["ground.O", "block.P"]
-    axis = [0, 1]
-    [[spring]]
-    name = "k"
-    slide = "rail"
-    stiffness = 4
-    free_length = 100
-    [start]
-    rail = 90
-    """
-    scene = poise.Scene(poise._poise.Scene.parse(text, "mass.toml", []))
+    scene = poise.Scene(poise._poise.Scene.parse(MASS_ON_SPRING, "mass.toml", []))
     assert scene.coordinates == [("rail", "mm")]
     y = np.array([93.0])
     assert scene.equations(y)[0] == pytest.approx(4 * (93 - 100) + 2 * 9.81, rel=1e-14)

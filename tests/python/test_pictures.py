@@ -6,23 +6,10 @@ import xml.etree.ElementTree as xml
 import numpy as np
 import poise
 import pytest
+from scenes import FALLS
 
 TOLERANCES = "datasets/toggle_clamp_tolerances.toml"
 FOLD = 37.093431951696662419  # load.P at which the clamp opens, from its file
-#: A block that nothing holds.
-FALLS = """
-title = "A block that nothing holds"
-gravity = [0, -9.81]
-[ground]
-points = { O = [0, 0] }
-[body.block]
-points = { S = [0, 0] }
-mass = 1
-[[slide]]
-name = "rail"
-points = ["ground.O", "block.S"]
-axis = [0, 1]
-"""
 
 
 @pytest.fixture(scope="module")

@@ -14,23 +14,10 @@ import numpy as np
 import poise
 import pytest
 from poise import _found, _rest, _tables
+from scenes import FALLS
 
 CLAMP = "datasets/toggle_clamp.toml"
 FOLD = 37.093431951696662419  # load.P at which the clamp opens, from its file
-#: A block that nothing holds.
-FALLS = """
-title = "A block that nothing holds"
-gravity = [0, -9.81]
-[ground]
-points = { O = [0, 0] }
-[body.block]
-points = { S = [0, 0] }
-mass = 1
-[[slide]]
-name = "rail"
-points = ["ground.O", "block.S"]
-axis = [0, 1]
-"""
 
 
 @pytest.fixture(scope="module")
