@@ -1,7 +1,6 @@
 #include "model/rewritten_scene.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -15,6 +14,7 @@
 #include "model/number_spots.hpp"
 #include "model/parameter_values.hpp"
 #include "model/parameters.hpp"
+#include "model/toml_edits.hpp"
 #include "model/toml_reader.hpp"
 #include "model/toml_text.hpp"
 
@@ -26,11 +26,11 @@ constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 class Rewriter {
  public:
   Rewriter(std::string_view text, const std::string& file, const Scene& wanted)
-      : text_(text),
-        file_(file),
+      : file_(file),
         wanted_(wanted),
         old_(parse_scene(text, file)),
         document_(parse_toml(text, file)),
+        edits_(text, document_),
         spots_(document_, old_),
         rows_(parameter_table(old_)),
         old_values_(parameter_values(old_)),
@@ -39,10 +39,6 @@ class Rewriter {
     if (!std::equal(rows.begin(), rows.end(), rows_.begin(), rows_.end(),
                     [](const ParameterRow& a, const ParameterRow& b) { return a.place == b.place; })) {
       fail();
-    }
-    lines_.push_back(0);
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] == '\n') lines_.push_back(i + 1);
     }
   }
 
@@ -53,15 +49,10 @@ class Rewriter {
       if (wanted_values_[i] && wanted_values_[i] != old_values_[i]) write(i);
     }
     for (std::size_t f = 0; f < old_.forces.size(); ++f) write_direction(static_cast<int>(f));
-    for (const auto& [place, numbers] : additions_) add(place, numbers);
-    std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.from < b.from; });
-    std::string out;
-    std::size_t at = 0;
-    for (const Edit& edit : edits_) {
-      out.append(text_.substr(at, edit.from - at)).append(edit.text);
-      at = edit.to;
+    for (const auto& [place, numbers] : additions_) {
+      edits_.add(place.second, place.first, {numbers.begin(), numbers.end()});
     }
-    return out.append(text_.substr(at)).append(appendix_);
+    return edits_.made();
   }
 
   /// That the text has the numbers wanted. Rounding to the unit of the file and back is all that may differ.
@@ -96,11 +87,6 @@ class Rewriter {
   }
 
  private:
-  struct Edit {
-    std::size_t from, to;
-    std::string text;
-  };
-
   /// The end of a slot, or of a profile that rolls, that is the end of its curve in the scene too that is wanted.
   bool ends_with_curve(const ParameterPlace& place) const {
     if (place.owner != Owner::coupling) return false;
@@ -176,134 +162,21 @@ class Rewriter {
     const toml::array* const vector = node.as_array();
     if (component >= 0 && (vector == nullptr || vector->size() != 2)) fail();
     const toml::node& old = component < 0 ? node : *vector->get(static_cast<std::size_t>(component));
-    edits_.push_back({offset(old.source().begin), offset(old.source().end), std::move(number)});
-  }
-
-  /// Columns count characters, in UTF-8 of one byte or more.
-  std::size_t offset(const toml::source_position& position) const {
-    std::size_t at = lines_.at(position.line - 1);
-    for (toml::source_index column = 1; column < position.column; ++column) {
-      do {
-        ++at;
-      } while (at < text_.size() && (static_cast<unsigned char>(text_[at]) & 0xC0U) == 0x80U);
-    }
-    return at;
+    edits_.replace(old, std::move(number));
   }
 
   using TablePlace = std::pair<std::string, const toml::table*>;  // by its header, to be added in that order
   using Numbers = std::map<std::string, std::string>;
 
-  /// Behind the last value of the table where it has one: comments in front of values stay in front of them.
-  void add(const TablePlace& place, const Numbers& numbers) {
-    const auto& [header, table] = place;
-    if (table == nullptr) return append(header, numbers);
-    if (table->is_inline()) {
-      const std::size_t inside = offset(table->source().begin) + 1;
-      return insert(inside, " " + listed(numbers, "", ", ") + (table->empty() ? " " : ","));
-    }
-    const toml::key* last_key = nullptr;
-    toml::source_position end{};
-    bool implied = false;  // only by the headers of tables in it
-    for (auto&& [key, node] : *table) {
-      if (is_header(node)) {
-        implied = implied || node.source().begin == table->source().begin;
-      } else if (last_key == nullptr || end < end_of(node)) {
-        last_key = &key;
-        end = end_of(node);
-      }
-    }
-    const std::string line_end = text_.find("\r\n") != std::string_view::npos ? "\r\n" : "\n";
-    if (last_key == nullptr && table == &document_) return insert(0, listed(numbers, "", line_end) + line_end);
-    if (last_key == nullptr && implied) return append(header, numbers);
-    if (last_key == nullptr) {
-      return insert(end_of_line(offset(table->source().end)), line_end + listed(numbers, "", line_end));
-    }
-    const std::size_t key = offset(last_key->source().begin);
-    const std::size_t first = begin_of_dotted(key);
-    const std::size_t line = lines_.at(last_key->source().begin.line - 1);
-    const std::string_view before = text_.substr(line, first - line);
-    const std::string prefix(text_.substr(first, key - first));
-    if (before.find_first_not_of(" \t") != std::string_view::npos) {  // in an inline table
-      return insert(offset(end), ", " + listed(numbers, prefix, ", "));
-    }
-    const std::string indented = std::string(before) + prefix;
-    insert(end_of_line(offset(end)), line_end + listed(numbers, indented, line_end));
-  }
-
-  static std::string listed(const Numbers& numbers, const std::string& prefix, const std::string& between) {
-    std::string out;
-    for (const auto& [key, number] : numbers) {
-      out += fmt::format("{}{}{} = {}", out.empty() ? "" : between, prefix, toml_key(key), number);
-    }
-    return out;
-  }
-
-  void append(const std::string& header, const Numbers& numbers) {
-    appendix_ += fmt::format("\n[{}]\n{}\n", header, listed(numbers, "", "\n"));
-  }
-
-  void insert(std::size_t at, std::string text) { edits_.push_back({at, at, std::move(text)}); }
-
-  /// Whether a node is a table, or a list of tables, that is written under headers.
-  bool is_header(const toml::node& node) const {
-    if (const toml::table* const table = node.as_table()) {
-      return !table->is_inline() && text_.at(offset(node.source().begin)) == '[';
-    }
-    const toml::array* const list = node.as_array();
-    return list != nullptr && !list->empty() && list->front().is_table() && !list->front().as_table()->is_inline();
-  }
-
-  /// Of a table that dotted keys make, where the last of its values ends.
-  static toml::source_position end_of(const toml::node& node) {
-    const toml::table* const table = node.as_table();
-    if (table == nullptr || table->is_inline()) return node.source().end;
-    toml::source_position end = node.source().end;
-    for (auto&& [key, below] : *table) end = std::max(end, end_of(below));
-    return end;
-  }
-
-  std::size_t end_of_line(std::size_t at) const {
-    const std::size_t end = std::min(text_.find('\n', at), text_.size());
-    return end > at && text_[end - 1] == '\r' ? end - 1 : end;
-  }
-
-  /// Where the dotted key begins of which the last part is at `key`.
-  std::size_t begin_of_dotted(std::size_t key) const {
-    const auto skip_blanks = [&](std::size_t at) {
-      while (at > 0 && (text_[at - 1] == ' ' || text_[at - 1] == '\t')) --at;
-      return at;
-    };
-    for (std::size_t at = skip_blanks(key); at > 0 && text_[at - 1] == '.'; at = skip_blanks(key)) {
-      at = skip_blanks(at - 1);
-      const char quote = at > 0 ? text_[at - 1] : ' ';
-      if (quote == '"' || quote == '\'') {
-        do {
-          at = text_.rfind(quote, at - 2) + 1;
-        } while (quote == '"' && at > 1 && text_[at - 2] == '\\');
-        key = at - 1;
-      } else {
-        while (at > 0 && (std::isalnum(static_cast<unsigned char>(text_[at - 1])) != 0 || text_[at - 1] == '_' ||
-                          text_[at - 1] == '-')) {
-          --at;
-        }
-        key = at;
-      }
-    }
-    return key;
-  }
-
-  std::string_view text_;
   const std::string& file_;
   const Scene& wanted_;
   Scene old_;
   toml::table document_;
+  TomlEdits edits_;
   NumberSpots spots_;
   std::vector<ParameterRow> rows_;  // of the text, and of the scene that is wanted
   std::vector<std::optional<double>> old_values_, wanted_values_;
-  std::vector<std::size_t> lines_;  // offsets of their first characters
   std::map<TablePlace, Numbers> additions_;
-  std::vector<Edit> edits_;
-  std::string appendix_;
 };
 
 }  // namespace

@@ -1,0 +1,239 @@
+#include "model/toml_edits.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "model/toml_text.hpp"
+
+namespace poise {
+namespace {
+
+/// The places of all headers of a document: of its tables, and of those of its lists.
+void find_headers(const TomlEdits& edits, const toml::table& table, std::vector<const toml::table*>& out) {
+  for (auto&& [key, node] : table) {
+    if (const toml::table* const below = node.as_table()) {
+      if (edits.is_header(node)) out.push_back(below);
+      if (!below->is_inline()) find_headers(edits, *below, out);
+    } else if (edits.is_header(node)) {
+      for (const toml::node& one : *node.as_array()) {
+        out.push_back(one.as_table());
+        find_headers(edits, *one.as_table(), out);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::string listed(const TomlKeys& keys, const std::string& prefix, const std::string& between) {
+  std::string out;
+  for (const auto& [key, value] : keys) {
+    out += fmt::format("{}{}{} = {}", out.empty() ? "" : between, prefix, toml_key(key), value);
+  }
+  return out;
+}
+
+TomlEdits::TomlEdits(std::string_view text, const toml::table& document) : text_(text), document_(document) {
+  lines_.push_back(0);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') lines_.push_back(i + 1);
+  }
+}
+
+const char* TomlEdits::line_end() const { return text_.find("\r\n") != std::string_view::npos ? "\r\n" : "\n"; }
+
+void TomlEdits::replace(const toml::node& node, std::string value) {
+  edits_.push_back({offset(node.source().begin), offset(node.source().end), std::move(value)});
+}
+
+void TomlEdits::replace_key(const toml::key& key, const std::string& name) {
+  edits_.push_back({offset(key.source().begin), offset(key.source().end), toml_key(name)});
+}
+
+void TomlEdits::add(const toml::table* table, const std::string& header, const TomlKeys& keys) {
+  const auto append = [&] {
+    appendix_ += fmt::format("{0}[{1}]{0}{2}{0}", line_end(), header, listed(keys, "", line_end()));
+  };
+  if (table == nullptr) return append();
+  if (table->is_inline() && table->empty()) {
+    return insert(offset(table->source().begin) + 1, " " + listed(keys, "", ", ") + " ");
+  }
+  const toml::key* last_key = nullptr;
+  toml::source_position end{};
+  bool implied = false;  // only by the headers of tables in it
+  for (auto&& [key, node] : *table) {
+    if (is_header(node)) {
+      implied = implied || node.source().begin == table->source().begin;
+    } else if (last_key == nullptr || end < end_of(node)) {
+      last_key = &key;
+      end = end_of(node);
+    }
+  }
+  if (table->is_inline()) return insert(offset(end), ", " + listed(keys, "", ", "));
+  if (last_key == nullptr && table == &document_) return insert(0, listed(keys, "", line_end()) + line_end());
+  if (last_key == nullptr && implied) return append();
+  if (last_key == nullptr) {
+    return insert(end_of_line(offset(table->source().end)), line_end() + listed(keys, "", line_end()));
+  }
+  const std::size_t key = offset(last_key->source().begin);
+  const std::size_t first = begin_of_dotted(key);
+  const std::size_t line = lines_.at(last_key->source().begin.line - 1);
+  const std::string_view before = text_.substr(line, first - line);
+  const std::string prefix(text_.substr(first, key - first));
+  if (before.find_first_not_of(" \t") != std::string_view::npos) {  // in an inline table
+    return insert(offset(end), ", " + listed(keys, prefix, ", "));
+  }
+  const std::string indented = std::string(before) + prefix;
+  insert(end_of_line(offset(end)), line_end() + listed(keys, indented, line_end()));
+}
+
+void TomlEdits::remove_key(const toml::table& table, std::string_view key) {
+  for (auto&& [name, node] : table) {
+    if (name.str() != key) continue;
+    const std::size_t from = begin_of_dotted(offset(name.source().begin));
+    const std::size_t to = offset(end_of(node));
+    if (table.is_inline()) return remove_listed(from, to);
+    return remove(begin_of_line(from), begin_of_next_line(to));
+  }
+}
+
+void TomlEdits::remove_element(const toml::array& array, std::size_t index) {
+  const toml::node& node = *array.get(index);
+  remove_listed(offset(node.source().begin), offset(node.source().end));
+}
+
+/// Something of a list with commas, and the comma that divides it from the next or, of the last, from the one before.
+void TomlEdits::remove_listed(std::size_t from, std::size_t to) {
+  const auto is_blank = [&](std::size_t at) { return std::isspace(static_cast<unsigned char>(text_[at])) != 0; };
+  std::size_t next = to;
+  while (next < text_.size() && is_blank(next)) ++next;
+  if (next < text_.size() && text_[next] == ',') {
+    ++next;
+    while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) ++next;
+    return remove(from, next);
+  }
+  std::size_t before = from;
+  while (before > 0 && is_blank(before - 1)) --before;
+  if (before > 0 && text_[before - 1] == ',') return remove(before - 1, to);
+  remove(from, to);
+}
+
+bool TomlEdits::remove_table(const toml::table& table) {
+  if (!is_header(table)) return false;
+  std::vector<const toml::table*> headers;
+  find_headers(*this, document_, headers);
+  std::vector<const toml::table*> within{&table};
+  find_headers(*this, table, within);
+  for (const toml::table* const one : within) {
+    const std::size_t from = begin_of_line(offset(one->source().begin));
+    std::size_t next = text_.size();
+    for (const toml::table* const other : headers) {
+      const std::size_t begin = begin_of_line(offset(other->source().begin));
+      if (begin > from) next = std::min(next, begin);
+    }
+    // What stands above the next header is a comment on that.
+    remove(above_comment(from), next < text_.size() ? above_comment(next) : next);
+  }
+  return true;
+}
+
+void TomlEdits::insert_before(const toml::table* table, const std::string& lines) {
+  if (table != nullptr) return insert(above_comment(begin_of_line(offset(table->source().begin))), lines);
+  const bool ends = text_.empty() || text_.back() == '\n';
+  appendix_ += (ends ? "" : line_end()) + lines;
+}
+
+/// Where the comment begins that stands directly above a line. What stands above the first table is one on the file.
+std::size_t TomlEdits::above_comment(std::size_t line) const {
+  std::size_t at = line;
+  while (at > 0) {
+    const std::size_t before = begin_of_line(at - 1);
+    const std::size_t first = text_.find_first_not_of(" \t", before);
+    if (first == std::string_view::npos || text_[first] != '#') return at;
+    at = before;
+  }
+  return line;
+}
+
+std::string TomlEdits::made() {
+  std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.from < b.from; });
+  std::string out;
+  std::size_t at = 0;
+  for (const Edit& edit : edits_) {
+    out.append(text_.substr(at, edit.from - at)).append(edit.text);
+    at = edit.to;
+  }
+  return out.append(text_.substr(at)).append(appendix_);
+}
+
+/// Columns count characters, in UTF-8 of one byte or more.
+std::size_t TomlEdits::offset(const toml::source_position& position) const {
+  std::size_t at = lines_.at(position.line - 1);
+  for (toml::source_index column = 1; column < position.column; ++column) {
+    do {
+      ++at;
+    } while (at < text_.size() && (static_cast<unsigned char>(text_[at]) & 0xC0U) == 0x80U);
+  }
+  return at;
+}
+
+bool TomlEdits::is_header(const toml::node& node) const {
+  if (const toml::table* const table = node.as_table()) {
+    return !table->is_inline() && text_.at(offset(node.source().begin)) == '[';
+  }
+  const toml::array* const list = node.as_array();
+  return list != nullptr && !list->empty() && list->front().is_table() && !list->front().as_table()->is_inline();
+}
+
+/// Of a table that dotted keys make, where the last of its values ends.
+toml::source_position TomlEdits::end_of(const toml::node& node) {
+  const toml::table* const table = node.as_table();
+  if (table == nullptr || table->is_inline()) return node.source().end;
+  toml::source_position end = node.source().end;
+  for (auto&& [key, below] : *table) end = std::max(end, end_of(below));
+  return end;
+}
+
+std::size_t TomlEdits::begin_of_line(std::size_t at) const {
+  const std::size_t end = at == 0 ? std::string_view::npos : text_.rfind('\n', at - 1);
+  return end == std::string_view::npos ? 0 : end + 1;
+}
+
+std::size_t TomlEdits::end_of_line(std::size_t at) const {
+  const std::size_t end = std::min(text_.find('\n', at), text_.size());
+  return end > at && text_[end - 1] == '\r' ? end - 1 : end;
+}
+
+std::size_t TomlEdits::begin_of_next_line(std::size_t at) const {
+  const std::size_t end = text_.find('\n', at);
+  return end == std::string_view::npos ? text_.size() : end + 1;
+}
+
+/// Where the dotted key begins of which the last part is at `key`.
+std::size_t TomlEdits::begin_of_dotted(std::size_t key) const {
+  const auto skip_blanks = [&](std::size_t at) {
+    while (at > 0 && (text_[at - 1] == ' ' || text_[at - 1] == '\t')) --at;
+    return at;
+  };
+  for (std::size_t at = skip_blanks(key); at > 0 && text_[at - 1] == '.'; at = skip_blanks(key)) {
+    at = skip_blanks(at - 1);
+    const char quote = at > 0 ? text_[at - 1] : ' ';
+    if (quote == '"' || quote == '\'') {
+      do {
+        at = text_.rfind(quote, at - 2) + 1;
+      } while (quote == '"' && at > 1 && text_[at - 2] == '\\');
+      key = at - 1;
+    } else {
+      while (at > 0 && (std::isalnum(static_cast<unsigned char>(text_[at - 1])) != 0 || text_[at - 1] == '_' ||
+                        text_[at - 1] == '-')) {
+        --at;
+      }
+      key = at;
+    }
+  }
+  return key;
+}
+
+}  // namespace poise

@@ -1,0 +1,74 @@
+#pragma once
+
+// Changes of a TOML text in which comments and layout stay. Private to the writers of model/.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+
+namespace poise {
+
+/// Keys of a table with their values as TOML text, in the order in which they are written.
+using TomlKeys = std::vector<std::pair<std::string, std::string>>;
+
+/// "a = 1, b = 2" or, with another text between them, lines; `prefix` stands before each key.
+std::string listed(const TomlKeys& keys, const std::string& prefix, const std::string& between);
+
+/// Gathers changes of a text by the nodes of its document, and makes them all at once. Changes must not overlap.
+class TomlEdits {
+ public:
+  /// `document` was parsed from `text`, which has no byte order mark; both outlive this.
+  TomlEdits(std::string_view text, const toml::table& document);
+
+  void replace(const toml::node& node, std::string value);
+  void replace_key(const toml::key& key, const std::string& name);
+  /// Behind the last value of the table where it has one: comments in front of values stay in front of them. A table
+  /// that the text does not have (null) is added at the end of the text as [header].
+  void add(const toml::table* table, const std::string& header, const TomlKeys& keys);
+  /// A key of a table with its value: its line, or its part of an inline table.
+  void remove_key(const toml::table& table, std::string_view key);
+  /// A value of an array that is written within brackets.
+  void remove_element(const toml::array& array, std::size_t index);
+  /// A table under a header of its own with all tables that belong to it, and the comment that stands directly above;
+  /// false where it has no such header.
+  bool remove_table(const toml::table& table);
+  /// Lines in front of the line where a table begins, above its comment; null: at the end of the text.
+  void insert_before(const toml::table* table, const std::string& lines);
+
+  /// The text with all changes.
+  std::string made();
+
+  /// Whether a node is a table, or a list of tables, that is written under headers.
+  bool is_header(const toml::node& node) const;
+  /// The end of line of the text: "\n" or "\r\n".
+  const char* line_end() const;
+
+ private:
+  struct Edit {
+    std::size_t from, to;
+    std::string text;
+  };
+
+  std::size_t offset(const toml::source_position& position) const;
+  std::size_t begin_of_line(std::size_t at) const;
+  std::size_t end_of_line(std::size_t at) const;
+  std::size_t begin_of_next_line(std::size_t at) const;
+  std::size_t begin_of_dotted(std::size_t key) const;
+  std::size_t above_comment(std::size_t line) const;
+  static toml::source_position end_of(const toml::node& node);
+  void insert(std::size_t at, std::string text) { edits_.push_back({at, at, std::move(text)}); }
+  void remove(std::size_t from, std::size_t to) { edits_.push_back({from, to, ""}); }
+  void remove_listed(std::size_t from, std::size_t to);
+
+  std::string_view text_;
+  const toml::table& document_;
+  std::vector<std::size_t> lines_;  // offsets of their first characters
+  std::vector<Edit> edits_;
+  std::string appendix_;
+};
+
+}  // namespace poise
