@@ -54,8 +54,8 @@ Units read_units(const TomlTable& table) {
 /// Reads the parts of a scene in the order in which they refer to each other.
 class SceneReader {
  public:
-  SceneReader(const toml::table& document, const TomlPlace& place)
-      : document_(document), root_(document, place, &expressions_), names_(scene_) {
+  SceneReader(const toml::table& document, const TomlPlace& place, const ReadingOptions& options)
+      : document_(document), options_(options), root_(document, place, &expressions_), names_(scene_, options.uses) {
     scene_.file = place.file;
   }
 
@@ -109,7 +109,10 @@ class SceneReader {
     }
     names_.learn_body(0);
     const std::optional<TomlTable> bodies = root_.find_table("body");
-    if (!bodies || bodies->keys().empty()) root_.place().fail("body: expected at least one body; add [body.NAME]");
+    if (!bodies || bodies->keys().empty()) {
+      if (options_.may_lack_bodies) return;
+      root_.place().fail("body: expected at least one body; add [body.NAME]");
+    }
     for (const std::string& name : bodies->keys()) {
       check_name(name, bodies->place_of(name));
       if (name == scene_.bodies[0].name) {
@@ -341,6 +344,7 @@ class SceneReader {
   const Units& units() const { return scene_.units; }
 
   const toml::table& document_;
+  const ReadingOptions options_;
   SceneExpressions expressions_;
   TomlTable root_;
   Scene scene_;
@@ -350,7 +354,9 @@ class SceneReader {
 
 }  // namespace
 
-Scene read_document(const toml::table& document, const TomlPlace& place) { return SceneReader(document, place).read(); }
+Scene read_document(const toml::table& document, const TomlPlace& place, const ReadingOptions& options) {
+  return SceneReader(document, place, options).read();
+}
 
 toml::table table_of(const UnitNames& names) {
   return toml::table{{"length", names.length}, {"force", names.force}, {"mass", names.mass}, {"angle", names.angle}};
@@ -363,6 +369,10 @@ Units units_of(const UnitNames& names) {
 
 Scene parse_scene(std::string_view text, const std::string& name) {
   return read_document(parse_toml(text, name), {name, 1, ""});
+}
+
+Scene parse_sketch(std::string_view text, const std::string& name) {
+  return read_document(parse_toml(text, name), {name, 1, ""}, {.may_lack_bodies = true});
 }
 
 Scene read_scene(const std::filesystem::path& file) { return parse_scene(read_text_file(file), file.string()); }

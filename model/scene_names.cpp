@@ -42,9 +42,16 @@ std::vector<std::string> SceneNames::travelling_joint_names() const {
   return names;
 }
 
+void SceneNames::note(NameUse::Of of, const TomlText& name) const {
+  if (uses_ != nullptr && name.node != nullptr) uses_->push_back({of, name.node});
+}
+
 int SceneNames::find_body(const TomlText& name, int first) const {
   const int body = index_of_body(name.value);
-  if (body >= first) return body;
+  if (body >= first) {
+    note(NameUse::Of::body, name);
+    return body;
+  }
   std::vector<std::string> candidates = movable_body_names();
   if (first == 0) candidates.insert(candidates.begin(), scene_.bodies[0].name);
   const std::string expected =
@@ -54,7 +61,10 @@ int SceneNames::find_body(const TomlText& name, int first) const {
 
 PointRef SceneNames::point(const TomlText& name) const {
   const auto known = points_.find(name.value);
-  if (known != points_.end()) return known->second;
+  if (known != points_.end()) {
+    note(NameUse::Of::point, name);
+    return known->second;
+  }
   const std::size_t dot = name.value.rfind('.');
   const int body = dot == std::string::npos ? -1 : index_of_body(name.value.substr(0, dot));
   const std::string found = ", found \"" + name.value + "\"";
@@ -77,7 +87,10 @@ PointRef SceneNames::point(const TomlText& name) const {
 
 int SceneNames::travelling_joint(const TomlText& name) const {
   const int joint = index_of_joint(name.value);
-  if (joint >= 0 && scene_.joints[joint].has_travel()) return joint;
+  if (joint >= 0 && scene_.joints[joint].has_travel()) {
+    note(NameUse::Of::joint, name);
+    return joint;
+  }
   name.place.fail("expected the name of a slide or pin_in_slot, found \"" + name.value + "\"" +
                   did_you_mean_or_list(name.value, travelling_joint_names()));
 }

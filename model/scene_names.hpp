@@ -15,11 +15,19 @@ namespace poise {
 /// Names and the lines of the file that declare them.
 using NameLines = std::unordered_map<std::string, int>;
 
+/// A string of the document by which an item refers to a body, a point or a joint.
+struct NameUse {
+  enum class Of { body, point, joint };
+  Of of;
+  const toml::node* node;
+};
+
 /// Looks up bodies, points and joints of a scene that is being read. Look-up takes constant time; only a failure
 /// searches all names for the nearest.
 class SceneNames {
  public:
-  explicit SceneNames(const Scene& scene) : scene_(scene) {}
+  /// Adds what is looked up by the text of a document to `uses`, where there is such a list.
+  explicit SceneNames(const Scene& scene, std::vector<NameUse>* uses = nullptr) : scene_(scene), uses_(uses) {}
 
   /// Registers a body (joint) that was added to the scene, with its points.
   void learn_body(int body);
@@ -48,8 +56,10 @@ class SceneNames {
 
  private:
   int find_body(const TomlText& name, int first) const;
+  void note(NameUse::Of of, const TomlText& name) const;
 
   const Scene& scene_;
+  std::vector<NameUse>* uses_;
   std::unordered_map<std::string, int> bodies_;
   std::unordered_map<std::string, int> joints_;
   std::unordered_map<std::string, PointRef> points_;

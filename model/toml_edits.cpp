@@ -10,7 +10,7 @@
 namespace poise {
 namespace {
 
-/// The places of all headers of a document: of its tables, and of those of its lists.
+/// Tables below this one, and those of its lists, that have headers.
 void find_headers(const TomlEdits& edits, const toml::table& table, std::vector<const toml::table*>& out) {
   for (auto&& [key, node] : table) {
     if (const toml::table* const below = node.as_table()) {
@@ -52,6 +52,29 @@ void TomlEdits::replace_key(const toml::key& key, const std::string& name) {
   edits_.push_back({offset(key.source().begin), offset(key.source().end), toml_key(name)});
 }
 
+void TomlEdits::replace_in_header(const toml::table& table, std::size_t parts_before, const std::string& name) {
+  std::size_t at = offset(table.source().begin);
+  while (text_[at] == '[') ++at;
+  const auto skip = [&](std::string_view what) {
+    while (at < text_.size() && what.find(text_[at]) != std::string_view::npos) ++at;
+  };
+  for (std::size_t part = 0;; ++part) {
+    skip(" \t");
+    const std::size_t begin = at;
+    if (const char quote = text_[at]; quote == '"' || quote == '\'') {
+      for (++at; at < text_.size() && text_[at] != quote; ++at) at += quote == '"' && text_[at] == '\\' ? 1 : 0;
+      ++at;
+    } else {
+      at = std::min(text_.find_first_of(" \t.]", at), text_.size());
+    }
+    if (part == parts_before) {
+      edits_.push_back({begin, at, toml_key(name)});
+      return;
+    }
+    skip(" \t.");
+  }
+}
+
 void TomlEdits::add(const toml::table* table, const std::string& header, const TomlKeys& keys) {
   const auto append = [&] {
     appendix_ += fmt::format("{0}[{1}]{0}{2}{0}", line_end(), header, listed(keys, "", line_end()));
@@ -89,43 +112,53 @@ void TomlEdits::add(const toml::table* table, const std::string& header, const T
   insert(end_of_line(offset(end)), line_end() + listed(keys, indented, line_end()));
 }
 
-void TomlEdits::remove_key(const toml::table& table, std::string_view key) {
-  for (auto&& [name, node] : table) {
-    if (name.str() != key) continue;
-    const std::size_t from = begin_of_dotted(offset(name.source().begin));
-    const std::size_t to = offset(end_of(node));
-    if (table.is_inline()) return remove_listed(from, to);
-    return remove(begin_of_line(from), begin_of_next_line(to));
+void TomlEdits::remove_keys(const toml::table& table, const std::vector<std::string>& keys) {
+  std::vector<Listed> list;
+  for (auto&& [key, node] : table) {
+    const bool is_gone = std::find(keys.begin(), keys.end(), key.str()) != keys.end();
+    const std::size_t from = begin_of_dotted(offset(key.source().begin)), to = offset(end_of(node));
+    if (table.is_inline())
+      list.push_back({from, to, is_gone});
+    else if (is_gone)
+      remove(begin_of_line(from), begin_of_next_line(to));
+  }
+  remove_listed(std::move(list));
+}
+
+void TomlEdits::remove_elements(const toml::array& array, const std::vector<std::size_t>& indices) {
+  std::vector<Listed> list;
+  for (std::size_t k = 0; k < array.size(); ++k) {
+    const toml::source_region& source = array.get(k)->source();
+    const bool is_gone = std::find(indices.begin(), indices.end(), k) != indices.end();
+    list.push_back({offset(source.begin), offset(source.end), is_gone});
+  }
+  remove_listed(std::move(list));
+}
+
+/// With the commas that divide what goes from what follows it or, at the end, from what is before it.
+void TomlEdits::remove_listed(std::vector<Listed> list) {
+  std::sort(list.begin(), list.end(), [](const Listed& a, const Listed& b) { return a.from < b.from; });
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    if (!list[k].is_gone) continue;
+    const std::size_t first = k;
+    while (k + 1 < list.size() && list[k + 1].is_gone) ++k;
+    if (k + 1 < list.size())
+      remove(list[first].from, list[k + 1].from);
+    else
+      remove(first > 0 ? list[first - 1].to : list[first].from, list[k].to);
   }
 }
 
-void TomlEdits::remove_element(const toml::array& array, std::size_t index) {
-  const toml::node& node = *array.get(index);
-  remove_listed(offset(node.source().begin), offset(node.source().end));
-}
-
-/// Something of a list with commas, and the comma that divides it from the next or, of the last, from the one before.
-void TomlEdits::remove_listed(std::size_t from, std::size_t to) {
-  const auto is_blank = [&](std::size_t at) { return std::isspace(static_cast<unsigned char>(text_[at])) != 0; };
-  std::size_t next = to;
-  while (next < text_.size() && is_blank(next)) ++next;
-  if (next < text_.size() && text_[next] == ',') {
-    ++next;
-    while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) ++next;
-    return remove(from, next);
-  }
-  std::size_t before = from;
-  while (before > 0 && is_blank(before - 1)) --before;
-  if (before > 0 && text_[before - 1] == ',') return remove(before - 1, to);
-  remove(from, to);
+void TomlEdits::add_element(const toml::array& array, const std::string& value) {
+  if (array.empty()) return insert(offset(array.source().begin) + 1, value);
+  insert(offset(array.back().source().end), ", " + value);
 }
 
 bool TomlEdits::remove_table(const toml::table& table) {
   if (!is_header(table)) return false;
-  std::vector<const toml::table*> headers;
-  find_headers(*this, document_, headers);
-  std::vector<const toml::table*> within{&table};
-  find_headers(*this, table, within);
+  const std::vector<const toml::table*> headers = headers_below(document_);
+  std::vector<const toml::table*> within = headers_below(table);
+  within.push_back(&table);
   for (const toml::table* const one : within) {
     const std::size_t from = begin_of_line(offset(one->source().begin));
     std::size_t next = text_.size();
@@ -168,6 +201,14 @@ std::string TomlEdits::made() {
   return out.append(text_.substr(at)).append(appendix_);
 }
 
+std::vector<const toml::table*> TomlEdits::headers_below(const toml::table& table) const {
+  std::vector<const toml::table*> out;
+  find_headers(*this, table, out);
+  std::sort(out.begin(), out.end(),
+            [](const toml::table* a, const toml::table* b) { return a->source().begin < b->source().begin; });
+  return out;
+}
+
 /// Columns count characters, in UTF-8 of one byte or more.
 std::size_t TomlEdits::offset(const toml::source_position& position) const {
   std::size_t at = lines_.at(position.line - 1);
@@ -181,7 +222,10 @@ std::size_t TomlEdits::offset(const toml::source_position& position) const {
 
 bool TomlEdits::is_header(const toml::node& node) const {
   if (const toml::table* const table = node.as_table()) {
-    return !table->is_inline() && text_.at(offset(node.source().begin)) == '[';
+    // One that only the headers of tables in it imply begins where the first of these does.
+    const auto implies = [&](const auto& entry) { return entry.second.source().begin == node.source().begin; };
+    return !table->is_inline() && text_.at(offset(node.source().begin)) == '[' &&
+           std::none_of(table->begin(), table->end(), implies);
   }
   const toml::array* const list = node.as_array();
   return list != nullptr && !list->empty() && list->front().is_table() && !list->front().as_table()->is_inline();

@@ -10,10 +10,9 @@
 
 #include <toml++/toml.h>
 
-namespace poise {
+#include "model/scene_text.hpp"
 
-/// Keys of a table with their values as TOML text, in the order in which they are written.
-using TomlKeys = std::vector<std::pair<std::string, std::string>>;
+namespace poise {
 
 /// "a = 1, b = 2" or, with another text between them, lines; `prefix` stands before each key.
 std::string listed(const TomlKeys& keys, const std::string& prefix, const std::string& between);
@@ -29,21 +28,29 @@ class TomlEdits {
   /// Behind the last value of the table where it has one: comments in front of values stay in front of them. A table
   /// that the text does not have (null) is added at the end of the text as [header].
   void add(const toml::table* table, const std::string& header, const TomlKeys& keys);
-  /// A key of a table with its value: its line, or its part of an inline table.
-  void remove_key(const toml::table& table, std::string_view key);
-  /// A value of an array that is written within brackets.
-  void remove_element(const toml::array& array, std::size_t index);
+  /// Other names in the header of a table, whose path has so many parts before: [body.NAME.section] has one before
+  /// NAME.
+  void replace_in_header(const toml::table& table, std::size_t parts_before, const std::string& name);
+  /// Keys of a table with their values: their lines, or their parts of an inline table.
+  void remove_keys(const toml::table& table, const std::vector<std::string>& keys);
+  /// Values of an array that is written within brackets.
+  void remove_elements(const toml::array& array, const std::vector<std::size_t>& indices);
   /// A table under a header of its own with all tables that belong to it, and the comment that stands directly above;
   /// false where it has no such header.
   bool remove_table(const toml::table& table);
+  /// A value behind the last of an array that is written within brackets.
+  void add_element(const toml::array& array, const std::string& value);
   /// Lines in front of the line where a table begins, above its comment; null: at the end of the text.
   void insert_before(const toml::table* table, const std::string& lines);
 
   /// The text with all changes.
   std::string made();
 
+  /// All tables below this one that are written under headers, in the order of the text.
+  std::vector<const toml::table*> headers_below(const toml::table& table) const;
   /// Whether a node is a table, or a list of tables, that is written under headers.
   bool is_header(const toml::node& node) const;
+  bool is_empty() const { return text_.empty(); }
   /// The end of line of the text: "\n" or "\r\n".
   const char* line_end() const;
 
@@ -62,7 +69,12 @@ class TomlEdits {
   static toml::source_position end_of(const toml::node& node);
   void insert(std::size_t at, std::string text) { edits_.push_back({at, at, std::move(text)}); }
   void remove(std::size_t from, std::size_t to) { edits_.push_back({from, to, ""}); }
-  void remove_listed(std::size_t from, std::size_t to);
+  /// A part of a list with commas.
+  struct Listed {
+    std::size_t from, to;
+    bool is_gone;
+  };
+  void remove_listed(std::vector<Listed> list);
 
   std::string_view text_;
   const toml::table& document_;

@@ -34,7 +34,7 @@ std::string found(const toml::node& node) {
 TomlText read_text(const toml::node& node, TomlPlace place) {
   const auto* const text = node.as_string();
   if (text == nullptr) place.fail("expected a string" + found(node));
-  return {text->get(), std::move(place)};
+  return {text->get(), std::move(place), &node};
 }
 
 }  // namespace
@@ -273,7 +273,7 @@ std::vector<TomlItem> TomlTable::items(std::string_view key) const {
   for (const toml::node& element : *list) {
     TomlPlace place = place_of(element, std::string(key) + " " + std::to_string(result.size() + 1));
     TomlItem item{{}, {}, &element, this, place};
-    if (element.is_string()) item.text = TomlText{element.as_string()->get(), place};
+    if (element.is_string()) item.text = TomlText{element.as_string()->get(), place, &element};
     if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place, expressions_);
     result.push_back(std::move(item));
   }

@@ -44,6 +44,7 @@ auto located(const TomlPlace& place, F f) {
 struct TomlText {
   std::string value;
   TomlPlace place;
+  const toml::node* node = nullptr;  ///< of the document
 };
 
 /// Index of the text among the allowed words; fails with the nearest.

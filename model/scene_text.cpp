@@ -1,0 +1,490 @@
+#include "model/scene_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "model/couplings.hpp"
+#include "model/nearest_name.hpp"
+#include "model/number_spots.hpp"
+#include "model/one_line.hpp"
+#include "model/read_elements.hpp"
+#include "model/read_scene.hpp"
+#include "model/toml_edits.hpp"
+#include "model/toml_text.hpp"
+
+namespace poise {
+namespace {
+
+/// The order in which a person writes tables: a new one stands behind those of its rank.
+int rank_of(std::string_view table) {
+  constexpr std::array<std::string_view, 5> first{"units", "numbers", "part", "ground", "body"};
+  if (const auto at = std::find(first.begin(), first.end(), table); at != first.end())
+    return static_cast<int>(at - first.begin());
+  constexpr int joints = 10, elements = 11, couplings = 12, last = 13;
+  for (const JointTraits& kind : Joint::kinds) {
+    if (kind.key == table) return joints;
+  }
+  const std::vector<std::string_view> springs = element_tables();
+  if (std::find(springs.begin(), springs.end(), table) != springs.end()) return elements;
+  for (const CouplingKind& kind : coupling_kinds()) {
+    if (kind.table == table) return couplings;
+  }
+  constexpr std::array<std::string_view, 7> end{"drive", "force", "distributed_load", "torque",
+                                                "stop",  "start", "outputs"};
+  return last + static_cast<int>(std::find(end.begin(), end.end(), table) - end.begin());
+}
+
+/// Whether "BODY.POINT" is a point of the body.
+bool is_point_of(std::string_view point, std::string_view body) {
+  const std::size_t dot = point.rfind('.');
+  return dot != std::string_view::npos && point.substr(0, dot) == body;
+}
+
+bool holds(const toml::node& node, const toml::node* wanted) {
+  if (&node == wanted) return true;
+  if (const toml::table* const table = node.as_table()) {
+    return std::any_of(table->begin(), table->end(), [&](const auto& entry) { return holds(entry.second, wanted); });
+  }
+  const toml::array* const list = node.as_array();
+  return list != nullptr &&
+         std::any_of(list->begin(), list->end(), [&](const auto& one) { return holds(one, wanted); });
+}
+
+const toml::table* table_in(const toml::table* of, std::string_view key) {
+  const toml::node* const node = of != nullptr ? of->get(key) : nullptr;
+  return node != nullptr ? node->as_table() : nullptr;
+}
+
+/// Where a name stands in an expression of [outputs], as a part of the name of a quantity: npos where it does not.
+std::size_t find_in_expression(std::string_view expression, std::string_view name, std::size_t from) {
+  const auto is_part = [&](std::size_t at) {
+    return at < expression.size() &&
+           (std::isalnum(static_cast<unsigned char>(expression[at])) != 0 || expression[at] == '_');
+  };
+  for (std::size_t at = expression.find(name, from); at != std::string_view::npos; at = expression.find(name, at + 1)) {
+    if (at > 0 && expression[at - 1] == '.' && !is_part(at + name.size())) return at;
+  }
+  return std::string_view::npos;
+}
+
+}  // namespace
+
+/// One change of a text.
+class SceneText::Editing {
+ public:
+  Editing(const std::string& text, const std::string& file)
+      : file_(file),
+        document_(parse_toml(text, file)),
+        scene_(read_document(document_, {file, 1, ""}, {.may_lack_bodies = true, .uses = &uses_})),
+        spots_(document_, scene_),
+        edits_(text, document_) {}
+
+  std::string made() { return edits_.made(); }
+
+  void add_point(const std::string& body, const TomlKeys& point) {
+    const toml::table* const owner = table_of_body(body);
+    const std::string header = body == scene_.bodies[0].name ? body : "body." + toml_key(body);
+    if (const toml::table* const points = table_in(owner, "points"))
+      return edits_.add(points, header + ".points", point);
+    const TomlKeys points{{"points", "{ " + listed(point, "", ", ") + " }"}};
+    if (owner != nullptr) return edits_.add(owner, header, points);
+    insert_table(header, "[" + header + "]", points);
+  }
+
+  void add_body(const std::string& name, const TomlKeys& keys) {
+    const std::string header = "body." + toml_key(name);
+    insert_table("body", "[" + header + "]", keys);
+  }
+
+  void add_item(const std::string& table, const TomlKeys& keys) {
+    const toml::node* const list = document_.get(table);
+    if (list != nullptr && !edits_.is_header(*list)) {
+      if (const toml::array* const array = list->as_array())
+        return edits_.add_element(*array, "{ " + listed(keys, "", ", ") + " }");
+    }
+    insert_table(table, "[[" + table + "]]", keys);
+  }
+
+  void set(const SceneItem& item, const TomlKeys& keys) {
+    const toml::table& table = table_of(item);
+    TomlKeys added;
+    for (const auto& [key, value] : keys) {
+      if (const toml::node* const node = table.get(key))
+        edits_.replace(*node, value);
+      else
+        added.emplace_back(key, value);
+    }
+    if (!added.empty()) edits_.add(&table, item.owner == Owner::body ? "body." + toml_key(item.own_name) : "", added);
+  }
+
+  void set_start(const std::string& table, const std::string& name, const std::string& value) {
+    const toml::table* const start = table_in(&document_, "start");
+    const toml::table* const within = table == "start" ? start : table_in(start, "position");
+    const toml::node* const node = within != nullptr ? within->get(name) : nullptr;
+    if (node != nullptr) return edits_.replace(*node, value);
+    if (within != nullptr) return edits_.add(within, table, {{name, value}});
+    if (table != "start" && start != nullptr)
+      return edits_.add(start, "start", {{"position", "{ " + listed({{name, value}}, "", ", ") + " }"}});
+    insert_table("start", "[" + table + "]", {{name, value}});
+  }
+
+  void remove(const std::vector<SceneItem>& items) {
+    std::set<std::string> bodies, points, joints;
+    std::set<const toml::table*> tables;
+    for (const SceneItem& item : items) {
+      if (item.owner == Owner::point)
+        points.insert(item.name);
+      else if (item.owner == Owner::body)
+        bodies.insert(item.own_name);
+      else
+        tables.insert(&table_of(item));
+      if (item.owner == Owner::joint) joints.insert(item.own_name);
+    }
+    const auto is_gone = [&](const NameUse& use) {
+      const std::string& text = use.node->as_string()->get();
+      if (use.of == NameUse::Of::body) return bodies.contains(text);
+      if (use.of == NameUse::Of::joint) return joints.contains(text);
+      const std::size_t dot = text.rfind('.');
+      return points.contains(text) || (dot != std::string::npos && bodies.contains(text.substr(0, dot)));
+    };
+    // What refers to what goes, goes too, and with a slide what refers to that.
+    const std::vector<std::pair<SceneItem, const toml::table*>> all = items_of_lists();
+    for (bool more = true; more;) {
+      more = false;
+      for (const auto& [item, table] : all) {
+        if (tables.contains(table)) continue;
+        if (std::none_of(uses_.begin(), uses_.end(),
+                         [&](const NameUse& use) { return is_gone(use) && holds(*table, use.node); }))
+          continue;
+        more = true;
+        tables.insert(table);
+        if (item.owner == Owner::joint) joints.insert(item.own_name);
+      }
+    }
+    for (const std::string& body : bodies) remove_body(body);
+    std::map<std::string, std::vector<std::string>> gone_of_body;
+    for (const std::string& point : points) {
+      const std::size_t dot = point.rfind('.');
+      if (bodies.contains(point.substr(0, dot))) continue;
+      gone_of_body[point.substr(0, dot)].push_back(point.substr(dot + 1));
+    }
+    for (const auto& [body, gone] : gone_of_body) edits_.remove_keys(*table_in(table_of_body(body), "points"), gone);
+    remove_tables(tables);
+    remove_from_start(bodies);
+    remove_from_start(joints);
+    std::set<std::string> names = bodies;
+    names.insert(points.begin(), points.end());
+    for (const auto& [item, table] : all) {
+      if (tables.contains(table)) names.insert(item.own_name);
+    }
+    remove_outputs(names);
+  }
+
+  void rename(const SceneItem& item, const std::string& name) {
+    const std::string& old = item.own_name;
+    switch (item.owner) {
+      case Owner::body: {
+        rename_key(*table_in(&document_, "body"), old, name, 1);
+        for (const NameUse& use : uses_) {
+          const std::string& text = use.node->as_string()->get();
+          if (use.of == NameUse::Of::body && text == old) edits_.replace(*use.node, toml_string(name));
+          if (use.of == NameUse::Of::point && is_point_of(text, old))
+            edits_.replace(*use.node, toml_string(name + text.substr(old.size())));
+        }
+        rename_in_start(old, name);
+        rename_in_outputs(old, name);
+        return;
+      }
+      case Owner::point: {
+        const std::string body = scene_.bodies[static_cast<std::size_t>(item.index)].name;
+        const toml::table* const owner = table_of_body(body);
+        rename_key(*table_in(owner, "points"), old, name, body == scene_.bodies[0].name ? 2 : 3);
+        for (const NameUse& use : uses_) {
+          if (use.of == NameUse::Of::point && use.node->as_string()->get() == item.name)
+            edits_.replace(*use.node, toml_string(body + "." + name));
+        }
+        const toml::table* const section = table_in(owner, "section");
+        const toml::node* const line = section != nullptr ? section->get("line") : nullptr;
+        for (std::size_t k = 0; line != nullptr && line->is_array() && k < line->as_array()->size(); ++k) {
+          const toml::node& one = *line->as_array()->get(k);
+          if (one.is_string() && one.as_string()->get() == old) edits_.replace(one, toml_string(name));
+        }
+        rename_in_outputs(item.name, body + "." + name);
+        return;
+      }
+      default: {
+        set(item, {{"name", toml_string(name)}});
+        if (item.owner == Owner::joint) {
+          for (const NameUse& use : uses_) {
+            if (use.of == NameUse::Of::joint && use.node->as_string()->get() == old)
+              edits_.replace(*use.node, toml_string(name));
+          }
+          rename_in_start(old, name);
+        }
+        rename_in_outputs(old, name);
+      }
+    }
+  }
+
+  SceneItem item(const std::string& name) const {
+    std::vector<std::string> names;
+    for (const SceneItem& one : items()) {
+      if (one.name == name) return one;
+      names.push_back(one.name);
+    }
+    throw InputError("expected an item of the scene" + did_you_mean_or_list(name, names));
+  }
+
+  std::vector<SceneItem> items() const {
+    std::vector<SceneItem> out;
+    for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const Body& body = scene_.bodies[b];
+      const int index = static_cast<int>(b);
+      if (b > 0 && table_in(table_in(&document_, "body"), body.name) == nullptr) continue;
+      out.push_back({body.name, body.name, Owner::body, index});
+      for (std::size_t p = 0; p < body.points.size(); ++p) {
+        const PointRef point{index, static_cast<int>(p)};
+        out.push_back({scene_.name_of(point), body.points[p].name, Owner::point, point.body, point.point});
+      }
+    }
+    for (const FlexibleLink& link : scene_.flexible_links)
+      out.push_back({link.name, link.name, Owner::body, link.bodies.front()});
+    for (const auto& [item, table] : items_of_lists()) out.push_back(item);
+    return out;
+  }
+
+  Scene take_scene() { return std::move(scene_); }
+
+ private:
+  [[noreturn]] void fail(const std::string& name) const {
+    throw InputError(fmt::format("{}: {} has no table of its own; change the text", file_, name));
+  }
+
+  const toml::table* table_of_body(const std::string& name) const {
+    if (name == scene_.bodies[0].name) return table_in(&document_, name);
+    const toml::table* const body = table_in(table_in(&document_, "body"), name);
+    if (body == nullptr) throw InputError("expected a body, found \"" + name + "\"");
+    return body;
+  }
+
+  const toml::table& table_of(const SceneItem& item) const {
+    const toml::table* const table =
+        item.owner == Owner::body ? table_of_body(item.own_name) : spots_.item(item.owner, item.index);
+    if (table == nullptr || item.owner == Owner::point) fail(item.name);
+    return *table;
+  }
+
+  /// Those with a table in a list of the document: what refers to bodies.
+  std::vector<std::pair<SceneItem, const toml::table*>> items_of_lists() const {
+    std::set<const toml::table*> tables;
+    for (auto&& [key, node] : document_) {
+      const toml::array* const list = node.as_array();
+      for (std::size_t k = 0; list != nullptr && k < list->size(); ++k) tables.insert(list->get(k)->as_table());
+    }
+    std::vector<std::pair<SceneItem, const toml::table*>> out;
+    const auto add = [&](const auto& list, Owner owner, auto family) {
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        const toml::table* const table = spots_.item(owner, static_cast<int>(k));
+        if (table == nullptr || !tables.contains(table)) continue;
+        out.push_back({{family(list[k]) + " " + list[k].name, list[k].name, owner, static_cast<int>(k)}, table});
+      }
+    };
+    add(scene_.joints, Owner::joint, [](const Joint& joint) { return words_of_key(joint.traits().key); });
+    add(scene_.elements, Owner::element, [](const Element& element) { return element.family(); });
+    add(scene_.drives, Owner::drive, [](const Drive&) { return std::string("drive"); });
+    add(scene_.forces, Owner::force,
+        [](const Force& force) { return std::string(force.to ? "distributed load" : "load"); });
+    add(scene_.torques, Owner::torque, [](const Torque&) { return std::string("torque"); });
+    add(scene_.stops, Owner::stop, [](const Stop& stop) { return stop.family(); });
+    return out;
+  }
+
+  /// Behind all tables of its rank and of lower ones.
+  void insert_table(const std::string& path, const std::string& header, const TomlKeys& keys) {
+    const char* const end = edits_.line_end();
+    const int rank = rank_of(path.substr(0, path.find('.')));
+    std::vector<std::pair<const toml::table*, int>> headers;
+    for (auto&& [key, node] : document_) {
+      const int of_key = rank_of(key.str());
+      const auto add = [&](const toml::table& table) {
+        if (edits_.is_header(table)) headers.emplace_back(&table, of_key);
+        for (const toml::table* const below : edits_.headers_below(table)) headers.emplace_back(below, of_key);
+      };
+      if (const toml::table* const table = node.as_table()) add(*table);
+      if (const toml::array* const list = node.as_array(); list != nullptr && edits_.is_header(node)) {
+        for (const toml::node& element : *list) add(*element.as_table());
+      }
+    }
+    std::sort(headers.begin(), headers.end(),
+              [](const auto& a, const auto& b) { return a.first->source().begin < b.first->source().begin; });
+    std::size_t at = headers.size();
+    while (at > 0 && headers[at - 1].second > rank) --at;
+    const std::string lines = header + end + listed(keys, "", end) + end;
+    if (at < headers.size()) return edits_.insert_before(headers[at].first, lines + end);
+    edits_.insert_before(nullptr, (edits_.is_empty() ? "" : end) + lines);
+  }
+
+  void remove_body(const std::string& name) {
+    const toml::table& bodies = *table_in(&document_, "body");
+    const toml::table& body = *table_of_body(name);
+    if (edits_.remove_table(body)) return;
+    const std::vector<const toml::table*> below = edits_.headers_below(body);
+    if (below.empty()) return edits_.remove_keys(bodies, {name});
+    for (const toml::table* const one : below) edits_.remove_table(*one);
+  }
+
+  void remove_tables(const std::set<const toml::table*>& tables) {
+    for (auto&& [key, node] : document_) {
+      const toml::array* const list = node.as_array();
+      if (list == nullptr) continue;
+      std::vector<std::size_t> gone;
+      for (std::size_t k = 0; k < list->size(); ++k) {
+        if (tables.contains(list->get(k)->as_table())) gone.push_back(k);
+      }
+      if (edits_.is_header(node)) {
+        for (const std::size_t k : gone) edits_.remove_table(*list->get(k)->as_table());
+      } else if (gone.size() == list->size()) {
+        if (!gone.empty()) edits_.remove_keys(document_, {std::string(key.str())});
+      } else if (!gone.empty()) {
+        edits_.remove_elements(*list, gone);
+      }
+    }
+  }
+
+  void remove_from_start(const std::set<std::string>& names) {
+    const toml::table* const start = table_in(&document_, "start");
+    for (const toml::table* const table : {start, table_in(start, "position")}) {
+      if (table == nullptr) continue;
+      std::vector<std::string> gone;
+      for (auto&& [key, node] : *table) {
+        if (names.contains(std::string(key.str())) && !(table == start && node.is_table()))
+          gone.emplace_back(key.str());
+      }
+      edits_.remove_keys(*table, gone);
+    }
+  }
+
+  void remove_outputs(const std::set<std::string>& names) {
+    const toml::table* const outputs = table_in(&document_, "outputs");
+    if (outputs == nullptr) return;
+    std::vector<std::string> gone;
+    for (auto&& [key, node] : *outputs) {
+      const auto* const text = node.as_string();
+      if (text != nullptr && std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+            return find_in_expression(text->get(), name, 0) != std::string::npos;
+          }))
+        gone.emplace_back(key.str());
+    }
+    edits_.remove_keys(*outputs, gone);
+  }
+
+  /// A key of a table; where it stands in headers, behind so many other parts of them, there.
+  void rename_key(const toml::table& table, const std::string& old, const std::string& name, std::size_t parts_before) {
+    for (auto&& [key, node] : table) {
+      if (key.str() != old) continue;
+      const toml::table* const below = node.as_table();
+      if (below == nullptr || (!edits_.is_header(node) && edits_.headers_below(*below).empty()))
+        return edits_.replace_key(key, name);
+      if (edits_.is_header(node)) edits_.replace_in_header(*below, parts_before, name);
+      for (const toml::table* const one : edits_.headers_below(*below))
+        edits_.replace_in_header(*one, parts_before, name);
+    }
+  }
+
+  void rename_in_start(const std::string& old, const std::string& name) {
+    const toml::table* const start = table_in(&document_, "start");
+    for (const toml::table* const table : {start, table_in(start, "position")}) {
+      if (table == nullptr) continue;
+      for (auto&& [key, node] : *table) {
+        if (key.str() == old && !(table == start && node.is_table())) edits_.replace_key(key, name);
+      }
+    }
+  }
+
+  void rename_in_outputs(const std::string& old, const std::string& name) {
+    const toml::table* const outputs = table_in(&document_, "outputs");
+    if (outputs == nullptr) return;
+    for (auto&& [key, node] : *outputs) {
+      const auto* const text = node.as_string();
+      if (text == nullptr) continue;
+      std::string out = text->get();
+      for (std::size_t at = 0; (at = find_in_expression(out, old, at)) != std::string::npos; at += name.size())
+        out.replace(at, old.size(), name);
+      if (out != text->get()) edits_.replace(node, toml_string(out));
+    }
+  }
+
+  const std::string& file_;
+  toml::table document_;
+  std::vector<NameUse> uses_;
+  Scene scene_;
+  NumberSpots spots_;
+  TomlEdits edits_;
+};
+
+SceneText::SceneText(std::string text, std::string file) : file_(std::move(file)) { take(std::move(text)); }
+
+void SceneText::take(std::string text) {
+  Editing read(text, file_);
+  items_ = read.items();
+  scene_ = read.take_scene();
+  text_ = std::move(text);
+}
+
+void SceneText::add_point(const std::string& body, const std::string& name, const std::string& at) {
+  Editing editing(text_, file_);
+  editing.add_point(body, {{name, at}});
+  take(editing.made());
+}
+
+void SceneText::add_body(const std::string& name, const TomlKeys& keys) {
+  Editing editing(text_, file_);
+  editing.add_body(name, keys);
+  take(editing.made());
+}
+
+void SceneText::add_item(const std::string& table, const TomlKeys& keys) {
+  Editing editing(text_, file_);
+  editing.add_item(table, keys);
+  take(editing.made());
+}
+
+void SceneText::set(const std::string& item, const TomlKeys& keys) {
+  Editing editing(text_, file_);
+  editing.set(editing.item(item), keys);
+  take(editing.made());
+}
+
+void SceneText::set_start(const std::string& name, const std::string& value) {
+  Editing editing(text_, file_);
+  editing.set_start("start", name, value);
+  take(editing.made());
+}
+
+void SceneText::set_start_position(const std::string& body, const std::string& value) {
+  Editing editing(text_, file_);
+  editing.set_start("start.position", body, value);
+  take(editing.made());
+}
+
+void SceneText::remove(const std::vector<std::string>& items) {
+  Editing editing(text_, file_);
+  std::vector<SceneItem> gone;
+  for (const std::string& item : items) gone.push_back(editing.item(item));
+  editing.remove(gone);
+  take(editing.made());
+}
+
+void SceneText::rename(const std::string& item, const std::string& name) {
+  Editing editing(text_, file_);
+  editing.rename(editing.item(item), name);
+  take(editing.made());
+}
+
+}  // namespace poise

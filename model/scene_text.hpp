@@ -1,0 +1,66 @@
+#pragma once
+
+// The text of a scene file, changed item by item.
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/parameters.hpp"
+#include "model/scene.hpp"
+
+namespace poise {
+
+/// Keys with their values as TOML text, in the order in which they are written.
+using TomlKeys = std::vector<std::pair<std::string, std::string>>;
+
+/// An item that the text of a scene has, by the name that pictures and messages give it: "crank" (a body), "crank.B" (a
+/// point), "ground", "pin hinge", "spring holder", "stop open", "load P", "torque M", "drive motor".
+struct SceneItem {
+  std::string name;
+  std::string own_name;  ///< "holder"
+  Owner owner;
+  int index;       ///< in its list of the scene; of a flexible link that of its first body
+  int point = -1;  ///< of a point: index in the body
+};
+
+/// The text of a scene, which may still be without bodies (parse_sketch()), and changes of it as a person would make
+/// them: a new item stands behind the others of its kind, comments and layout stay. Every function throws InputError,
+/// with the text as it was, where what it is to become is no scene.
+class SceneText {
+ public:
+  SceneText(std::string text, std::string file);
+
+  const std::string& text() const { return text_; }
+  const Scene& scene() const { return scene_; }
+  /// All items that have a table, or a key, of their own: not the parts of flexible links, nor what comes with slots.
+  const std::vector<SceneItem>& items() const { return items_; }
+
+  /// A point of a body, or of "ground", in the units of the file.
+  void add_point(const std::string& body, const std::string& name, const std::string& at);
+  /// [body.NAME].
+  void add_body(const std::string& name, const TomlKeys& keys);
+  /// [[TABLE]], as of a pin, spring or force.
+  void add_item(const std::string& table, const TomlKeys& keys);
+  /// Sets keys of an item's table, or adds them to it. Of a point its name is the only key.
+  void set(const std::string& item, const TomlKeys& keys);
+  /// The guess of a body's angle, or of a joint's travel, in [start]; or of a body's place in [start.position].
+  void set_start(const std::string& name, const std::string& value);
+  void set_start_position(const std::string& body, const std::string& value);
+  /// Takes items away, and with them all that refers to them: joints, springs, loads, stops, guesses, outputs.
+  void remove(const std::vector<std::string>& items);
+  /// Gives an item another name, also where others refer to it.
+  void rename(const std::string& item, const std::string& name);
+
+ private:
+  class Editing;
+  void take(std::string text);
+
+  std::string text_;
+  std::string file_;
+  Scene scene_;
+  std::vector<SceneItem> items_;
+};
+
+}  // namespace poise
