@@ -75,6 +75,11 @@ bool have_same_coordinates(const Layout& a, const Layout& b) {
   return true;
 }
 
+// A guess belongs to a body or a joint by its place.
+bool have_same_places(const Scene& a, const Scene& b) {
+  return a.bodies.size() == b.bodies.size() && a.joints.size() == b.joints.size();
+}
+
 // Travels depend on the places of points, which may change.
 Scene starting_as(Scene scene, const Scene& other) {
   scene.start = other.start;
@@ -91,6 +96,7 @@ struct Stepped {
   Stepped(const Scene& before, const Scene& after, const BodyPoses& from, const std::vector<int>& active_stops,
           int& tries_left, const std::atomic<bool>* interrupt)
       : poses(from) {
+    if (!have_same_places(before, after)) return;
     const Scene here = started_at(before, from), there = starting_as(after, here);
     if (in_one(here, there, active_stops)) return;
     try {
@@ -225,6 +231,7 @@ std::optional<Section> section_along(const VariedScene& varied, double longest_s
 std::optional<Section> section_between(const Scene& from, const Scene& to, const BodyPoses& poses,
                                        const TrackedOptions& settings) {
   std::optional<VariedScene> varied;
+  if (!have_same_places(from, to)) return std::nullopt;
   try {
     const Scene here = started_at(from, poses);
     varied.emplace(here, starting_as(to, here));
@@ -304,6 +311,7 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
 
 std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses) {
   std::vector<BodyPoses> out{poses};
+  if (!have_same_places(before, after)) return out;
   std::optional<VariedScene> varied;
   try {
     const Scene here = started_at(before, poses);
