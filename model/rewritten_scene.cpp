@@ -14,6 +14,7 @@
 #include "model/number_spots.hpp"
 #include "model/parameter_values.hpp"
 #include "model/parameters.hpp"
+#include "model/scene_text.hpp"
 #include "model/toml_edits.hpp"
 #include "model/toml_reader.hpp"
 #include "model/toml_text.hpp"
@@ -28,7 +29,7 @@ class Rewriter {
   Rewriter(std::string_view text, const std::string& file, const Scene& wanted)
       : file_(file),
         wanted_(wanted),
-        old_(parse_scene(text, file)),
+        old_(parse_sketch(text, file)),
         document_(parse_toml(text, file)),
         edits_(text, document_),
         spots_(document_, old_),
@@ -106,13 +107,15 @@ class Rewriter {
     throw InputError(file_ + ": expected the scene that was read before; leave it unchanged until the end");
   }
 
-  /// In the units of the file, so that reading it gives exactly this number where that is possible.
-  static double in_unit(double si, double unit) {
+  /// In the units of the file, so that reading it gives exactly this number where that is possible, in few digits.
+  static std::string in_unit(double si, double unit) {
     const double near = si / unit;
+    std::string out;
     for (const double value : {near, std::nextafter(near, -INFINITY), std::nextafter(near, INFINITY)}) {
-      if (value * unit == si) return value;
+      const std::string text = toml_number(value);
+      if (value * unit == si && (out.empty() || text.size() < out.size())) out = text;
     }
-    return near;
+    return out.empty() ? toml_number(near) : out;
   }
 
   void write(std::size_t place) {
@@ -121,7 +124,7 @@ class Rewriter {
     if (spot.table == nullptr && spot.header.empty()) return;  // none of the text, which check() says
     const double unit = row.dimension.unit(wanted_.units);
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
-    const auto number = [&](const std::optional<double>& si) { return toml_number(in_unit(si.value_or(0.0), unit)); };
+    const auto number = [&](const std::optional<double>& si) { return in_unit(si.value_or(0.0), unit); };
     const std::string own = number(wanted_values_[place]);
     if (row.place.owner == Owner::force && spot.key == "vector") {
       const Vec2& vector = wanted_.forces[static_cast<std::size_t>(row.place.item)].vector;
