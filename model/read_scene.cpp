@@ -14,6 +14,7 @@
 #include "model/scene.hpp"
 #include "model/scene_expressions.hpp"
 #include "model/scene_names.hpp"
+#include "model/scene_text.hpp"
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 

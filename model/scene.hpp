@@ -285,9 +285,6 @@ Scene read_scene(const std::filesystem::path& file);
 /// The same from a text; `name` replaces the file name in messages.
 Scene parse_scene(std::string_view text, const std::string& name);
 
-/// The same of a scene that is still being drawn, which may have no body.
-Scene parse_sketch(std::string_view text, const std::string& name);
-
 /// Sets one number of the scene, given in the scene's own units, by its path:
 ///   numbers.NAME          of the table [numbers]; all numbers that are expressions of it follow
 ///   load.NAME             magnitude of force NAME along its direction, per length of a distributed one, or the torque

@@ -15,6 +15,9 @@ namespace poise {
 /// Keys with their values as TOML text, in the order in which they are written.
 using TomlKeys = std::vector<std::pair<std::string, std::string>>;
 
+/// Reads a scene as parse_scene(), also one that is still being drawn, which may have no body.
+Scene parse_sketch(std::string_view text, const std::string& name);
+
 /// An item that the text of a scene has, by the name that pictures and messages give it: "crank" (a body), "crank.B" (a
 /// point), "ground", "pin hinge", "spring holder", "stop open", "load P", "torque M", "drive motor".
 struct SceneItem {

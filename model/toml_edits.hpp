@@ -8,9 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <toml++/toml.h>
-
 #include "model/scene_text.hpp"
+#include "model/toml_reader.hpp"
 
 namespace poise {
 

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,7 +16,7 @@ namespace poise::app {
 namespace {
 
 struct ViewRequest {
-  std::string scene;
+  std::optional<std::string> scene;
   int port = 0;
   std::optional<std::string> frame_origin;
   bool no_browser = false;
@@ -23,11 +24,18 @@ struct ViewRequest {
 
 int run_view(const ViewRequest& request, const Palette&) {
   const std::atomic<bool>& interrupt = watch_for_interrupt();
-  ServedView view(request.scene, {.port = request.port, .frame_origin = request.frame_origin}, interrupt);
+  const ViewedScene scene =
+      request.scene ? ViewedScene(std::filesystem::path(*request.scene)) : ViewedScene(new_scene());
+  std::error_code unknown;
+  const bool is_new = !request.scene || !std::filesystem::exists(*request.scene, unknown);
+  ServedView view(scene, {.port = request.port, .frame_origin = request.frame_origin}, interrupt);
   const bool opened = !request.no_browser && open_in_browser(view.address());
-  print(
-      fmt::format("{} is shown at\n  {}\n{}Ctrl-C ends it.\n", one_line(request.scene), view.address(),
-                  opened || request.no_browser ? "" : "No program to open it with was found; open it in a browser.\n"));
+  print(fmt::format(
+      "{} is shown at\n  {}\n{}Ctrl-C ends it.\n",
+      request.scene ? one_line(*request.scene) + (is_new ? ", an empty sheet as there is no such file," : "")
+                    : "An empty sheet",
+      view.address(),
+      opened || request.no_browser ? "" : "No program to open it with was found; open it in a browser.\n"));
   view.run();
   return solved;
 }
@@ -37,7 +45,10 @@ int run_view(const ViewRequest& request, const Palette&) {
 Command view_command() {
   const auto request = std::make_shared<ViewRequest>();
   Command command{"view", "Show a scene in the browser: drag joints and loads, and see every equilibrium"};
-  command.add({"SCENE", &request->scene, "", "Scene file (TOML)", Presence::required}).ending = "toml";
+  command
+      .add(
+          {"SCENE", &request->scene, "", "Scene file (TOML); one that is not there yet, or none, opens an empty sheet"})
+      .ending = "toml";
   command.add({"--port", &request->port, "N", "Port of 127.0.0.1 to listen on (0, the default: any that is free)"});
   command.add({"--frame-origin", &request->frame_origin, "ORIGIN",
                "Let pages of this origin, \"http://localhost:8888\", say, show the scene in a frame\n"

@@ -11,6 +11,7 @@ import {Handles} from './view_drag.js';
 import {NumbersPanel, SwitchesPanel} from './view_numbers.js';
 import {TextPanel} from './view_text.js';
 import {OthersPanel} from './view_others.js';
+import {DrawingTools, ItemsPanel} from './view_draw.js';
 
 const times_kept = 1000;
 // How long a note stays, ms, after what it tells of.
@@ -135,6 +136,8 @@ class LiveView {
     this.handles = new Handles(this.moving, ask);
     this.numbers = new NumbersPanel(ask);
     this.switches = new SwitchesPanel(ask);
+    this.drawing = new DrawingTools(this.moving, page.tools, ask, (name) => this.selected(name));
+    this.items = new ItemsPanel(ask);
     this.text = new TextPanel(ask, () => this.showSaved());
     this.others = new OthersPanel(this.moving.picture, palette, ask);
     this.forces = element('div', {class: 'forces'});
@@ -145,6 +148,7 @@ class LiveView {
       [
         {name: 'numbers', title: 'Numbers', content: this.numbers.element},
         {name: 'switches', title: 'Springs and stops', content: this.switches.element},
+        {name: 'items', title: 'Items', content: this.items.element},
         {name: 'forces', title: 'Forces', content: this.forces},
         {name: 'others', title: 'Other equilibria', content: this.others.element},
         {name: 'text', title: 'Scene text', content: this.text.element},
@@ -163,6 +167,17 @@ class LiveView {
     whenTold(this.forces, {print: () => this.fillForces()});
     Object.assign(document.body.dataset, {revision: this.state.revision, kind: this.state.transition.kind});
     this.moving.show(this.state.drawing, () => this.arrived(true));
+    if (this.state.draft) {
+      this.bars.show(
+        'draft',
+        'This was not saved when the program ended.',
+        button('Keep it', () => this.bars.hide('draft')),
+        button('Back to the file', () => {
+          this.bars.hide('draft');
+          this.ask({do: 'undo'});
+        })
+      );
+    }
     // The program tells of other equilibria only after a request of its first page.
     if (this.state.revision === 0) this.ask({do: 'look'}, {note: 'opening'});
     this.program.startPolling();
@@ -239,7 +254,7 @@ class LiveView {
       element(
         'div',
         {class: 'live-left'},
-        element('section', {class: 'figure live-picture', 'aria-label': 'The mechanism'}, this.moving.element),
+        element('section', {class: 'figure live-picture', 'aria-label': 'The mechanism'}, this.drawing.element, this.moving.element),
         element(
           'section',
           {class: 'live-finding', 'aria-label': 'Finding'},
@@ -321,7 +336,7 @@ class LiveView {
   // Where the ground is elsewhere on the picture, and was not moved, the picture was fitted anew.
   isRefitted(before, answer, wish) {
     if (before.drawing.width !== answer.drawing.width) return true;
-    if (['ground', 'set', 'text', 'undo', 'redo', 'reload'].includes(wish.request.do)) return false;
+    if (['ground', 'set', 'text', 'undo', 'redo', 'reload', 'draw', 'place', 'remove'].includes(wish.request.do)) return false;
     return differ(before.handles, answer.handles, (one) => one.kind === 'ground', 0.5);
   }
 
@@ -352,6 +367,8 @@ class LiveView {
     if (whole) {
       this.numbers.update(state.numbers);
       this.switches.update(state.switches);
+      this.items.update(state.items);
+      this.drawing.update(state.sheet);
       // The next poll may already tell of another change.
       if (['save', 'reload'].includes(wish?.request.do)) this.file_state = 'same';
       if (state.saved || ['save', 'reload'].includes(wish?.request.do)) this.file_text = state.text;
@@ -412,6 +429,11 @@ class LiveView {
     refocus(this.forces, focus);
   }
 
+  selected(name) {
+    if (name !== '') this.tabs.openNamed('items');
+    return this.items.mark(name);
+  }
+
   opened(name) {
     if (name === 'forces') this.fillForces();
     if (name === 'text') requestAnimationFrame(() => this.text.scrolled());
@@ -449,6 +471,9 @@ class LiveView {
       this.numbers.refuse(request.path, error.text);
     } else if (request.do === 'switch') {
       this.switches.refuse(request.item, error.text);
+    } else if (request.do === 'rename') {
+      this.items.refuse();
+      this.items.update(this.state.items);
     } else if (request.do === 'text') {
       this.text.refuse(this.shortened(error.text), error.line);
     } else if (request.do === 'save' && error.text.startsWith('changed on disk')) {

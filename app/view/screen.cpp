@@ -17,21 +17,29 @@ constexpr Vec2 page_room{720.0, 460.0};
 constexpr std::size_t most_passed = 40;
 
 /// The scene without the hand, its force as a load.
-Scene drawn_scene(const TrackedEquilibrium& tracked) {
-  Scene scene = tracked.scene();
-  if (!tracked.hand()) return scene;
-  const Vec2 force = tracked.force_of_hand();
-  if (norm(force) > 0.0) scene.forces.push_back({.name = "hand", .at = *tracked.hand(), .vector = force});
+Scene drawn_scene(const ShownMechanism& shown) {
+  Scene scene = shown.scene();
+  if (!shown.hand()) return scene;
+  const Vec2 force = shown.at_rest().force_of_hand();
+  if (norm(force) > 0.0) scene.forces.push_back({.name = "hand", .at = *shown.hand(), .vector = force});
   return scene;
 }
 
-MechanismPicture picture_of(const TrackedEquilibrium& tracked) {
-  MechanismPicture picture{.poses = tracked.poses(), .confirmed = tracked.equilibrium().found()};
-  if (tracked.equilibrium().found()) add_forces(picture, tracked.model(), tracked.equilibrium());
+MechanismPicture picture_of(const ShownMechanism& shown) {
+  MechanismPicture picture{.poses = shown.poses(), .confirmed = shown.found()};
+  if (shown.found()) add_forces(picture, shown.at_rest().model(), shown.at_rest().equilibrium());
   return picture;
 }
 
-Box extent_now(const TrackedEquilibrium& tracked) { return world_of(tracked.scene(), {.poses = tracked.poses()}); }
+/// Of an empty sheet a place to begin: as large as a hand.
+Box extent_now(const ShownMechanism& shown) {
+  Box out = world_of(shown.scene(), {.poses = shown.poses()});
+  if (shown.tracked() != nullptr) return out;
+  constexpr Vec2 hand{0.4, 0.25};
+  if (out.empty()) out.include({});
+  if (out.width() < hand.x && out.height() < hand.y) out.include(out.low + hand);
+  return out;
+}
 
 /// With a third of its size to all sides.
 Box with_room_to_move(Box box) {
@@ -39,33 +47,35 @@ Box with_room_to_move(Box box) {
   return {box.low - Vec2{more, more}, box.high + Vec2{more, more}};
 }
 
-std::string state_in_words(const TrackedEquilibrium& tracked) {
-  const Equilibrium& equilibrium = tracked.equilibrium();
-  const std::string held = tracked.hand() ? "held, " : "";
+std::string state_in_words(const ShownMechanism& shown) {
+  if (shown.tracked() == nullptr) return "a sketch: " + shown.missing();
+  const Equilibrium& equilibrium = shown.tracked()->equilibrium();
+  const std::string held = shown.hand() ? "held, " : "";
   return equilibrium.found() ? held + in_few_words(equilibrium) : held + "no equilibrium: " + equilibrium.why;
 }
 
 }  // namespace
 
-Screen::Screen(const TrackedEquilibrium& tracked)
-    : scene_(drawn_scene(tracked)),
-      world_(with_room_to_move(extent_now(tracked))),
+Screen::Screen(const ShownMechanism& shown)
+    : scene_(drawn_scene(shown)),
+      world_(with_room_to_move(extent_now(shown))),
       drawer_(scene_, world_, page_room),
       view_(drawer_.view()),
-      largest_force_(largest_force_of(scene_, picture_of(tracked))) {}
+      largest_force_(largest_force_of(scene_, picture_of(shown))) {}
 
-bool Screen::shows(const TrackedEquilibrium& tracked) const {
-  const Box now = extent_now(tracked);
+bool Screen::shows(const ShownMechanism& shown) const {
+  const Box now = extent_now(shown);
   const bool is_inside = now.low.x >= world_.low.x && now.low.y >= world_.low.y && now.high.x <= world_.high.x &&
                          now.high.y <= world_.high.y;
   // A mechanism that has become much smaller is shown larger.
   const double now_size = std::max(now.width(), now.height());
+  if (shown.tracked() == nullptr) return is_inside;
   return is_inside && now_size > 0.2 * std::max(world_.width(), world_.height());
 }
 
-Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& transition, bool steady) {
-  scene_ = drawn_scene(tracked);
-  MechanismPicture picture = picture_of(tracked);
+Drawing Screen::drawing(const ShownMechanism& shown, const Transition& transition, bool steady) {
+  scene_ = drawn_scene(shown);
+  MechanismPicture picture = picture_of(shown);
   if (!steady) largest_force_ = largest_force_of(scene_, picture);
   picture.largest_force = largest_force_;
   std::vector<Frame> frames;
@@ -75,12 +85,12 @@ Drawing Screen::drawing(const TrackedEquilibrium& tracked, const Transition& tra
       frames.push_back({drawer_.draw(passed), "moving: " + course.why, Tone::doubtful, false});
     }
   }
-  const bool found = tracked.equilibrium().found();
-  const Tone tone = !found                                                               ? Tone::bad
-                    : tracked.equilibrium().certificate.stability == Stability::unstable ? Tone::bad
-                                                                                         : Tone::good;
-  frames.push_back({drawer_.draw(picture), state_in_words(tracked), tone, found});
-  find_loads(frames.back().canvas, tracked);
+  const bool found = shown.found();
+  const auto is_stable = [&] { return shown.tracked()->equilibrium().certificate.stability != Stability::unstable; };
+  const bool is_sketch = shown.tracked() == nullptr;
+  const Tone tone = is_sketch ? Tone::plain : found && is_stable() ? Tone::good : Tone::bad;
+  frames.push_back({drawer_.draw(picture), state_in_words(shown), tone, found || is_sketch});
+  find_loads(frames.back().canvas, shown);
   Drawing out = drawer_.finished(std::move(frames), scene_.title.empty() ? "the mechanism" : scene_.title);
   // A legend that becomes shorter moves nothing.
   height_ = out.height = std::max(height_, out.height);
@@ -97,21 +107,21 @@ Drawing Screen::others(const OtherEquilibria::Found& found) const {
   return drawer.finished(std::move(frames), "other equilibria");
 }
 
-Figure Screen::figure(const TrackedEquilibrium& tracked) {
-  const Scene scene = drawn_scene(tracked);
-  MechanismPicture picture = picture_of(tracked);
-  picture.heading = state_in_words(tracked);
+Figure Screen::figure(const ShownMechanism& shown) {
+  const Scene scene = drawn_scene(shown);
+  MechanismPicture picture = picture_of(shown);
+  picture.heading = state_in_words(shown);
   Figure out;
   out.title = "The mechanism";
   out.drawing = draw_frames({{.scene = &scene, .picture = std::move(picture)}}, scene.title);
   return out;
 }
 
-void Screen::find_loads(const Canvas& canvas, const TrackedEquilibrium& tracked) {
+void Screen::find_loads(const Canvas& canvas, const ShownMechanism& shown) {
   loads_.clear();
   const Vec2 origin = px(world_.middle());  // of what was drawn
-  const BodyPoses poses = tracked.poses();
-  for (const Force& force : tracked.scene().forces) {
+  const BodyPoses poses = shown.poses();
+  for (const Force& force : shown.scene().forces) {
     for (const Canvas::Entry& entry : canvas.entries()) {
       const auto* shaft = std::get_if<shape::Line>(&entry.shape);
       if (shaft == nullptr || canvas.items()[entry.item].name != "load " + force.name) continue;

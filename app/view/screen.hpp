@@ -1,11 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "app/draw/figure.hpp"
 #include "app/draw/frames.hpp"
 #include "app/view/other_equilibria.hpp"
-#include "statics/tracking/tracked_equilibrium.hpp"
+#include "app/view/shown_mechanism.hpp"
 
 namespace poise::app {
 
@@ -13,19 +14,22 @@ namespace poise::app {
 class Screen {
  public:
   /// Fits the mechanism where it stands, with room to move.
-  explicit Screen(const TrackedEquilibrium& tracked);
+  explicit Screen(const ShownMechanism& shown);
   Screen(const Screen&) = delete;  // the drawer refers to its scene
   Screen& operator=(const Screen&) = delete;
 
   /// Whether all of the mechanism is within the part that is shown.
-  bool shows(const TrackedEquilibrium& tracked) const;
+  bool shows(const ShownMechanism& shown) const;
   /// The positions that were passed and, last, the present one, with the forces in it. `steady`: arrows keep their
   /// scale, because one of them is being pulled.
-  Drawing drawing(const TrackedEquilibrium& tracked, const Transition& transition, bool steady);
+  Drawing drawing(const ShownMechanism& shown, const Transition& transition, bool steady);
   /// The mechanism in other equilibria, small and without forces, in the same places.
   Drawing others(const OtherEquilibria::Found& found) const;
   /// The present position for a report.
-  static Figure figure(const TrackedEquilibrium& tracked);
+  static Figure figure(const ShownMechanism& shown);
+
+  /// m: of what is shown.
+  double size() const { return std::max(world_.width(), world_.height()); }
 
   Vec2 world(Vec2 px) const { return view_.world(px); }
   Vec2 px(Vec2 world) const { return view_.page(world); }
@@ -41,7 +45,7 @@ class Screen {
   Vec2 pulled(const std::string& load, Vec2 to) const;
 
  private:
-  void find_loads(const Canvas& canvas, const TrackedEquilibrium& tracked);
+  void find_loads(const Canvas& canvas, const ShownMechanism& shown);
 
   Scene scene_;  // as it is drawn: with the force of the hand as a load
   Box world_;

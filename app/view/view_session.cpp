@@ -18,6 +18,7 @@
 #include "app/results/parts.hpp"
 #include "app/results/statics/solve.hpp"
 #include "app/terminal/output_file.hpp"
+#include "app/view/drawing_tools.hpp"
 #include "app/view/parked_items.hpp"
 #include "model/dependent_number.hpp"
 #include "model/named_files.hpp"
@@ -36,6 +37,9 @@ using nlohmann::json;
 
 constexpr std::size_t most_steps_back = 200;
 
+constexpr std::string_view empty_sheet =
+    "title = \"New mechanism\"\ngravity = [0, -9810]\n\n[units]\nlength = \"mm\"\nangle = \"deg\"\n";
+
 /// The place of the first "FILE:LINE:" in a message.
 std::optional<int> line_in(const std::string& message, const std::string& file) {
   const std::size_t at = message.find(file + ":");
@@ -49,7 +53,8 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
 
 /// Whether undo takes a request back: dragging about with the hand changes no number.
 bool changes_scene(const std::string& what) {
-  constexpr std::array<std::string_view, 6> changing = {"ground", "load", "set", "switch", "text", "reload"};
+  constexpr std::array<std::string_view, 11> changing = {"ground", "load",  "set",    "switch", "text", "reload",
+                                                         "draw",   "place", "remove", "rename", "keys"};
   return std::find(changing.begin(), changing.end(), what) != changing.end();
 }
 
@@ -93,6 +98,20 @@ std::pair<double, double> slider(const ParameterRow& row, double value, double s
   const double reach = value == 0.0 ? 1.0 : std::abs(value);
   if (!signed_number) return {0.0, 2.0 * reach};
   return {value - reach, value + reach};
+}
+
+/// Keys with values as TOML: numbers, pairs of numbers and texts, all that the page sends.
+std::map<std::string, std::string> toml_values(const json& values) {
+  std::map<std::string, std::string> out;
+  for (const auto& [key, value] : values.items()) {
+    if (value.is_number())
+      out[key] = value.dump();
+    else if (value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number())
+      out[key] = fmt::format("[{}, {}]", value[0].dump(), value[1].dump());
+    else
+      out[key] = toml_string(value.get<std::string>());
+  }
+  return out;
 }
 
 /// A state with its drawing, which is text already.
@@ -154,6 +173,37 @@ std::string toml_of_hand(const TrackedEquilibrium& tracked) {
   return out;
 }
 
+/// The start of a scene as a person would write it, without digits that a guess does not need: to a ten-thousandth of
+/// a degree, and to a millionth of the size of the mechanism, m. What is written already stays where it says the same.
+Start written_start(const Scene& scene, const Start& written, double size) {
+  const auto take = [](std::optional<double>& value, const std::optional<double>& before, double unit, int digits) {
+    if (!value) return;
+    const double scale = std::pow(10.0, digits);
+    // Multiplied in the unit of the file, so that it reads there as it was rounded.
+    const double rounded = std::round(*value / unit * scale) / scale * unit;
+    value = before && std::abs(*before - rounded) < 2.5 * unit / scale ? *before : rounded;
+  };
+  const int angle_digits = scene.units.angle == 1.0 ? 6 : 4;
+  const double length = scene.units.length;
+  const int length_digits = 6 - static_cast<int>(std::floor(std::log10(std::max(size, 1e-30) / length)));
+  Start out = scene.start;
+  for (std::size_t b = 0; b < out.angle.size(); ++b)
+    take(out.angle[b], written.angle[b], scene.units.angle, angle_digits);
+  for (std::size_t j = 0; j < out.travel.size(); ++j) take(out.travel[j], written.travel[j], length, length_digits);
+  for (std::size_t b = 0; b < out.position.size(); ++b) {
+    if (!out.position[b]) continue;
+    std::optional<double> x = out.position[b]->x, y = out.position[b]->y, x_before, y_before;
+    if (written.position[b]) {
+      x_before = written.position[b]->x;
+      y_before = written.position[b]->y;
+    }
+    take(x, x_before, length, length_digits);
+    take(y, y_before, length, length_digits);
+    out.position[b] = Vec2{*x, *y};
+  }
+  return out;
+}
+
 /// Whether the start of a scene, as far as it gives one, is that of another.
 bool starts_alike(const Scene& given, const Scene& other) {
   constexpr double rounding = 1e-12;
@@ -174,8 +224,16 @@ bool starts_alike(const Scene& given, const Scene& other) {
 }  // namespace
 
 ViewSession::ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt)
-    : file_(std::move(file)), interrupt_(interrupt), now_(opened(text_on_disk(), std::nullopt)) {
+    : file_(std::move(file)),
+      interrupt_(interrupt),
+      now_(opened(text_on_disk().value_or(std::string(empty_sheet)), std::nullopt)) {
+  now_.on_disk = text_on_disk();
   begin();
+}
+
+SceneInMemory new_scene() {
+  const std::string name = "mechanism.toml";
+  return {parse_sketch(empty_sheet, name), std::string(empty_sheet), name};
 }
 
 ViewSession::ViewSession(SceneInMemory scene, const std::atomic<bool>* interrupt)
@@ -189,7 +247,47 @@ ViewSession::ViewSession(SceneInMemory scene, const std::atomic<bool>* interrupt
 void ViewSession::begin() {
   sync();
   now_.saved_text = present_text();
+  take_draft();
   look_for_others();
+}
+
+std::filesystem::path ViewSession::draft_file() const { return file_.string() + ".draft"; }
+
+/// Shows what was drawn when the program ended without saving it, as a change of the file that can be undone.
+void ViewSession::take_draft() {
+  std::error_code unknown;
+  if (!has_file_ || !std::filesystem::is_regular_file(draft_file(), unknown)) return;
+  const State before = now_;
+  try {
+    draft_ = read_text_file(draft_file());
+    if (draft_ == now_.saved_text) return;
+    remember(snapshot());
+    do_text(draft_);
+    has_draft_ = true;
+  } catch (const InputError&) {
+    now_ = before;  // no scene: it stays as it is until something else is drawn
+  }
+}
+
+/// Writes the text beside the file while that has not been saved, so that nothing is lost with the program.
+void ViewSession::keep_draft(const std::string& text, bool is_saved) {
+  if (!has_file_) return;
+  std::error_code ignored;
+  if (is_saved) {
+    if (!draft_.empty()) std::filesystem::remove(draft_file(), ignored);
+    draft_.clear();
+    has_draft_ = false;
+    return;
+  }
+  if (text == draft_) return;
+  try {
+    OutputFile out(draft_file(), "draft");
+    out.prepare(text);
+    out.commit();
+    draft_ = text;
+  } catch (const InputError&) {
+    // A folder that cannot be written to has no draft; the page asks before it is closed.
+  }
 }
 
 /// The scene, or where there is none that which the text gives, at rest.
@@ -198,12 +296,12 @@ ViewSession::State ViewSession::opened(const std::string& text, std::optional<Sc
   if (!scene) scene = read(text);
   TrackedOptions options;
   options.interrupt = interrupt_;
-  TrackedEquilibrium tracked(*scene, options);
-  auto screen = std::make_shared<Screen>(tracked);
+  ShownMechanism shown(*scene, options);
+  auto screen = std::make_shared<Screen>(shown);
   return {.on_disk = text,
           .text = text,
           .scene = std::move(*scene),
-          .tracked = std::move(tracked),
+          .shown = std::move(shown),
           .screen = std::move(screen)};
 }
 
@@ -216,7 +314,13 @@ void ViewSession::expect_file() const {
 std::string ViewSession::line() const { return has_file_ ? "poise view " + file_.string() : ""; }
 
 /// Throws InputError for what is no file: it is looked at again and again, and a pipe would wait for a writer.
-std::string ViewSession::text_on_disk() const {
+/// Nothing where there is no file yet.
+std::optional<std::string> ViewSession::text_on_disk() const {
+  std::error_code unknown;
+  const auto status = std::filesystem::status(file_, unknown);
+  const std::filesystem::path folder = std::filesystem::absolute(file_).parent_path();
+  if (status.type() == std::filesystem::file_type::not_found && std::filesystem::is_directory(folder, unknown))
+    return std::nullopt;
   expect_regular_file(file_);
   return read_text_file(file_);
 }
@@ -248,7 +352,7 @@ Scene ViewSession::read(const std::string& text) const {
                       file_.string(), one.line, one_line(one.name)));
     }
   }
-  return parse_scene(text, file_.string());
+  return parse_sketch(text, file_.string());
 }
 
 /// A request that was made for another state than the present one would change what whoever sent it has not seen.
@@ -271,12 +375,14 @@ std::shared_ptr<const ViewSession::Snapshot> ViewSession::snapshot() const {
 Scene ViewSession::effective(Scene scene) const { return without_items(std::move(scene), now_.off); }
 
 /// Takes the present position over into the scene with all items.
-void ViewSession::sync() { now_.scene.start = now_.tracked.scene().start; }
+void ViewSession::sync() {
+  now_.scene.start = written_start(now_.shown.scene(), now_.scene.start, size_of_mechanism());
+}
 
 void ViewSession::look_for_others() {
-  if (now_.tracked.hand() || searched_ == now_.revision) return;
+  if (now_.shown.tracked() == nullptr || now_.shown.hand() || searched_ == now_.revision) return;
   searched_ = now_.revision;
-  others_.look_for(now_.tracked.scene(), now_.revision);
+  others_.look_for(now_.shown.scene(), now_.revision);
 }
 
 std::string ViewSession::present_text() const {
@@ -309,7 +415,7 @@ void ViewSession::go_back(const std::string& what, Snapshots& from, Snapshots& t
   const std::shared_ptr<const Snapshot> last = from.back();
   from.pop_back();
   to.push_back(snapshot());
-  now_.tracked.restore(without_items(last->scene, last->off));
+  now_.shown.restore(without_items(last->scene, last->off));
   now_.text = last->text;
   now_.scene = last->scene;
   now_.off = last->off;
@@ -318,7 +424,7 @@ void ViewSession::go_back(const std::string& what, Snapshots& from, Snapshots& t
 
 /// Takes over a scene with all items, whose numbers or items may have changed.
 Transition ViewSession::take(Scene scene) {
-  Transition out = now_.tracked.change(effective(scene));
+  Transition out = now_.shown.change(effective(scene));
   now_.scene = std::move(scene);
   sync();
   return out;
@@ -326,7 +432,7 @@ Transition ViewSession::take(Scene scene) {
 
 PointRef ViewSession::point_called(const std::string& name) const {
   std::vector<std::string> names;
-  const Scene& scene = now_.tracked.scene();
+  const Scene& scene = now_.shown.scene();
   for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
     const Body& body = scene.bodies[static_cast<std::size_t>(b)];
     for (int p = 0; p < static_cast<int>(body.points.size()); ++p) {
@@ -340,7 +446,7 @@ PointRef ViewSession::point_called(const std::string& name) const {
 Transition ViewSession::do_drag(const json& request) {
   const PointRef point = point_called(request.at("point").get<std::string>());
   if (point.body == 0) throw InputError("a point of the ground cannot be dragged along");
-  Transition out = now_.tracked.drag(point, now_.screen->world(px_of(request)));
+  Transition out = now_.shown.drag(point, now_.screen->world(px_of(request)));
   sync();
   return out;
 }
@@ -368,7 +474,7 @@ Transition ViewSession::do_load(const json& request) {
   expect_free({Owner::force, static_cast<int>(load - wanted.forces.begin())});
   load->vector = now_.screen->pulled(name, px_of(request));
   if (load->follows >= 0) {
-    load->vector = load->vector * conj(unit(now_.tracked.poses()[static_cast<std::size_t>(load->follows)].angle));
+    load->vector = load->vector * conj(unit(now_.shown.poses()[static_cast<std::size_t>(load->follows)].angle));
   }
   if (load->has_direction_of_its_own() && !(load->vector == Vec2{})) load->along = direction<double>(load->vector);
   return take(std::move(wanted));
@@ -398,9 +504,9 @@ Transition ViewSession::do_text(const std::string& text) {
   Scene scene = read(text);
   Transition out;
   if (starts_alike(scene, now_.scene)) {
-    out = now_.tracked.change(scene);
+    out = now_.shown.change(scene);
   } else {
-    now_.tracked.restore(scene);
+    now_.shown.restore(scene);
     out.kind = Transition::Kind::settled;
     out.why = "released from the start that the scene gives";
   }
@@ -411,13 +517,112 @@ Transition ViewSession::do_text(const std::string& text) {
   return out;
 }
 
+/// Takes over a text whose items were changed here. What stands already stays where it is.
+Transition ViewSession::take_edited(const SceneText& edited) {
+  Scene scene = edited.scene();
+  const Scene& before = now_.shown.scene();
+  for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
+    const auto known = std::find_if(before.bodies.begin() + 1, before.bodies.end(),
+                                    [&](const Body& body) { return body.name == scene.bodies[b].name; });
+    if (known == before.bodies.end()) continue;
+    const auto at = static_cast<std::size_t>(known - before.bodies.begin());
+    scene.start.angle[b] = before.start.angle[at];
+    scene.start.position[b] = before.start.position[at];
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    const auto known = std::find_if(before.joints.begin(), before.joints.end(),
+                                    [&](const Joint& joint) { return joint.name == scene.joints[j].name; });
+    if (known != before.joints.end())
+      scene.start.travel[j] = before.start.travel[static_cast<std::size_t>(known - before.joints.begin())];
+  }
+  std::set<std::string> left;
+  for (const SwitchedItem& item : items_of(scene)) {
+    if (now_.off.contains(item.item)) left.insert(item.item);
+  }
+  now_.off = std::move(left);
+  now_.text = edited.text();
+  return take(std::move(scene));
+}
+
+/// The text with all items, also those that are switched off.
+SceneText ViewSession::whole_text() const {
+  return {rewritten_scene(now_.text, file_.string(), now_.scene), file_.string()};
+}
+
+Transition ViewSession::do_draw(const json& request) {
+  const double unit = now_.scene.units.length;
+  Drawn drawn;
+  drawn.tool = request.at("tool").get<std::string>();
+  const auto places = [&](const json& list) {
+    std::vector<Vec2> out;
+    for (const json& place : list) out.push_back(unit * Vec2{place.at(0).get<double>(), place.at(1).get<double>()});
+    return out;
+  };
+  drawn.places = places(request.at("at"));
+  drawn.pressed = request.contains("pressed") ? places(request.at("pressed")) : drawn.places;
+  if (drawn.pressed.size() != drawn.places.size()) throw InputError("pressed: expected as many places as in \"at\"");
+  drawn.within = unit * request.at("within").get<double>();
+  drawn.grain = unit * request.at("grain").get<double>();
+  if (!(drawn.within >= 0.0) || !(drawn.grain > 0.0)) throw InputError("grain: expected a number above 0");
+  if (request.contains("values")) drawn.values = toml_values(request.at("values"));
+  SceneText text = whole_text();
+  draw(text, now_.shown.poses(), drawn);
+  return take_edited(text);
+}
+
+Transition ViewSession::do_items(const std::string& what, const json& request) {
+  SceneText text = whole_text();
+  if (what == "remove") {
+    text.remove(request.at("items").get<std::vector<std::string>>());
+  } else if (what == "rename") {
+    text.rename(request.at("item").get<std::string>(), request.at("name").get<std::string>());
+    // Those that stand keep their places under their new names.
+    return do_text(text.text());
+  } else {
+    const std::map<std::string, std::string> values = toml_values(request.at("values"));
+    text.set(request.at("item").get<std::string>(), {values.begin(), values.end()});
+  }
+  return take_edited(text);
+}
+
+/// Moves a point, with all that joints keep at its place, within the bodies that have them.
+Transition ViewSession::do_place(const json& request) {
+  const double unit = now_.scene.units.length;
+  const PointRef point = point_called(request.at("point").get<std::string>());
+  const json& at = request.at("at");
+  const Vec2 place = unit * Vec2{at.at(0).get<double>(), at.at(1).get<double>()};
+  std::vector<PointRef> together{point};
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    for (const Joint& joint : now_.scene.joints) {
+      if (joint.has_travel() || joint.keeps_length()) continue;
+      for (const auto& [one, other] : {std::pair(joint.a, joint.b), std::pair(joint.b, joint.a)}) {
+        if (one == together[k] && std::find(together.begin(), together.end(), other) == together.end())
+          together.push_back(other);
+      }
+    }
+  }
+  const BodyPoses poses = now_.shown.poses();
+  Scene wanted = now_.scene;
+  for (const PointRef& one : together) {
+    for (const int component : {0, 1}) expect_free({Owner::point, one.body, one.point, component});
+    const BodyPose<double>& pose = poses[static_cast<std::size_t>(one.body)];
+    Vec2 local = (place - pose.origin) * conj(pose.direction());
+    if (request.contains("grain")) {
+      const double grain = unit * request.at("grain").get<double>();
+      local = {std::round(local.x / grain) * grain, std::round(local.y / grain) * grain};
+    }
+    wanted.bodies[static_cast<std::size_t>(one.body)].points[static_cast<std::size_t>(one.point)].at = local;
+  }
+  return take(std::move(wanted));
+}
+
 Transition ViewSession::do_go(const json& request) {
   const std::optional<OtherEquilibria::Found> found = others_.found();
   const json& number = request.at("number");
   if (!number.is_number_unsigned()) throw InputError("number: expected that of an equilibrium, 0, 1, ...");
   const auto at = number.get<std::size_t>();
   if (!found || at >= found->poses.size()) throw InputError("that equilibrium is not known any more");
-  now_.tracked.stay_at(found->poses[at]);
+  now_.shown.stay_at(found->poses[at]);
   sync();
   Transition out;
   out.kind = Transition::Kind::settled;
@@ -429,15 +634,15 @@ void ViewSession::do_save(const json& request) {
   const bool anyway = request.value("anyway", false);
   expect_file();
   expect_regular_file(file_);
-  std::error_code unknown;
-  if (!anyway && std::filesystem::exists(file_, unknown) && text_on_disk() != now_.on_disk) {
+  const std::optional<std::string> there = text_on_disk();
+  if (!anyway && there && there != now_.on_disk) {
     throw InputError("changed on disk: the file is no longer as it was read; reload it, or save all the same");
   }
   const std::string text = present_text();
   now_.on_disk = now_.text = text;
   now_.scene = read(text);
   now_.off.clear();
-  now_.tracked.restore(now_.scene);
+  now_.shown.restore(now_.scene);
   sync();
   now_.saved_text = present_text();
   OutputFile out(file_, "save");
@@ -453,13 +658,16 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   if (what == "switch") return do_switch(request);
   if (what == "text") return do_text(request.at("text").get<std::string>());
   if (what == "go") return do_go(request);
+  if (what == "draw") return do_draw(request);
+  if (what == "place") return do_place(request);
+  if (what == "remove" || what == "rename" || what == "keys") return do_items(what, request);
   Transition out;
   if (what == "release") {
-    out = now_.tracked.release();
+    out = now_.shown.release();
     sync();
   } else if (what == "reload") {
     expect_file();
-    const std::string text = text_on_disk();
+    const std::string text = text_on_disk().value_or(now_.text);
     allow_files_of(text);
     out = do_text(text);
     now_.on_disk = text;
@@ -483,6 +691,7 @@ std::string ViewSession::answered(const std::string& what, const json& request, 
   const std::string gesture = what == "set"      ? "set " + request.value("path", "")
                               : what == "load"   ? "load " + request.value("name", "")
                               : what == "ground" ? "ground " + request.value("point", "")
+                              : what == "place"  ? "place " + request.value("point", "")
                                                  : what;
   const bool goes_on = request.value("goes_on", false);
   const Parts parts = goes_on || what == "drag" ? Parts::moving : Parts::all;
@@ -496,7 +705,7 @@ std::string ViewSession::answered(const std::string& what, const json& request, 
     ++now_.revision;
   }
   out = shown(transition, parts);
-  std::string drawing = drawing_json(now_.screen->drawing(now_.tracked, transition, what == "load"));
+  std::string drawing = drawing_json(now_.screen->drawing(now_.shown, transition, what == "load"));
   out["handles"] = handles();
   if (parts == Parts::all) look_for_others();
   return drawing;
@@ -508,7 +717,7 @@ std::string ViewSession::act(const json& request) {
   const auto go_back_to_before = [&] {
     now_ = before;
     // Places that the page sends next are those of the drawing that it has.
-    now_.screen->drawing(now_.tracked, {}, now_.in_gesture);
+    now_.screen->drawing(now_.shown, {}, now_.in_gesture);
   };
   json out;
   std::string drawing, what;
@@ -528,29 +737,62 @@ std::string ViewSession::act(const json& request) {
     go_back_to_before();
     throw;
   }
+  // Where a mechanism was only moved nothing would be lost.
+  if (out.contains("text")) keep_draft(out["text"], out["saved"] || now_.undo.empty());
   out["server_ms"] = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return with_drawing(out, drawing);
 }
 
+std::string ViewSession::title() const {
+  return now_.scene.title.empty() ? file_.filename().string() : now_.scene.title;
+}
+
+double ViewSession::size_of_mechanism() const {
+  const TrackedEquilibrium* const tracked = now_.shown.tracked();
+  return tracked != nullptr ? tracked->model().scales().length : now_.screen->size();
+}
+
 json ViewSession::page() {
   Result nothing;
-  nothing.title = now_.scene.title.empty() ? file_.filename().string() : now_.scene.title;
+  nothing.title = title();
   nothing.source = now_.scene.source;
   json out = page_document(nothing, {.command = "view", .line = line()}, {});
   out["result"] = nullptr;
+  out["tools"] = json::array();
+  for (const DrawingTool& tool : drawing_tools()) {
+    out["tools"].push_back({{"name", tool.name},
+                            {"title", tool.title},
+                            {"group", tool.group},
+                            {"picks", tool.picks.size()},
+                            {"more", tool.more},
+                            {"direction", tool.picks.back() == Pick::direction},
+                            {"hint", tool.hint}});
+  }
   json& view = out["view"] = shown({}, Parts::all);
-  view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.tracked, {}, false)));
+  view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.shown, {}, false)));
   view["handles"] = handles();
   return out;
 }
 
-json ViewSession::shown(const Transition& transition, Parts parts) {
-  if (parts == Parts::all && !now_.tracked.hand() && !now_.screen->shows(now_.tracked))
-    now_.screen = std::make_shared<Screen>(now_.tracked);
+/// What is found of the mechanism; of a sketch what is missing.
+json ViewSession::verdict_json() const {
+  const TrackedEquilibrium* const tracked = now_.shown.tracked();
+  if (tracked == nullptr) {
+    Result sketch;
+    sketch.title = title();
+    sketch.verdict = {"", "A sketch: " + now_.shown.missing() + ".", Tone::plain};
+    return report_json(sketch);
+  }
   Answer answer;
-  answer.equilibrium = now_.tracked.equilibrium();
-  answer.readings = read_off(now_.tracked.model(), answer.equilibrium.x);
-  json out = report_json(solve_result(now_.tracked.model(), answer, {}));
+  answer.equilibrium = tracked->equilibrium();
+  answer.readings = read_off(tracked->model(), answer.equilibrium.x);
+  return report_json(solve_result(tracked->model(), answer, {}));
+}
+
+json ViewSession::shown(const Transition& transition, Parts parts) {
+  if (parts == Parts::all && !now_.shown.hand() && !now_.screen->shows(now_.shown))
+    now_.screen = std::make_shared<Screen>(now_.shown);
+  json out = verdict_json();
   out["revision"] = now_.revision;
   out["transition"] = {{"kind", to_string(transition.kind)}, {"why", transition.why}, {"passed", transition.passed}};
   out["hand"] = hand();
@@ -559,9 +801,14 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
   if (parts == Parts::moving) return out;
   out["numbers"] = numbers();
   out["switches"] = switches();
+  out["items"] = items();
+  out["sheet"] = sheet();
+  out["position"] = position();
+  out["missing"] = now_.shown.missing();
   out["text"] = present_text();
   out["file"] = file_.filename().string();
   out["has_file"] = has_file_;
+  out["draft"] = has_draft_;
   out["saved"] = out["text"] == now_.saved_text;
   return out;
 }
@@ -569,7 +816,7 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
 json ViewSession::numbers() const {
   static const std::vector<std::string> order = {"numbers", "loads",      "gravity", "springs", "dampers",
                                                  "stops",   "dimensions", "masses",  "others"};
-  const double size = now_.tracked.model().scales().length;
+  const double size = size_of_mechanism();
   std::map<std::string, std::vector<json>> groups;
   const std::vector<ParameterRow> rows = parameter_table(now_.scene);
   const std::vector<std::optional<double>> values = parameter_values(now_.scene);
@@ -605,9 +852,57 @@ json ViewSession::switches() const {
   return out;
 }
 
+/// What can be renamed and taken away, by the names that the picture has.
+json ViewSession::items() const {
+  json out = json::array();
+  const SceneText text(now_.text, file_.string());
+  for (const SceneItem& item : text.items()) {
+    if (item.owner == Owner::body && item.index == 0) continue;
+    out.push_back({{"item", item.name}, {"name", item.own_name}, {"point", item.owner == Owner::point}});
+  }
+  return out;
+}
+
+/// Angles of bodies and travels of joints as they are shown, in the units of the scene: the text has them rounded.
+json ViewSession::position() const {
+  const Scene& scene = now_.shown.scene();
+  json out = json::object();
+  for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
+    if (scene.start.angle[b]) out[scene.bodies[b].name] = *scene.start.angle[b] / scene.units.angle;
+  }
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+    if (scene.start.travel[j]) out[scene.joints[j].name] = *scene.start.travel[j] / scene.units.length;
+  }
+  return out;
+}
+
+/// Where the plane of the scene is on the page, and all points in it.
+json ViewSession::sheet() const {
+  const double unit = now_.scene.units.length;
+  const Vec2 origin = now_.screen->px({}), one = now_.screen->px({unit, 0.0});
+  json points = json::array();
+  const Scene& scene = now_.shown.scene();
+  const BodyPoses poses = now_.shown.poses();
+  const std::vector<PointRef> used = used_of_ground(scene);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    for (const NamedPoint& point : scene.bodies[b].points) {
+      const Vec2 at = poses[b].world(point.at);
+      const PointRef ref{static_cast<int>(b), static_cast<int>(&point - scene.bodies[b].points.data())};
+      const bool is_loose = b == 0 && std::find(used.begin(), used.end(), ref) == used.end();
+      points.push_back(
+          {{"name", scene.bodies[b].name + "." + point.name}, {"at", {at.x / unit, at.y / unit}}, {"loose", is_loose}});
+    }
+  }
+  return {{"origin", {origin.x, origin.y}},
+          {"scale", one.x - origin.x},
+          {"unit", now_.scene.units.length_name},
+          {"angle", now_.scene.units.angle_name},
+          {"points", points}};
+}
+
 json ViewSession::handles() const {
-  const Scene& scene = now_.tracked.scene();
-  const BodyPoses poses = now_.tracked.poses();
+  const Scene& scene = now_.shown.scene();
+  const BodyPoses poses = now_.shown.poses();
   json out = json::array();
   std::vector<Vec2> taken;
   const auto add = [&](const char* kind, const std::string& name, PointRef point) {
@@ -618,7 +913,7 @@ json ViewSession::handles() const {
     taken.push_back(px);
     out.push_back({{"kind", kind}, {"name", name}, {"px", {px.x, px.y}}});
   };
-  if (now_.tracked.hand()) add("point", scene.name_of(*now_.tracked.hand()), *now_.tracked.hand());
+  if (now_.shown.hand()) add("point", scene.name_of(*now_.shown.hand()), *now_.shown.hand());
   // Of the ground those points on which something rests or pulls.
   for (const PointRef& point : used_of_ground(scene))
     add("ground", scene.bodies[0].points[static_cast<std::size_t>(point.point)].name, point);
@@ -635,17 +930,17 @@ json ViewSession::handles() const {
 }
 
 json ViewSession::hand() const {
-  if (!now_.tracked.hand()) return nullptr;
-  const std::string name = now_.tracked.scene().name_of(*now_.tracked.hand());
-  const double radius = resultant_of_stops(now_.tracked.equilibrium().check.reactions,
-                                           now_.tracked.scene().stops.size(), now_.tracked.hand_stops())
-                            .radius;
-  const std::string text =
-      with_unit(now_.tracked.model(), norm(now_.tracked.force_of_hand()), Quantity::force, 4, radius);
+  if (!now_.shown.hand()) return nullptr;
+  const TrackedEquilibrium& tracked = now_.shown.at_rest();
+  const std::string name = tracked.scene().name_of(*tracked.hand());
+  const double radius =
+      resultant_of_stops(tracked.equilibrium().check.reactions, tracked.scene().stops.size(), tracked.hand_stops())
+          .radius;
+  const std::string text = with_unit(tracked.model(), norm(tracked.force_of_hand()), Quantity::force, 4, radius);
   return {{"point", name},
           {"force", text},
           {"text", fmt::format("held at {} with {}", name, text)},
-          {"stops", toml_of_hand(now_.tracked)}};
+          {"stops", toml_of_hand(tracked)}};
 }
 
 json ViewSession::others_json(const OtherEquilibria::Found& found) const {
@@ -654,11 +949,11 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
               {"statement", found.set.statement + "."},
               {"drawing", json::parse(drawing_json(now_.screen->others(found)))},
               {"equilibria", json::array()}};
-  const BodyPoses now = now_.tracked.poses();
+  const BodyPoses now = now_.shown.poses();
   for (std::size_t k = 0; k < found.poses.size(); ++k) {
     const Equilibrium& one = found.set.equilibria[k];
     const Stability stability = one.certificate.stability;
-    const std::string caption = fmt::format("{}: {}", k + 1, stability_and_energy(now_.tracked.model(), one));
+    const std::string caption = fmt::format("{}: {}", k + 1, stability_and_energy(now_.shown.at_rest().model(), one));
     out["equilibria"].push_back({{"caption", caption},
                                  {"tone", stability == Stability::stable ? "good" : "bad"},
                                  {"stable", stability == Stability::stable},
@@ -670,19 +965,21 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
 json ViewSession::poll(long revision) {
   json out = {{"revision", now_.revision}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
   try {
-    if (has_file_ && text_on_disk() != now_.on_disk) out["file"] = "changed";
+    const std::optional<std::string> there = has_file_ ? text_on_disk() : now_.on_disk;
+    if (there != now_.on_disk) out["file"] = there ? "changed" : "gone";
   } catch (const InputError&) {
     out["file"] = "gone";
   }
   const std::optional<OtherEquilibria::Found> found = others_.found();
-  if (found && found->revision > revision) out["others"] = others_json(*found);
+  if (found && found->revision > revision && now_.shown.tracked() != nullptr) out["others"] = others_json(*found);
   return out;
 }
 
 std::string ViewSession::report() const {
-  Answer answer = measure(now_.tracked.model(), now_.tracked.equilibrium());
-  const Result result = solve_result(now_.tracked.model(), answer, {});
-  return html_page(page_document(result, {.command = "solve", .line = line()}, {Screen::figure(now_.tracked)}));
+  const TrackedEquilibrium& tracked = now_.shown.at_rest();
+  Answer answer = measure(tracked.model(), tracked.equilibrium());
+  const Result result = solve_result(tracked.model(), answer, {});
+  return html_page(page_document(result, {.command = "solve", .line = line()}, {Screen::figure(now_.shown)}));
 }
 
 }  // namespace poise::app

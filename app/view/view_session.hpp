@@ -13,8 +13,9 @@
 
 #include "app/view/other_equilibria.hpp"
 #include "app/view/screen.hpp"
+#include "app/view/shown_mechanism.hpp"
 #include "model/parameters.hpp"
-#include "statics/tracking/tracked_equilibrium.hpp"
+#include "model/scene_text.hpp"
 
 namespace poise::app {
 
@@ -25,11 +26,15 @@ struct SceneInMemory {
   std::string name;  ///< stands for a file in titles and messages, and gives the folder of the files that it names
 };
 
+/// An empty sheet on which a mechanism can be drawn.
+SceneInMemory new_scene();
+
 /// What `poise view` shows and changes: a scene, the equilibrium it rests in, and what was done before. No part of it
 /// knows of HTTP; docs/view.md describes the requests.
 class ViewSession {
  public:
-  /// Reads the file and settles. Throws InputError. `interrupt` ends what takes long.
+  /// Reads the file and settles; begins with an empty sheet where its folder has none of that name. Throws InputError.
+  /// `interrupt` ends what takes long.
   explicit ViewSession(std::filesystem::path file, const std::atomic<bool>* interrupt = nullptr);
   /// Settles. Throws InputError, also where the text is not that of the scene.
   explicit ViewSession(SceneInMemory scene, const std::atomic<bool>* interrupt = nullptr);
@@ -45,7 +50,8 @@ class ViewSession {
   /// The present state as a report for others.
   std::string report() const;
 
-  const TrackedEquilibrium& tracked() const { return now_.tracked; }
+  /// Throws InputError of a sketch.
+  const TrackedEquilibrium& tracked() const { return now_.shown.at_rest(); }
 
  private:
   /// What undo goes back to.
@@ -57,11 +63,11 @@ class ViewSession {
   using Snapshots = std::vector<std::shared_ptr<const Snapshot>>;
   /// All that a request may change.
   struct State {
-    std::string on_disk;  ///< text of the file when it was last read or written
-    std::string text;     ///< the text that scene was read from; its numbers may have changed since
-    Scene scene;          ///< with all that is switched off
+    std::optional<std::string> on_disk;  ///< text of the file when it was last read or written; none of a new one
+    std::string text;                    ///< the text that scene was read from; its numbers may have changed since
+    Scene scene;                         ///< with all that is switched off
     std::set<std::string> off{};
-    TrackedEquilibrium tracked;
+    ShownMechanism shown;
     Snapshots undo{}, redo{};
     std::string saved_text{};  ///< what present_text() gives while nothing has changed since on_disk
     std::string gesture{};     ///< of the requests that undo takes back together
@@ -73,9 +79,12 @@ class ViewSession {
 
   State opened(const std::string& text, std::optional<Scene> scene);
   void begin();
+  std::filesystem::path draft_file() const;
+  void take_draft();
+  void keep_draft(const std::string& text, bool is_saved);
   void expect_file() const;
   std::string line() const;
-  std::string text_on_disk() const;
+  std::optional<std::string> text_on_disk() const;
   void allow_files_of(const std::string& text);
   Scene read(const std::string& text) const;
   void expect_present(const nlohmann::json& request) const;
@@ -92,8 +101,14 @@ class ViewSession {
   Transition take(Scene scene);
   PointRef point_called(const std::string& name) const;
   nlohmann::json shown(const Transition& transition, Parts parts);
+  nlohmann::json verdict_json() const;
+  std::string title() const;
+  double size_of_mechanism() const;
   nlohmann::json numbers() const;
   nlohmann::json switches() const;
+  nlohmann::json items() const;
+  nlohmann::json sheet() const;
+  nlohmann::json position() const;
   nlohmann::json handles() const;
   nlohmann::json hand() const;
   nlohmann::json others_json(const OtherEquilibria::Found& found) const;
@@ -106,11 +121,18 @@ class ViewSession {
   Transition do_set(const nlohmann::json& request);
   Transition do_switch(const nlohmann::json& request);
   Transition do_text(const std::string& text);
+  Transition take_edited(const SceneText& edited);
+  SceneText whole_text() const;
+  Transition do_draw(const nlohmann::json& request);
+  Transition do_place(const nlohmann::json& request);
+  Transition do_items(const std::string& what, const nlohmann::json& request);
   Transition do_go(const nlohmann::json& request);
   void do_save(const nlohmann::json& request);
 
   std::filesystem::path file_;
   bool has_file_ = true;                 ///< otherwise file_ is a name alone
+  std::string draft_;                    ///< what stands beside the file; empty where nothing does
+  bool has_draft_ = false;               ///< what is shown began with it
   std::set<std::string> allowed_files_;  ///< that the scene on disk names, as it names them
   const std::atomic<bool>* interrupt_;
   State now_;

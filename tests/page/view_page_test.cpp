@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <source_location>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -59,8 +60,11 @@ class ViewPage : public testing::Test {
     browser().console();
   }
 
-  void show(const std::string& name) {
-    file_ = folder_.write(name + ".toml", contents(dataset(name)));
+  void show(const std::string& name) { show_file(folder_.write(name + ".toml", contents(dataset(name)))); }
+
+  /// Of a file that is not there an empty sheet.
+  void show_file(const std::string& file) {
+    file_ = file;
     int ends[2];
     ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
     posix_spawn_file_actions_t actions;
@@ -105,6 +109,57 @@ class ViewPage : public testing::Test {
                            .get<std::string>());
   }
 
+  /// Where a place of the scene, in its unit, is in the window, px.
+  std::pair<double, double> window_of(double x, double y) {
+    const json place = browser().run(
+        "const svg = document.querySelector('.live-picture svg.picture'), box = svg.getBoundingClientRect();"
+        "const view = svg.viewBox.baseVal, scale = Math.min(box.width / view.width, box.height / view.height);"
+        "const {origin, scale: unit} = arguments[0];"
+        "const px = origin[0] + unit * arguments[1], py = origin[1] - unit * arguments[2];"
+        "return [box.x + (box.width - scale * view.width) / 2 + scale * (px - view.x),"
+        "        box.y + (box.height - scale * view.height) / 2 + scale * (py - view.y)]",
+        {ask({{"do", "look"}})["sheet"], x, y});
+    return {place[0], place[1]};
+  }
+
+  /// Clicks on a button of the toolbar, in the menu of its group.
+  void choose(const std::string& tool) {
+    browser().run("document.querySelector(`[data-tool='${arguments[0]}']`).click()", {tool});
+    ++gestures_;
+  }
+
+  /// Clicks on a place of the scene.
+  void click(double x, double y) {
+    const auto [left, top] = window_of(x, y);
+    browser().move(left, top);
+    browser().press(left, top);
+    browser().let_go();
+    ++gestures_;
+  }
+
+  void key(const std::string& name) {
+    browser().type({name});
+    ++gestures_;
+  }
+
+  /// Types a place into the field for exact ones.
+  void exactly(const std::string& text) {
+    browser().run("document.querySelector('.draw-typed').focus()");
+    std::vector<std::string> keys;
+    for (const char letter : text) keys.emplace_back(1, letter);
+    keys.emplace_back("Enter");
+    browser().type(keys);
+    ++gestures_;
+  }
+
+  /// Waits until a change is shown that was asked for after the one before.
+  void drawn(std::source_location from = std::source_location::current()) {
+    EXPECT_TRUE(browser().wait_for("Number(document.body.dataset.revision) > " + std::to_string(revision_), 20.0))
+        << "line " << from.line() << ": " << browser().run("return document.querySelector('.status').textContent");
+    EXPECT_TRUE(browser().wait_for("!document.querySelector('.stage.moving')"));
+    revision_ = revision();
+  }
+
   /// Where a handle is in the window, px.
   std::pair<double, double> place_of(const std::string& kind, const std::string& name) {
     const json place = browser().run(
@@ -132,22 +187,14 @@ class ViewPage : public testing::Test {
 
   TempFolder folder_;
   std::string file_, address_;
+  int gestures_ = 0;
+  long revision_ = 1;
   pid_t process_ = 0;
   int exit_code_ = -1;
 };
 
-/// The angles that a text gives to bodies to start from, or travels; places of bodies are no numbers.
-std::map<std::string, double> start_of(const std::string& text) {
-  std::map<std::string, double> out;
-  std::istringstream lines(text.substr(text.find("[start]")));
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t equals = line.find(" = ");
-    if (equals == std::string::npos) continue;
-    const std::string value = line.substr(equals + 3);
-    if (value.find_first_of("[{") == std::string::npos) out[line.substr(0, equals)] = std::stod(value);
-  }
-  return out;
-}
+/// The angles of bodies and travels of joints that a state shows.
+std::map<std::string, double> shown_in(const json& state) { return state["position"]; }
 
 /// The largest difference of a start and angles that the command line finds, in the scene's unit.
 double farthest(const std::map<std::string, double>& start, const json& angles) {
@@ -174,7 +221,7 @@ TEST_F(ViewPage, JointDraggedAlongACircleIsWhereTheCommandLineFindsIt) {
     const std::string text = whole["text"];
     const json found =
         found_by_command_line(text + whole["hand"]["stops"].get<std::string>(), {"--seek", "any"})["angles"];
-    for (const auto& [body, angle] : start_of(text)) {
+    for (const auto& [body, angle] : shown_in(whole)) {
       EXPECT_NEAR(found[body].get<double>(), angle, 1e-9) << body;
     }
   }
@@ -182,9 +229,9 @@ TEST_F(ViewPage, JointDraggedAlongACircleIsWhereTheCommandLineFindsIt) {
   browser().let_go();
   ASSERT_TRUE(browser().wait_for("Number(document.body.dataset.revision) > " + std::to_string(held)));
   EXPECT_EQ(browser().run("return document.body.dataset.kind"), "settled");
-  const std::string text = ask({{"do", "look"}})["text"];
-  const json found = found_by_command_line(text, {})["angles"];
-  for (const auto& [body, angle] : start_of(text)) EXPECT_NEAR(found[body].get<double>(), angle, 1e-9) << body;
+  const json whole = ask({{"do", "look"}});
+  const json found = found_by_command_line(whole["text"], {})["angles"];
+  for (const auto& [body, angle] : shown_in(whole)) EXPECT_NEAR(found[body].get<double>(), angle, 1e-9) << body;
   expect_silence();
   const json times = browser().run("return window.poiseTimes");
   std::vector<double> total, server;
@@ -292,7 +339,7 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
       const json whole = ask({{"do", "look"}});
       const std::string text = whole["text"];
       const std::string held = text + whole["hand"]["stops"].get<std::string>();
-      const std::map<std::string, double> start = start_of(text);
+      const std::map<std::string, double> start = shown_in(whole);
       // Next to a dead centre Newton's method may go elsewhere from rounding: released there it stays.
       const json found = found_by_command_line(held, {"--seek", "any"});
       // Where the hand has pulled a chain straight, rounding of its place moves angles by far more.
@@ -352,6 +399,87 @@ TEST_F(ViewPage, SnapAtAFoldIsPlayed) {
   ASSERT_TRUE(browser().wait_for("document.body.dataset.kind === 'snapped'"));
   ASSERT_TRUE(browser().wait_for("document.body.dataset.confirmed === 'true'"));
   EXPECT_TRUE(browser().run("return window.captions.some(text => text !== undefined)").get<bool>());
+  expect_silence();
+}
+
+// The four-bar of README.md by mouse, from an empty sheet: forty gestures are three minutes for a beginner.
+TEST_F(ViewPage, TheFourBarOfTheReadmeIsDrawnByMouse) {
+  show_file(folder_.path("drawn.toml"));
+  EXPECT_TRUE(browser().wait_for("document.body.innerText.includes('no link is drawn yet')"));
+  choose("ground_point");
+  for (const auto& [x, y] : std::vector<std::pair<double, double>>{{0, 0}, {300, 0}}) {
+    click(x, y);
+    drawn();
+  }
+  exactly("0, 250");
+  drawn();
+  choose("link");
+  click(0, 0);
+  exactly("100 < 60");
+  key("Enter");
+  drawn();
+  click(50, 86.6);
+  click(300, 200);
+  key("Enter");
+  drawn();
+  click(300, 0);
+  click(300, 200);
+  key("Enter");
+  drawn();
+  choose("spring");
+  click(0, 250);
+  click(50, 86.6);
+  drawn();
+  choose("force");
+  const auto place = [&](const std::string& name) {
+    const json sheet = ask({{"do", "look"}})["sheet"];
+    for (const json& one : sheet["points"]) {
+      if (one["name"] == name) return std::pair<double, double>(one["at"][0], one["at"][1]);
+    }
+    throw std::runtime_error("no point " + name);
+  };
+  const auto click_on_coupler = [&](double share) {
+    const auto [from_x, from_y] = place("link_2.D");
+    const auto [to_x, to_y] = place("link_2.E");
+    click(from_x + share * (to_x - from_x), from_y + share * (to_y - from_y));
+    drawn();
+  };
+  click_on_coupler(0.5);
+  choose("mass");
+  click_on_coupler(0.7);
+  key("Escape");
+  // Lengths, the place of the load, the spring and the names are typed: one gesture each.
+  for (const auto& [path, value] : std::vector<std::pair<std::string, double>>{{"point.link_2.E.x", 280},
+                                                                               {"point.link_3.E.x", 220},
+                                                                               {"point.link_2.F.x", 140},
+                                                                               {"point.link_2.F.y", 60},
+                                                                               {"spring.spring 1.stiffness", 5},
+                                                                               {"spring.spring 1.free_length", 100},
+                                                                               {"load.force 1", 200},
+                                                                               {"body.link_2.mass", 1.2},
+                                                                               {"body.link_2.center.x", 140},
+                                                                               {"body.link_2.center.y", 20}}) {
+    browser().run(
+        "const field = document.querySelector(`[data-number='${arguments[0]}'] input[type=number]`);"
+        "field.value = arguments[1]; field.dispatchEvent(new Event('change', {bubbles: true}));",
+        {path, value});
+    ++gestures_;
+    SCOPED_TRACE(path);
+    drawn();
+  }
+  EXPECT_LE(gestures_, 40);
+  const json state = ask({{"do", "look"}});
+  EXPECT_EQ(state["verdict"]["text"], "In equilibrium, proved: stable.");
+  const std::string readme = contents(std::string(POISE_SOURCE_DIR) + "/README.md");
+  const std::size_t begin = readme.find("title = \"My four-bar\"");
+  const json drawn_found = found_by_command_line(state["text"], {});
+  const json readme_found = found_by_command_line(readme.substr(begin, readme.find("```", begin) - begin), {});
+  const std::map<std::string, std::string> names{{"crank", "link_1"}, {"coupler", "link_2"}, {"rocker", "link_3"}};
+  for (const auto& [theirs, ours] : names) {
+    EXPECT_NEAR(drawn_found["angles"][ours].get<double>(), readme_found["angles"][theirs].get<double>(), 1e-9)
+        << theirs;
+  }
+  std::printf("%d gestures\n", gestures_);
   expect_silence();
 }
 

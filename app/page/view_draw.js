@@ -1,0 +1,385 @@
+// Drawing by hand: tools that add items to the scene. The page finds the place that is meant (a point, the grid, a line
+// through the place before, typed numbers); what is written into the scene is decided by the program.
+
+import {button, checkbox, element, menu, numberText, svgElement} from './dom.js';
+
+// So near to a point, px of the screen, that point is meant.
+const near_point = 12;
+// So near to a horizontal or vertical through the place before, px of the screen, that line is meant.
+const near_line = 6;
+// Lines of the grid are so far apart at least, px of the screen.
+const least_grid = 14;
+
+// The largest of 1, 2 and 5 times a power of ten that is not above a number.
+function stepBelow(most) {
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].map((factor) => factor * power).find((step) => step <= most * (1 + 1e-9)) ?? power;
+}
+
+// Without digits that only rounding brings.
+function tidy(value, grain) {
+  const digits = Math.min(15, Math.max(0, Math.round(-Math.log10(grain))));
+  return Number(value.toFixed(digits)) + 0;
+}
+
+/// Reads "30, 40" as a place, and "100 < 60" as a length and an angle from the place before, deg; null for others.
+export function typedPlace(text, before, degrees) {
+  const number = '([-+]?(?:\\d+\\.?\\d*|\\.\\d+)(?:e[-+]?\\d+)?)';
+  const pair = text.trim().match(new RegExp(`^${number}\\s*[,;\\s]\\s*${number}$`, 'i'));
+  if (pair) return [Number(pair[1]), Number(pair[2])];
+  const polar = text.trim().match(new RegExp(`^${number}\\s*<\\s*${number}$`, 'i'));
+  if (!polar || !before) return null;
+  const angle = Number(polar[2]) * (degrees ? Math.PI / 180 : 1);
+  return [before[0] + Number(polar[1]) * Math.cos(angle), before[1] + Number(polar[1]) * Math.sin(angle)];
+}
+
+// Tools of the page itself.
+const own_tools = {
+  select: {name: 'select', title: 'Select', picks: 1, hint: 'Click an item; Delete takes it away.'},
+  move_point: {name: 'move_point', title: 'Shape', picks: 1, hint: 'Drag a point to where it is to be.'},
+};
+
+/// The toolbar and the sheet over the picture. `ask(request, options)` sends requests; `selected(name)` is told of the
+/// item that was clicked.
+export class DrawingTools {
+  constructor(moving, tools, ask, selected) {
+    this.selected = selected;
+    this.item = '';
+    Object.assign(this, {moving, ask, picture: moving.picture, tools, tool: null, picked: [], at: null, sheet: null});
+    this.snaps = true;
+    this.marks = svgElement('g', {class: 'draw-marks'});
+    this.picture.overlay.append(this.marks);
+    this.cover = element('div', {
+      class: 'draw-cover',
+      hidden: true,
+      pointermove: (event) => this.move(event),
+      pointerdown: (event) => this.down(event),
+      pointerup: (event) => this.up(event),
+      pointercancel: () => this.drop(),
+      pointerleave: () => this.leave(),
+      dblclick: () => this.end(),
+    });
+    moving.stage.append(this.cover);
+    this.hint = element('span', {class: 'hint draw-hint', role: 'status', 'aria-live': 'polite'});
+    this.typed = element('input', {
+      type: 'text',
+      class: 'draw-typed',
+      'aria-label': 'Place: x, y; or length < angle',
+      placeholder: 'x, y or length < angle',
+      keydown: (event) => this.typedKey(event),
+    });
+    this.typed_line = element('label', {class: 'draw-exact', hidden: true}, 'Exactly ', this.typed);
+    this.buttons = new Map();
+    const make = (name, title, hint) => {
+      const one = button(title, () => this.choose(name), {title: hint, 'data-tool': name, 'aria-pressed': 'false'});
+      this.buttons.set(name, one);
+      return one;
+    };
+    const groups = [...new Set(tools.map((tool) => tool.group))];
+    this.element = element(
+      'div',
+      {class: 'draw-tools', role: 'toolbar', 'aria-label': 'Drawing tools'},
+      make('', 'Move', 'Drag points, the ground and loads (Escape)'),
+      make('select', 'Select', 'Click an item to rename or delete it'),
+      make('move_point', 'Shape', 'Drag a point: the links there change their shape'),
+      ...groups.map((group) =>
+        menu(group, ...tools.filter((tool) => tool.group === group).map((tool) => make(tool.name, tool.title, tool.hint)))
+      ),
+      checkbox('Grid', true, (on) => {
+        this.snaps = on;
+      }),
+      this.typed_line,
+      this.hint
+    );
+    document.addEventListener('keydown', (event) => this.key(event));
+    this.choose('');
+  }
+
+  /// Takes over where the plane and its points are.
+  update(sheet) {
+    this.sheet = sheet;
+    this.draw();
+  }
+
+  choose(name) {
+    this.drop();
+    this.tool = own_tools[name] ?? this.tools.find((tool) => tool.name === name) ?? null;
+    this.item = '';
+    this.moving.stage.classList.toggle('selecting', name === 'select');
+    this.picked = [];
+    this.pressed = [];
+    for (const [known, one] of this.buttons) one.setAttribute('aria-pressed', known === name);
+    for (const box of this.element.querySelectorAll('.menu')) {
+      box.open = false;
+      box.classList.toggle('chosen', box.querySelector('[aria-pressed="true"]') !== null);
+    }
+    this.cover.hidden = this.tool === null;
+    this.typed_line.hidden = this.tool === null || Object.hasOwn(own_tools, name);
+    this.hint.textContent = this.tool ? `${this.tool.title}: ${this.tool.hint}` : '';
+    this.draw();
+  }
+
+  key(event) {
+    if (this.tool === null || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === 'Escape') {
+      event.preventDefault();
+      if (this.picked.length > 0) this.forget();
+      else this.choose('');
+    } else if (['Delete', 'Backspace'].includes(event.key) && this.item && !event.target.closest('input, textarea')) {
+      event.preventDefault();
+      this.ask({do: 'remove', items: [this.item]});
+      this.select('');
+    } else if (event.key === 'Enter' && event.target !== this.typed && this.picked.length > 0) {
+      event.preventDefault();
+      this.end();
+    }
+  }
+
+  typedKey(event) {
+    if (event.key !== 'Enter') return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (this.typed.value.trim() === '') {
+      this.end();
+      return;
+    }
+    const place = typedPlace(this.typed.value, this.picked.at(-1), this.sheet.angle === 'deg');
+    this.typed.setAttribute('aria-invalid', place === null);
+    if (place === null) return;
+    this.typed.value = '';
+    this.pick(place);
+  }
+
+  // px of the screen for a unit of length.
+  get density() {
+    const box = this.picture.svg.getBoundingClientRect();
+    return this.sheet.scale * Math.min(box.width / this.picture.box.width, box.height / this.picture.box.height);
+  }
+
+  get grain() {
+    return 10 ** Math.floor(Math.log10(1 / this.density) - 0.5);
+  }
+
+  get grid() {
+    return stepBelow((2.5 * least_grid) / this.density);
+  }
+
+  toPlane({x, y}) {
+    const [left, top] = this.sheet.origin;
+    return [(x - left) / this.sheet.scale, (top - y) / this.sheet.scale];
+  }
+
+  toPage([x, y]) {
+    const [left, top] = this.sheet.origin;
+    return [left + this.sheet.scale * x, top - this.sheet.scale * y];
+  }
+
+  // The place that is meant, and why.
+  meant(event) {
+    const place = this.toPlane(this.picture.toPage(event.clientX, event.clientY));
+    const {density} = this;
+    const far = ([x, y]) => density * Math.hypot(x - place[0], y - place[1]);
+    const points = [...this.sheet.points, ...this.picked.map((at) => ({at, name: ''}))];
+    const nearest = points.reduce((best, one) => (best && far(best.at) <= far(one.at) ? best : one), null);
+    if (nearest && far(nearest.at) <= near_point) return {at: nearest.at, pressed: nearest.at, name: nearest.name};
+    const {grid} = this;
+    const step = this.snaps ? grid : this.grain;
+    const at = place.map((value) => tidy(Math.round(value / step) * step, this.grain));
+    const before = this.picked.at(-1);
+    if (before && this.snaps) {
+      if (density * Math.abs(place[1] - before[1]) < near_line) at[1] = before[1];
+      else if (density * Math.abs(place[0] - before[0]) < near_line) at[0] = before[0];
+    }
+    return {at, pressed: place, name: ''};
+  }
+
+  move(event) {
+    if (!this.tool || !this.sheet) return;
+    this.at = this.meant(event);
+    if (this.held) {
+      this.held.moved = true;
+      this.placeHeld(true);
+    }
+    this.draw();
+  }
+
+  leave() {
+    if (this.held) return;
+    this.at = null;
+    this.draw();
+  }
+
+  down(event) {
+    if (!this.tool || event.button !== 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.moving.finish();
+    this.at = this.meant(event);
+    if (this.tool.name === 'select') {
+      this.select(this.itemAt(event) || this.at.name);
+    } else if (this.tool.name !== 'move_point') {
+      this.pick(this.at.at, this.at.pressed);
+    } else if (this.at.name) {
+      this.cover.setPointerCapture(event.pointerId);
+      this.held = {point: this.at.name, moved: false};
+    }
+  }
+
+  // The sheet lies over the picture.
+  itemAt(event) {
+    this.cover.style.pointerEvents = 'none';
+    const name = this.picture.nameAt(event.clientX, event.clientY);
+    this.cover.style.pointerEvents = '';
+    return name;
+  }
+
+  select(name) {
+    this.item = this.selected(name) ? name : '';
+    this.hint.textContent = this.item ? `${this.item}: Delete takes it away.` : `Select: ${own_tools.select.hint}`;
+  }
+
+  up() {
+    if (!this.held) return;
+    if (this.held.moved) this.placeHeld(false);
+    this.held = null;
+  }
+
+  drop() {
+    this.held = null;
+  }
+
+  placeHeld(goes_on) {
+    const {point} = this.held;
+    const request = {do: 'place', point, at: this.at.at, grain: this.grain};
+    if (goes_on) request.goes_on = true;
+    this.ask(request, {gesture: goes_on ? `place ${point}` : undefined});
+  }
+
+  // A place, and where the hand was, by which points and links are meant.
+  pick(at, pressed = at) {
+    const before = this.picked.at(-1);
+    const again = before && Math.hypot(before[0] - at[0], before[1] - at[1]) < this.grain;
+    // A second click on the last place ends what may go on; a double click is one.
+    if (again) {
+      this.end();
+      return;
+    }
+    this.picked.push(at);
+    this.pressed.push(pressed);
+    if (this.picked.length >= this.tool.picks && !this.tool.more) this.end();
+    else this.draw();
+  }
+
+  end() {
+    if (!this.tool || this.picked.length < this.tool.picks) return;
+    const [at, pressed] = [this.picked, this.pressed];
+    this.forget();
+    this.ask({do: 'draw', tool: this.tool.name, at, pressed, within: near_point / this.density, grain: this.grain});
+  }
+
+  forget() {
+    this.picked = [];
+    this.pressed = [];
+    this.draw();
+  }
+
+  // Lines through the multiples of the grid's step that are in view.
+  gridLines() {
+    const {box} = this.picture;
+    const [left, top] = this.sheet.origin;
+    const step = this.grid * this.sheet.scale;
+    const lines = [];
+    for (let x = left + Math.ceil((box.x - left) / step) * step; x < box.x + box.width; x += step)
+      lines.push(`M${x.toFixed(2)},${box.y}v${box.height}`);
+    for (let y = top + Math.ceil((box.y - top) / step) * step; y < box.y + box.height; y += step)
+      lines.push(`M${box.x},${y.toFixed(2)}h${box.width}`);
+    return lines.join('');
+  }
+
+  draw() {
+    this.marks.replaceChildren();
+    if (!this.sheet) return;
+    const draw = (tag, attributes, ...children) => this.marks.append(svgElement(tag, attributes, ...children));
+    // The picture shows those points of the ground alone that hold something.
+    for (const {name, at, loose} of this.sheet.points) {
+      if (!loose) continue;
+      const [x, y] = this.toPage(at);
+      draw('path', {class: 'draw-loose', d: `M${x - 4},${y}h8M${x},${y - 4}v8`});
+      draw('text', {class: 'draw-reading', x: x + 6, y: y - 5}, name.slice(name.lastIndexOf('.') + 1));
+    }
+    if (!this.tool) return;
+    if (this.snaps && this.tool.name !== 'select') draw('path', {class: 'draw-grid', d: this.gridLines()});
+    const places = [...this.picked, ...(this.at ? [this.at.at] : [])].map((at) => this.toPage(at));
+    if (places.length > 1)
+      draw('polyline', {class: 'draw-line', points: places.map((place) => place.join(',')).join(' ')});
+    for (const [x, y] of places) draw('circle', {class: 'draw-place', cx: x, cy: y, r: 4});
+    if (!this.at) return;
+    const [x, y] = this.at.at;
+    const parts = [`${numberText(x, 6)}, ${numberText(y, 6)} ${this.sheet.unit}`];
+    if (this.at.name) parts.unshift(this.at.name);
+    const before = this.picked.at(-1);
+    if (before) {
+      const [dx, dy] = [x - before[0], y - before[1]];
+      const length = Math.hypot(dx, dy);
+      const angle = (Math.atan2(dy, dx) * 180) / Math.PI;
+      parts.push(`${numberText(length, 5)} ${this.sheet.unit} < ${numberText(angle, 4)}°`);
+    }
+    const [px, py] = this.toPage(this.at.at);
+    const text = svgElement('text', {class: 'draw-reading', x: px + 10, y: py - 10}, parts.join(' · '));
+    this.marks.append(text);
+  }
+}
+
+/// The panel with all items, which can be renamed and taken away.
+export class ItemsPanel {
+  constructor(ask) {
+    this.ask = ask;
+    this.key = '';
+    this.list = element('div', {class: 'items-list'});
+    this.none = element('p', {class: 'hint'}, 'Nothing is drawn yet: choose a tool above the sheet.');
+    this.element = element('div', {}, this.none, this.list);
+  }
+
+  update(items) {
+    const key = JSON.stringify(items);
+    if (key === this.key) return;
+    this.key = key;
+    this.none.hidden = items.length > 0;
+    this.list.replaceChildren(
+      ...items.map(({item, name}) => {
+        const field = element('input', {
+          type: 'text',
+          'aria-label': `Name of ${item}`,
+          change: () => {
+            if (field.value !== name) this.ask({do: 'rename', item, name: field.value});
+          },
+        });
+        field.value = name;
+        const kind = item.endsWith(` ${name}`) ? item.slice(0, -name.length - 1) : item.includes('.') ? 'point' : 'link';
+        return element(
+          'div',
+          {class: 'item-row', 'data-item': item},
+          element('span', {class: 'item-kind'}, kind === 'point' ? `point of ${item.slice(0, item.lastIndexOf('.'))}` : kind),
+          field,
+          button('Delete', () => this.ask({do: 'remove', items: [item]}), {
+            class: 'quiet',
+            'aria-label': `Delete ${item}`,
+          })
+        );
+      })
+    );
+  }
+
+  /// Marks an item; false where there is none of that name.
+  mark(name) {
+    for (const row of this.list.children) row.classList.toggle('marked', row.dataset.item === name);
+    const row = this.list.querySelector('.marked');
+    row?.scrollIntoView({block: 'nearest'});
+    return row !== null;
+  }
+
+  /// Shows the names again as they are where another was refused.
+  refuse() {
+    this.key = '';
+  }
+}
