@@ -75,7 +75,7 @@ def joints() -> Drawing:
         panel.line(start - 20 * t, start + 160 * t, style="c")
         panel.pin(start)
         panel.arrow(start, start + 36 * t, "g", "m", 7)
-        panel.text(start + 30 * t, "`axis`", down=-10, right=-4)
+        panel.text(start + 30 * t, "`axis`", down=-10, right=-12)
         if is_slide:
             for side in (11j, -11j):
                 panel.line(start + (50 + side) * t, start + (150 + side) * t)
@@ -89,7 +89,7 @@ def joints() -> Drawing:
         panel.pin(end, 5)
         panel.dimension(start, end, "travel", -38, one=True)
         panel.text(start, "a.P", right=-4, down=22)
-        panel.text(end, "b.Q", right=26, down=8)
+        panel.text(end, "b.Q", right=24, down=27)
         panel.text(82 + 112j, "`[[slide]]`" if is_slide else "`[[pin_in_slot]]`")
     drawing.panel(14 + 366j).texts(0, ['`points` = ["a.P", "b.Q"];  the `axis` is fixed in body a',
                                        "`angle` = angle(b) - angle(a);  in a slot b turns freely"])
@@ -344,7 +344,7 @@ def time_functions() -> Drawing:
     panel = chart(drawing, 34 + 124j, 176, 96, "t", "c(t)")
     graph(panel, lambda t: 40 + 28 * math.sin(2 * math.pi * t / 92 + 0.6), 0, 166, 70)
     panel.line(40j, 166 + 40j, style="c")
-    panel.dimension(150, 150 + 40j, "`offset`", 0)
+    panel.dimension(150, 150 + 40j, "`offset`", aside=30)
     top = 92 * (0.25 - 0.6 / (2 * math.pi))
     panel.dimension(top + 40j, top + 68j, "", 0)
     panel.text(top + 54j, "`amplitude`", anchor="start", right=5, down=2)

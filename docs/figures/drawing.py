@@ -28,12 +28,13 @@ STYLE = """
 .s{stroke:#a3247f;stroke-width:1.8}.sh{fill:#a3247f}
 .f{stroke:#c8202b;stroke-width:2}.fh{fill:#c8202b}
 text{fill:#222b33;stroke:#fff;stroke-width:3px;paint-order:stroke;stroke-linejoin:round}
+.ha{stroke:#dfe6ee}.he{stroke:#f3e4c8}
 .k{font-family:ui-monospace,Menlo,Consolas,'DejaVu Sans Mono',monospace;font-size:12px;font-weight:600}
 .n{fill:#68717a}
 @media(prefers-color-scheme:dark){.p{fill:#14181d}.a{fill:#34414e}.e{fill:#57492c}.a,.e,.o,.q{stroke:#d5dbe0}
 .q{fill:#14181d}.m{fill:#d5dbe0}.g,.c{stroke:#9aa5ae}.x{stroke:#5e6870}.w{stroke:#56b4e9}.v{stroke:#62c68b}
 .d{stroke:#74aefc}.dh{fill:#74aefc}.s{stroke:#f08ad0}.sh{fill:#f08ad0}.f{stroke:#ff7a80}.fh{fill:#ff7a80}
-text{fill:#e3e8ec;stroke:#14181d}.n{fill:#9aa5ae}}
+text{fill:#e3e8ec;stroke:#14181d}.ha{stroke:#34414e}.he{stroke:#57492c}.n{fill:#9aa5ae}}
 """
 
 
@@ -44,6 +45,20 @@ def turned(angle: float) -> complex:
 
 def number(value: float) -> str:
     return f"{round(value, 1) + 0.0:g}"
+
+
+def width_of(text: str) -> float:
+    """The width of a text in pixels, as most fonts have it."""
+    return 7.3 * len(re.sub("[`_]", "", text))
+
+
+def is_inside(p: complex, corners: Sequence[complex]) -> bool:
+    """Whether a place is in a polygon: a ray to the right crosses its sides an odd number of times."""
+    crossings = 0
+    for a, b in zip(corners, [*corners[1:], corners[0]]):
+        if (a.imag > p.imag) != (b.imag > p.imag):
+            crossings += (p.imag - a.imag) * (b - a).real / (b - a).imag + a.real > p.real
+    return crossings % 2 == 1
 
 
 def spans(text: str) -> str:
@@ -65,6 +80,8 @@ class Drawing:
         self.title = title
         self.height = height
         self.parts: list[str] = []
+        #: What has been filled, in pixels, each with its style.
+        self.filled: list[tuple[list[complex], str]] = []
 
     def panel(self, origin: complex, scale: float = 1.0) -> Panel:
         """A panel with its origin at a place from the upper left corner, x + iy with y downwards."""
@@ -100,10 +117,16 @@ class Panel:
     def _add(self, part: str) -> None:
         self.drawing.parts.append(part)
 
+    def _fill(self, corners: Sequence[complex], style: str) -> None:
+        if style in "aeq":
+            self.drawing.filled.append(([self.at(p) for p in corners], style))
+
     # Lines and areas.
 
     def line(self, *points: complex, style: str = "o", closed: bool = False) -> None:
         path = "L".join(self._place(p) for p in points) + ("Z" if closed else "")
+        if closed:
+            self._fill(points, style)
         self._add(f'<path class="{style}" d="M{path}"/>')
 
     def area(self, points: Sequence[complex], style: str = "a") -> None:
@@ -111,6 +134,7 @@ class Panel:
 
     def circle(self, center: complex, radius: float, style: str = "o") -> None:
         c = self.at(center)
+        self._fill([center + radius * turned(angle) for angle in range(0, 360, 10)], style)
         self._add(f'<circle class="{style}" cx="{number(c.real)}" cy="{number(c.imag)}" '
                   f'r="{number(radius * self.scale)}"/>')
 
@@ -125,6 +149,7 @@ class Panel:
         """A bar with round ends, half as wide in pixels as said."""
         n = 1j * (b - a) / abs(b - a) * half / self.scale
         r = number(half)
+        self._fill((a + n, a - n, b - n, b + n), style)
         path = [self._place(p) for p in (a + n, a - n, b - n, b + n)]
         arc = f"A{r} {r} 0 0 0 "
         self._add(f'<path class="{style}" d="M{path[0]}{arc}{path[1]}L{path[2]}{arc}{path[3]}Z"/>')
@@ -202,24 +227,49 @@ class Panel:
 
     def dimension(self, a: complex, b: complex, text: str, away: float = 0, where: float = 0.5,
                   one: bool = False, aside: float = 0) -> None:
-        """Between two points, `away` pixels to the left of the way from a to b; `one`: with one head, a signed one."""
+        """Between two points, `away` pixels to the left of the way from a to b; `one`: with one head, a signed one.
+
+        The line leaves room for its text, where there is room.
+        """
         t = (b - a) / abs(b - a)
         n = 1j * t * away / self.scale
         over = 1j * t * math.copysign(4, away) / self.scale
         if away:
             self.line(a, a + n + over, style="x")
             self.line(b, b + n + over, style="x")
-        self.arrow(a + n, b + n, "d", size=7, both=not one)
+        first, last = a + n, b + n
+        middle = first + where * (b - a)
+        way = min(0.5 * width_of(text) / max(abs(t.real), 1e-9), 9 / max(abs(t.imag), 1e-9)) + 3
+        room = min(abs(middle - first) - (0 if one else 7 / self.scale), abs(last - middle) - 7 / self.scale)
+        if text and not aside and 0 < where < 1 and way / self.scale < room:
+            self.arrow(middle + way * t / self.scale, last, "d", size=7)
+            if one:
+                self.line(first, middle - way * t / self.scale, style="d")
+            else:
+                self.arrow(middle - way * t / self.scale, first, "d", size=7)
+        else:
+            self.arrow(first, last, "d", size=7, both=not one)
         if one:
             self.line(a + n + 4j * t / self.scale, a + n - 4j * t / self.scale, style="d")
-        self.text(a + n + where * (b - a) + 1j * t * aside / self.scale, text, down=4)
+        self.text(middle + 1j * t * aside / self.scale, text, down=4)
 
     def text(self, p: complex, text: str, style: str = "", anchor: str = "middle", right: float = 0,
              down: float = 0) -> None:
         q = self.at(p) + complex(right, down)
-        look = f' class="{style}"' if style else ""
+        classes = " ".join(filter(None, [style, self._halo(q, text, anchor)]))
+        look = f' class="{classes}"' if classes else ""
         side = f' text-anchor="{anchor}"' if anchor != "start" else ""
         self._add(f'<text x="{number(q.real)}" y="{number(q.imag)}"{side}{look}>{spans(text)}</text>')
+
+    def _halo(self, q: complex, text: str, anchor: str) -> str:
+        """The class of the halo that a text has: the colour of what the whole of it stands on."""
+        begin = {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor] * -width_of(text)
+        ends = [q + begin - 4j, q + begin + width_of(text) - 4j]
+        for corners, style in reversed(self.drawing.filled):
+            inside = [is_inside(end, corners) for end in ends]
+            if any(inside):
+                return f"h{style}" if all(inside) and style in "ae" else ""
+        return ""
 
     def texts(self, p: complex, lines: Sequence[str], style: str = "", anchor: str = "start", step: float = 17) -> None:
         for k, line in enumerate(lines):
@@ -229,4 +279,6 @@ class Panel:
         """A thin line from a label to what it names."""
         self.line(tip, at, style="g")
         right = 4 if anchor == "start" else -4 if anchor == "end" else 0
-        self.text(at, text, anchor=anchor, right=right, down=4)
+        # A label in the middle stands behind the end of the line.
+        down = 4 if right else -4 if complex(tip).imag < complex(at).imag else 13
+        self.text(at, text, anchor=anchor, right=right, down=down)

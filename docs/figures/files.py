@@ -62,7 +62,7 @@ def sensor() -> Drawing:
     for t in times:
         panel.dot(complex(t, (g(t - delay) - zero) / factor), 2.4)
     panel.line(0, complex(0, -4))
-    panel.text(220 + 6j, "quantity g of the mechanism", anchor="start", right=-40, down=-2)
+    panel.text(220 + 6j, "quantity g of the mechanism", anchor="start", right=-74, down=-2)
     panel.text(180 + 176j, "`column` of the data file", anchor="start", right=0, down=-2)
     top = 150.0
     panel.line(complex(top, g(top)), complex(top, 170), style="x")

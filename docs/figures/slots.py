@@ -110,7 +110,7 @@ def curved_slot() -> Drawing:
     panel.arrow(pin + force.real, pin + force, "f", size=6)
     panel.text(pin + force, "force of the slot: NAME x, NAME y", right=-10, down=-6)
     panel.leader(curve.at(begin) + 8j * curve.tangent(begin), 20 + 92j, "`from`", "middle")
-    panel.leader(curve.at(end) + 9 * curve.tangent(end), 352 + 24j, "`to`", "middle")
+    panel.leader(curve.at(end) + 9 * curve.tangent(end), 300 + 14j, "`to`", "middle")
     panel.leader(points[1] + 0j, 120 + 22j, "`curve` = [[x, y], ...]", "start")
     ring = drawing.panel(368 + 318j)
     loop = Curve([38 * turned(a) * (1 + 0.3 * math.cos(math.radians(2 * a))) for a in range(0, 360, 45)], True)
@@ -137,7 +137,7 @@ def rolling() -> Drawing:
     panel.dot(center + 0.82 * r * turned(angle))
     panel.line(center, center + r, style="c")
     panel.turn(center, 24, 0, angle)
-    panel.text(center + 26 * turned(-40), "angle < 0", anchor="start", right=2, down=0)
+    panel.leader(center + 25 * turned(-40), center + r + 14 - 26j, "angle < 0")
     panel.line(center, center + r * turned(125), style="d")
     panel.text(center + 0.5 * r * turned(125), "`radius`")
     panel.pin(center)
@@ -146,9 +146,9 @@ def rolling() -> Drawing:
     panel.text(travel - 46j, "normal force NAME", anchor="start", right=6, down=-2)
     panel.dot(0)
     panel.arrow(0, 40, "g", "m", 7)
-    panel.text(0, '`line` = "a.A"', down=-30, right=0)
-    panel.line(4j, 24j, style="g")
-    panel.text(40, "`axis`", right=6, down=-6)
+    panel.text(0, '`line` = "a.A"', down=-24, right=-2)
+    panel.line(4j, 20j, style="g")
+    panel.text(40, "`axis`", right=-16, down=-6)
     panel.line(complex(offset, r), complex(offset, -30), style="x")
     panel.dimension(-18j, offset - 18j, "`offset`", one=True)
     panel.dimension(-64j, travel - 64j, "travel of the centre", one=True)
@@ -177,7 +177,7 @@ def rolling_on_circle() -> Drawing:
         panel.line(center, center + 0.8 * small * turned(mark))
         panel.dot(center + 0.8 * small * turned(mark))
         panel.line(0, big * turned(205), style="d")
-        panel.text(0.55 * big * turned(205), "`circle_radius`", down=22)
+        panel.text(2 - 40j, "`circle_radius`")
         panel.line(center, center + small * turned(100), style="d")
         panel.pin(center)
         panel.pin(0)
@@ -186,7 +186,7 @@ def rolling_on_circle() -> Drawing:
     center = (big + small) * turned(a)
     panel.leader(center + 0.7 * small * turned(100), center - 56 + 32j, "`radius`", "middle")
     panel.leader(center + 4j, center + 12 + 46j, '`wheel` = "b.C"', "middle")
-    panel.leader(-3j, 12 - 52j, '`center` = "a.C"', "middle")
+    panel.leader(-2 + 3j, -48 + 84j, '`center` = "a.C"', "middle")
     panel.texts(-94 - 106j, ["`radius` (angle(wheel) - a) - `circle_radius` (a - angle(circle))",
                              "  = `offset`;  with `inside` + for the second -"])
     return drawing
@@ -219,7 +219,7 @@ def show_body(panel: Panel, curve: Curve, turn: complex, origin: complex, style:
 def rolling_profile() -> Drawing:
     drawing = Drawing("Profile on a line: at, curve, offset, from, to", 408)
     panel = drawing.panel(40 + 128j)
-    curve, offset = egg(), 78.0
+    curve, offset = egg(), 96.0
     panel.ground(-24, 390)
     show_body(panel, curve, *placed(curve, 0, complex(offset), 1), "c", points=False)
     s = 0.58 * curve.chords
@@ -253,7 +253,7 @@ def rolling_profile() -> Drawing:
     panel.pin(origin)
     panel.frame(origin, math.degrees(cmath.phase(turn)), 22)
     panel.dot(0, 4)
-    for part, key, aside in ((0.12, "`from`", -46 + 6j), (0.9, "`to`", 40 - 6j)):
+    for part, key, aside in ((0.12, "`from`", -46 + 6j), (0.9, "`to`", 42 + 16j)):
         tangent = turn * curve.tangent(part * curve.chords)
         there = origin + turn * curve.at(part * curve.chords)
         panel.line(there - 8j * tangent, there + 8j * tangent, style="d")
@@ -304,12 +304,12 @@ def rolling_profile_on_circle() -> Drawing:
                    right=-6 if is_inside else -2, down=10 if is_inside else 12)
         if is_inside:
             panel.line(0, big * turned(50), style="d")
-        panel.text(big * 0.52 * turned(50 if is_inside else at), "`circle_radius`", right=2)
+        panel.text(big * 0.44 * turned(50 if is_inside else at), "`circle_radius`", right=2)
         if is_inside:
             panel.text(112j, "`inside` = true")
             panel.text((away + 6) * turned((first + at) / 2), "arc of the curve", anchor="start", right=-12, down=16)
         else:
-            panel.leader(3 - 2j, 30 - 34j, '`center` = "a.C"', "middle")
+            panel.leader(3 - 2j, 8 - 34j, '`center` = "a.C"', "middle")
             panel.leader(origin, origin + 68 + 58j, '`at` = "b.P"', "middle")
         panel.pin(origin, 3)
     panel.texts(-318 - 142j, ["inner arc: angle of \"NAME radius\" to the contact, from the x axis",
