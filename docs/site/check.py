@@ -27,10 +27,13 @@ class Page(HTMLParser):
         self.links: list[str] = []
         self.loaded: list[str] = []
         self.in_menu: list[str] = []  #: Addresses of the navigation; None of them in pages that mkdocs did not make.
-        self.title = ""
+        self.title = ""  #: The name in the menu, and that of the site.
+        self.heading = ""
+        self.heads: list[list[str]] = []  #: Of tables, the words of each column.
         self.unread: list[str] = []
         self.comments: list[str] = []
         self._open = ""
+        self._within = ""  # "h1" or "th"
         self._paragraph = ""
         self.feed(text)
 
@@ -48,9 +51,19 @@ class Page(HTMLParser):
         self._open = f"{tag} {values.get('class', '')}"
         if tag == "p":
             self._paragraph = "\n"
+        elif tag == "thead":
+            self.heads.append([])
+        elif tag in ("h1", "th"):
+            self._within = tag
+            if tag == "th":
+                self.heads[-1].append("")
 
     def handle_data(self, data: str) -> None:
-        if self._open.startswith("title "):
+        if self._within == "h1":
+            self.heading = self.heading + data.strip("¶")
+        elif self._within == "th":
+            self.heads[-1][-1] += data
+        elif self._open.startswith("title "):
             self.title += data
         elif self._open.startswith("style "):
             self._style(data)
@@ -59,6 +72,8 @@ class Page(HTMLParser):
 
     def handle_endtag(self, tag: str) -> None:
         self._open = ""
+        if tag == self._within:
+            self._within = ""
         if tag == "p":
             if UNREAD.search(self._paragraph[1:]):
                 self.unread.append(self._paragraph.strip()[:60])
@@ -128,6 +143,13 @@ def twice_the_same_title(pages: dict[Path, Page], site: Path) -> list[str]:
     return [f"{' and '.join(paths)}: the same title, {title}" for title, paths in titles.items() if len(paths) > 1]
 
 
+def other_name_in_the_menu(pages: dict[Path, Page], site: Path) -> list[str]:
+    """A title is the name in the menu and that of the site; the first page has the latter alone."""
+    return [f"{path.relative_to(site)}: the heading is {page.heading}, the title {page.title}"
+            for path, page in pages.items()
+            if page.in_menu and page.heading not in (page.title, page.title.rpartition(" - ")[0])]
+
+
 def faults(site: Path) -> list[str]:
     """All that is wrong with a site, one sentence each."""
     site = site.resolve()
@@ -136,10 +158,12 @@ def faults(site: Path) -> list[str]:
              for path in pages if path.stat().st_size >= LARGEST]
     unread = [f"{path.relative_to(site)}: a list or table that is read as text: {text}"
               for path, page in pages.items() if page.in_menu for text in page.unread]
+    heads = [f"{path.relative_to(site)}: a table with a column without a heading: {', '.join(head)}"
+             for path, page in pages.items() if page.in_menu for head in page.heads if any(head) and not all(head)]
     comments = [f"{path.relative_to(site)}: a comment: {text}"
                 for path, page in pages.items() if page.in_menu for text in page.comments]
     return [*dead_links(pages, site), *loads_of_the_web(pages, site), *large, *left_out_of_the_menu(pages, site),
-            *twice_the_same_title(pages, site), *unread, *comments]
+            *twice_the_same_title(pages, site), *other_name_in_the_menu(pages, site), *unread, *heads, *comments]
 
 
 def summary(site: Path) -> str:

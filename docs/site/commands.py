@@ -90,7 +90,7 @@ def table(head: str, options: list[Entry]) -> list[str]:
     if not options:
         return []
     rows = [f"| `{as_written(o)}` | {'**Required.** ' if o['required'] else ''}{meaning(o)} |" for o in options]
-    return [f"| {head} | |", "| --- | --- |", *rows, ""]
+    return [f"| {head} | meaning |", "| --- | --- |", *rows, ""]
 
 
 def usage(entry: Entry) -> str:
@@ -125,7 +125,7 @@ def index(entries: list[Entry], codes: str) -> str:
     rows = [f"| [poise {entry['name']}]({entry['name']}.md) | {escaped(entry['help'])} |" for entry in entries]
     return "\n".join(["# Commands", "",
                       "`poise --help` and `poise COMMAND --help` print the same. `poise --version` prints the version.",
-                      "", "| command | |", "| --- | --- |", *rows, "", codes, ""])
+                      "", "| command | what it does |", "| --- | --- |", *rows, "", codes, ""])
 
 
 def write_pages(pages: pathlib.Path, build: pathlib.Path) -> list[Any]:

@@ -13,7 +13,7 @@ def page(title, body):
 @pytest.fixture
 def site(tmp_path):
     (tmp_path / "index.html").write_text(page("Home", '<h1 id="home">Home</h1><a href="other.html#there">other</a>'))
-    (tmp_path / "other.html").write_text(page("Other", '<h1 id="there">O</h1><a href="https://example.org">web</a>'))
+    (tmp_path / "other.html").write_text(page("Other", '<h1 id="there">Other<a>¶</a></h1><a href="https://example.org">web</a>'))
     (tmp_path / "style.css").write_text("a { background: url(picture.png) }")
     return tmp_path
 
@@ -34,6 +34,9 @@ def test_a_sound_site_has_no_fault(site):
     ('<p style="background: url(http://example.org/y)">x</p>', "index.html: loads http://example.org/y"),
     ("<p>Every step\n- one</p>", "index.html: a list or table that is read as text: Every step\n- one"),
     ("<p>Names\n| a | b |</p>", "index.html: a list or table that is read as text: Names\n| a | b |"),
+    ("<table><thead><tr><th>key</th><th></th></tr></thead></table>",
+     "index.html: a table with a column without a heading: key, "),
+    ("<h1>House</h1>", "index.html: the heading is House, the title Home"),
     ("<!-- file: x -->", "index.html: a comment: file: x"),
 ])
 def test_faults_of_a_page(site, body, fault):
@@ -58,5 +61,5 @@ def test_pages_that_no_menu_names(site):
 
 
 def test_titles_are_unique(site):
-    (site / "other.html").write_text(page("Home", '<h1 id="there">Other</h1>'))
+    (site / "other.html").write_text(page("Home", '<h1 id="there">Home</h1>'))
     assert check.faults(site) == ["index.html and other.html: the same title, Home"]

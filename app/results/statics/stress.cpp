@@ -151,7 +151,7 @@ void add_summaries(Group& group, const StressOutcome& outcome) {
   using comparison::MethodSummary;
   const std::vector<MethodSummary> rows = comparison::summaries(outcome);
   Table& table = group.table("", outcome.safeguards ? "Results by form" : "Results by method", Rows::list);
-  table.counts("", "", each(places(rows.size()), [](std::size_t i) { return i + 1; }));
+  table.counts("", "no.", each(places(rows.size()), [](std::size_t i) { return i + 1; }));
   table.words("", outcome.safeguards ? "virtual work" : "method", each(rows, &MethodSummary::name));
   table.counts("", "solved", each(rows, &MethodSummary::solved)).texts =
       each(rows, [](const MethodSummary& s) { return fmt::format("{} of {}", s.solved, s.applicable); });
