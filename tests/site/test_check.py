@@ -13,7 +13,8 @@ def page(title, body):
 @pytest.fixture
 def site(tmp_path):
     (tmp_path / "index.html").write_text(page("Home", '<h1 id="home">Home</h1><a href="other.html#there">other</a>'))
-    (tmp_path / "other.html").write_text(page("Other", '<h1 id="there">Other<a>¶</a></h1><a href="https://example.org">web</a>'))
+    other = '<h1 id="there">Other<a>¶</a></h1><a href="https://example.org">web</a>'
+    (tmp_path / "other.html").write_text(page("Other", other))
     (tmp_path / "style.css").write_text("a { background: url(picture.png) }")
     return tmp_path
 
