@@ -55,7 +55,10 @@ def file_of(cell: form.Cell) -> tuple[str, str, str]:
 
 
 def notebook_of(parts: list[str | form.Cell]) -> Any:
-    notebook = nbformat.v4.new_notebook()
+    """The parts as cells, each of which may be run again: one that adds to a file writes the whole of it."""
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    notebook = nbformat.v4.new_notebook(metadata={"kernelspec": kernel})
+    files: dict[str, str] = {}
     for part in parts:
         if isinstance(part, str):
             # The pages that links lead to are not beside the notebook.
@@ -63,8 +66,8 @@ def notebook_of(parts: list[str | form.Cell]) -> Any:
             notebook.cells.append(nbformat.v4.new_markdown_cell(words))
         elif part.hidden:
             name, mode, text = file_of(part)
-            notebook.cells.append(nbformat.v4.new_code_cell(
-                f"%%writefile {'-a ' if mode == 'a' else ''}{name}\n{text}\n"))
+            files[name] = f"{files[name]}\n\n{text}" if mode == "a" else text
+            notebook.cells.append(nbformat.v4.new_code_cell(f"%%writefile {name}\n{files[name]}\n"))
         else:
             notebook.cells.append(nbformat.v4.new_code_cell(part.source))
             if "raises" in part.marks:
