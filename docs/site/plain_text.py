@@ -6,6 +6,7 @@ import html
 import re
 from typing import Callable
 
+from commands import title_of_doc
 from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexer import Lexer
@@ -29,7 +30,8 @@ def prose(text: str, link: Link) -> str:
 
     def linked(name: str) -> str:
         address = link(name)
-        return f"[{code(name)}]({address})" if address else code(name)
+        page = re.match(r"docs/([a-z-]+)\.md", name)
+        return f"[{title_of_doc(page[1]) if page else code(name)}]({address})" if address else code(name)
 
     out = []
     for part in re.split(r"(`[^`]+`)", re.sub(r"\s+", " ", text).replace("``", "`")):

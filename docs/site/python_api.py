@@ -47,7 +47,7 @@ PAGES = [
     Page("identification", "Identification", "Parameters from measured motion.",
          ["_experiment.Experiment", "_commands.identify", "_commands.identifiability", "_commands.validate",
           "_commands.plan", "_commands.montecarlo", "_found.Fit", "_found.Estimate", "_tables.Matrix"]),
-    Page("many", "Many variants", "Arrays of numbers make as many variants of a scene ([batches.md](../batches.md)).",
+    Page("many", "Many variants", "Arrays of numbers make as many [variants](../batches.md) of a scene.",
          ["Scene=_many.Batches", "_many.Many", "_many.ManyPaths"]),
     Page("builder", "Building scenes", "Scenes in Python, with the items and keys of [scene files](../scene-files.md).",
          ["_builder.SceneBuilder", "measures.angle", "measures.distance", "measures.travel", "measures.x", "measures.y",

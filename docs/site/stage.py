@@ -96,7 +96,7 @@ class Stage:
             return words
         if target == "":
             return words
-        if words == place and path in self.names:
+        if words in (place, path.name) and path in self.names:
             words = self.title(path)
         address = os.path.relpath(target, Path(name).parent) + (f"#{anchor}" if anchor else "")
         return f"{mark}[{words}]({address})"

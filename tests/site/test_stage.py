@@ -50,8 +50,8 @@ def test_links_lead_to_the_same(source, link, staged):
 
 
 def test_links_of_the_readme_lose_their_folder(source):
-    assert written(source, "README.md", "# Poise\n\n[docs/b.md](docs/b.md)\n") == (
-        "# Tour of the commands\n\n[Of `b`](b.md)\n")
+    assert written(source, "README.md", "# Poise\n\n[docs/b.md](docs/b.md), [b.md](docs/b.md)\n") == (
+        "# Tour of the commands\n\n[Of `b`](b.md), [Of `b`](b.md)\n")
 
 
 def test_pages_of_parts_stand_for_those_of_docs(source):
