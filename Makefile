@@ -83,7 +83,8 @@ bench: benchmarks
 figures: all
 	POISE_PICTURE=$(CURDIR)/docs/view.png $(BUILD)/tests/poise_page_tests --gtest_brief=1 --gtest_filter='ViewPage.Picture'
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg docs/toggle_clamp.svg
-	$(BUILD)/poise path datasets/toggle_clamp.toml --vary load.P=0..60 --quiet --html docs/toggle_clamp_path.html
+	$(BUILD)/poise path datasets/toggle_clamp.toml --vary load.P=0..60 --follow jump --quiet \
+	  --html docs/toggle_clamp_path.html
 	$(BUILD)/poise tolerance datasets/toggle_clamp.toml --tolerances datasets/toggle_clamp_tolerances.toml \
 	  --of force.rubber --quiet --svg docs/clamp_force.svg
 	$(BUILD)/poise compare datasets/six_bar.toml --tolerances 1e-2..1e-14 --svg docs/work_precision.svg
