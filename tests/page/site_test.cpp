@@ -71,7 +71,7 @@ void expect_that_search_finds(const std::string& address) {
       {"snap", "load-paths.html", {"python-bistable.html", "recipes.html", "path.html"}},
       {"friction", "friction.html", {"motion.html", "scene-files.html", "recipes.html", "hold.html"}},
       {"gas strut", "scene-files.html", {"recipes.html", "design-recipes.html"}},
-      {"gravity", "scene-files.html", {"python.html", "library.html", "install.html", "tutorial.html"}},
+      {"gravity", "scene-files.html", {"four_bar_gravity.html", "python.html", "library.html"}},
       {"spring", "scene-files.html", {"balance.html", "recipes.html"}},
       {"gear", "gears-cams-ropes.html", {"friction.html", "scene-files.html"}},
       {"stress", "loads.html", {"stress.html", "json.html", "quantities.html", "scene-files.html"}},
