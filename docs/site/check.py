@@ -59,6 +59,8 @@ class Page(HTMLParser):
                 self.heads[-1].append("")
 
     def handle_data(self, data: str) -> None:
+        if re.match(r"h\d ", self._open) and "{#" in data:
+            self.unread.append(data.strip()[:60])
         if self._within == "h1":
             self.heading = self.heading + data.strip("¶")
         elif self._within == "th":
@@ -156,7 +158,7 @@ def faults(site: Path) -> list[str]:
     pages = read_pages(site)
     large = [f"{path.relative_to(site)}: {path.stat().st_size} bytes, more than {LARGEST}"
              for path in pages if path.stat().st_size >= LARGEST]
-    unread = [f"{path.relative_to(site)}: a list or table that is read as text: {text}"
+    unread = [f"{path.relative_to(site)}: Markdown that is read as text: {text}"
               for path, page in pages.items() if page.in_menu for text in page.unread]
     heads = [f"{path.relative_to(site)}: a table with a column without a heading: {', '.join(head)}"
              for path, page in pages.items() if page.in_menu for head in page.heads if any(head) and not all(head)]

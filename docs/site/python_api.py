@@ -148,7 +148,7 @@ class Reference:
                 self.places.setdefault(shown, f"{page.name}.md#{shown}")
                 node = definition(*name)
                 for member in public_members(node) if isinstance(node, ast.ClassDef) else []:
-                    self.places.setdefault(f"{shown}.{member.name}", f"{page.name}.md#{shown}.{member.name}")
+                    self.places.setdefault(f"{shown}.{member.name}", f"{page.name}.md#{anchor_of(shown, member)}")
         for alias in aliases():
             self.places[alias] = f"index.md#{alias}"
 
@@ -213,7 +213,7 @@ class Reference:
             if module == "_poise":
                 said = re.sub(r"^.*-> .*\n\n", "", getattr(getattr(self.compiled, name), member.name).__doc__ or "")
             called = CALLED.get(member.name, "").format(shown.lower())
-            yield f"### {plain_text.escape(called or f'{shown}.{member.name}')} {{#{shown}.{member.name}}}"
+            yield f"### {plain_text.escape(called or f'{shown}.{member.name}')} {{#{anchor_of(shown, member)}}}"
             yield from self.function(member.name, member, said, bound=True)
 
     def write(self, page: Page, folder: Path) -> None:
@@ -239,6 +239,11 @@ class Reference:
         for name, text in aliases().items():
             parts.append(f"`{name}`{{#{name}}}: {plain_text.prose(text, self.link)}")
         (folder / self.page).write_text("\n\n".join(parts) + "\n")
+
+
+def anchor_of(shown: str, member: ast.FunctionDef) -> str:
+    """Without the underscores of special methods, which Markdown would read as emphasis."""
+    return f"{shown}.{member.name.strip('_')}"
 
 
 def public_members(of: ast.ClassDef) -> list[ast.FunctionDef]:
