@@ -80,6 +80,8 @@ class Watch final : public ceres::IterationCallback {
 ceres::Solver::Options settings_for(int unknowns, const SearchOptions& options) {
   ceres::Solver::Options settings;
   settings.linear_solver_type = unknowns <= dense_fit_unknowns ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
+  // The programs are linked without CHOLMOD, Ceres' own choice (without_cholmod.cpp).
+  settings.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   settings.logging_type = ceres::SILENT;
   settings.max_num_iterations = options.iterations;
   // Little damping, so that steps are nearly Newton's, and non-monotonic steps: the valleys are narrow and curved.
