@@ -6,9 +6,6 @@ Copies the shared libraries that the files need, directly or not, into a folder,
 there, wherever the folders are moved together. Those of glibc stay out, because they belong to the loader of the
 machine; `--keep-out` names another. `--hashed-names` gives the copies names that nothing else has, because a process
 loads one library of each name only, which may be that of another wheel and of another version.
-
-The licences are those of the Debian packages that the libraries come from, and of those in cmake/dependencies.cmake,
-whose headers and static libraries are compiled in.
 """
 
 from __future__ import annotations
@@ -19,18 +16,16 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2]
-DOCUMENTS = Path("/usr/share/doc")
+from licences import write_licences
+
 GLIBC = re.compile(r"(ld-linux.*|lib(c|m|mvec|dl|rt|pthread|util|resolv|nsl|anl))\.so\.[0-9]+")
 # Debian's BLAS and LAPACK are alternatives. The reference is the smallest, and as fast for the small matrices of Poise.
 PREFERRED = ("blas", "lapack")
-# Debian's Ceres is linked with the BLAS of ATLAS under its own name. Any BLAS has the same functions.
-ANOTHER = {"libf77blas.so.3": "libblas.so.3"}
-
-# Of MPI and Python only headers are used, and they are not passed on.
-NOT_COMPILED_IN = ("libopenmpi-dev", "python3-dev")
+# FLINT can convert to the numbers of NTL, which Poise never does. NTL needs gf2x, which is under the GNU GPL.
+LEFT_OUT = ("libntl.so.44",)
 
 
 def output(*command: object, **variables: str) -> str:
@@ -62,12 +57,41 @@ def closure(files: list[Path], kept_out: set[str]) -> dict[str, Path]:
     waiting = list(files)
     while waiting:
         for name in needed(waiting.pop()):
-            name = ANOTHER.get(name, name)
             if name in found or name in kept_out or GLIBC.fullmatch(name):
                 continue
             found[name] = place[name].resolve()
-            waiting.append(found[name])
+            if name not in LEFT_OUT:
+                waiting.append(found[name])
     return found
+
+
+def symbols(file: Path, *options: str) -> dict[str, tuple[str, int]]:
+    """The dynamic symbols of a library, with their kinds and sizes in bytes."""
+    lines = output("nm", "--dynamic", "--format=posix", "--without-symbol-versions", *options, file).splitlines()
+    words = [line.split() for line in lines]
+    return {word[0]: (word[1], int(word[3], 16) if len(word) > 3 else 0) for word in words}
+
+
+def stand_in(name: str, library: Path, users: list[Path], folder: Path) -> Path:
+    """Makes a library that has the symbols of another that its users ask for. Its functions end the process."""
+    has = symbols(library, "--defined-only")
+    asked = sorted({symbol for user in users for symbol in symbols(user, "--undefined-only")} & set(has))
+    thread_local = {line.split()[-1] for line in output("readelf", "--dyn-syms", "--wide", library).splitlines()
+                    if " TLS " in line}
+    lines = ["#include <stdio.h>", "#include <stdlib.h>"]
+    for number, symbol in enumerate(asked):
+        if symbol in thread_local:
+            lines.append(f'__thread char held_{number}[{has[symbol][1]}] __asm__("{symbol}") '
+                         "__attribute__((aligned(16)));")
+        else:
+            lines += [f'void called_{number}(void) __asm__("{symbol}");',
+                      f"void called_{number}(void) {{",
+                      f'  fputs("fatal: {symbol} of {name} is left out of this copy of Poise\\n", stderr);',
+                      "  abort();", "}"]
+    source = folder / f"{name}.c"
+    source.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    output("gcc", "-O2", "-shared", "-fPIC", f"-Wl,-soname,{name}", "-o", folder / name, source)
+    return folder / name
 
 
 def hashed(name: str, file: Path) -> str:
@@ -80,91 +104,26 @@ def patch(file: Path, names: dict[str, str], folder: Path) -> None:
     """Lets a file look for its libraries in the folder, before it looks where LD_LIBRARY_PATH says."""
     # One change after the other: patchelf 0.14 mixes up strings of several that it makes at once.
     for name in needed(file):
-        new = names.get(ANOTHER.get(name, name), name)
+        new = names.get(name, name)
         if new != name:
             output("patchelf", "--replace-needed", name, new, file)
     beside = os.path.relpath(folder, file.parent)
     output("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN" if beside == "." else f"$ORIGIN/{beside}", file)
 
 
-def packages_of(libraries: dict[str, Path]) -> dict[str, str]:
-    """The Debian packages that the libraries come from, by their names."""
-    # Where /lib is a link to /usr/lib, packages may name either.
-    names = {str(file): name for name, file in libraries.items()}
-    names |= {place.removeprefix("/usr"): name for place, name in names.items()}
-    run = subprocess.run(["dpkg-query", "--search", *names], capture_output=True, text=True)
-    lines = re.findall(r"^([^:,\s]+)(?::\S+)?: (/.*)$", run.stdout, flags=re.MULTILINE)
-    found = {names[place]: package for package, place in lines}
-    if unknown := set(libraries) - set(found):
-        raise SystemExit(f"bundle_libraries: {', '.join(sorted(unknown))}: expected files of Debian packages, whose "
-                         "licences are known")
-    return found
-
-
-def compiled_in() -> list[str]:
-    """The packages that Poise is compiled with: those of dependencies.cmake but for tests and benchmarks."""
-    lines = (SOURCE / "cmake" / "dependencies.cmake").read_text().split("if(POISE_BUILD_TESTS)")[0]
-    packages = re.findall(r"# apt: (.*)", lines)
-    names = [name for line in packages for name in line.split()]
-    return [name for name in names if name.endswith("-dev") and name not in NOT_COMPILED_IN]
-
-
-class Licences:
-    """A folder of licences: each text once, by the first package that has it."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.names: dict[str, str] = {}
-        folder.mkdir(parents=True, exist_ok=True)
-
-    def has(self, package: str) -> bool:
-        return self._text(package) in self.names
-
-    def add(self, package: str) -> str:
-        """The name of the file with the licence of a package."""
-        text = self._text(package)
-        if text not in self.names:
-            self.names[text] = f"{package}.txt"
-            (self.folder / self.names[text]).write_text(text, encoding="utf-8")
-            # Debian has the text of common licences once, and names its place.
-            for common in re.findall(r"/usr/share/common-licenses/([A-Za-z0-9.-]*[A-Za-z0-9])", text):
-                if (DOCUMENTS.parent / "common-licenses" / common).exists():
-                    shutil.copyfile(DOCUMENTS.parent / "common-licenses" / common, self.folder / f"{common}.txt")
-        return self.names[text]
-
-    @staticmethod
-    def _text(package: str) -> str:
-        return (DOCUMENTS / package / "copyright").read_text(encoding="utf-8", errors="replace")
-
-
-def write_licences(folder: Path, libraries: dict[str, Path]) -> None:
-    licences = Licences(folder)
-    of_package: dict[str, list[str]] = {}
-    for name, package in sorted(packages_of(libraries).items()):
-        of_package.setdefault(package, []).append(name)
-    rows = [(licences.add(package), package, " ".join(names)) for package, names in sorted(of_package.items())]
-    # The headers of a library that is copied are under its licence.
-    compiled = [package for package in compiled_in() if not licences.has(package)]
-    rows += [(licences.add(package), package, "compiled in") for package in compiled]
-    shutil.copyfile(SOURCE / "LICENSE", folder / "poise.txt")
-    shutil.copyfile(SOURCE / "app" / "page" / "vendor" / "uplot" / "LICENSE", folder / "uplot.txt")
-    versions = [output("dpkg-query", "--show", "--showformat", "${Version}", package) for _, package, _ in rows]
-    lines = [f"{file:26} {package}={version}: {what}" for (file, package, what), version in zip(rows, versions)]
-    (folder / "README.txt").write_text(
-        "Poise is under the MIT license (poise.txt). It comes with libraries of Debian, unchanged but for names and\n"
-        "folders by which they find each other, and is compiled with others. Their licences are in the files of this\n"
-        "folder; their sources are those of the Debian package in the version named here:\n"
-        "`apt-get source PACKAGE=VERSION`, or https://snapshot.debian.org. Where a licence names\n"
-        "/usr/share/common-licenses/NAME, that is NAME.txt here. Each library is a file of its own, which may\n"
-        "be replaced by another build of it. Parts of CHOLMOD (libcholmod3), with which Ceres Solver is linked, are\n"
-        "under the GNU GPL.\n"
-        "\n"
-        f"{'uplot.txt':26} uPlot, in pages for the browser\n" + "\n".join(lines) + "\n", encoding="utf-8")
-
-
-def bundle(files: list[Path], folder: Path, kept_out: set[str], with_hashes: bool) -> dict[str, Path]:
-    folder.mkdir(parents=True, exist_ok=True)
+def bundle(files: list[Path], folder: Path, kept_out: set[str], with_hashes: bool, licences: Path) -> None:
     libraries = closure(files, kept_out)
+    left_out = sorted(set(LEFT_OUT) & set(libraries))
+    write_licences(licences, {name: file for name, file in libraries.items() if name not in left_out}, left_out)
+    with tempfile.TemporaryDirectory() as work:
+        for name in left_out:
+            users = [file for file in [*files, *libraries.values()] if name in needed(file)]
+            libraries[name] = stand_in(name, libraries[name], users, Path(work))
+        copy_beside(files, libraries, folder, with_hashes)
+
+
+def copy_beside(files: list[Path], libraries: dict[str, Path], folder: Path, with_hashes: bool) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     names = {name: hashed(name, file) if with_hashes else name for name, file in libraries.items()}
     # Before patchelf moves sections, which strip does not expect.
     output("strip", "--strip-unneeded", *files)
@@ -176,7 +135,6 @@ def bundle(files: list[Path], folder: Path, kept_out: set[str], with_hashes: boo
         patch(copy, names, folder)
     for file in files:
         patch(file, names, folder)
-    return libraries
 
 
 def main() -> None:
@@ -187,8 +145,7 @@ def main() -> None:
     parser.add_argument("--hashed-names", action="store_true", help="give the copies names that nothing else has")
     parser.add_argument("--keep-out", action="append", default=[], metavar="NAME", help="a library that is not copied")
     given = parser.parse_args()
-    libraries = bundle(given.files, given.into, set(given.keep_out), given.hashed_names)
-    write_licences(given.licences, libraries)
+    bundle(given.files, given.into, set(given.keep_out), given.hashed_names, given.licences)
 
 
 if __name__ == "__main__":

@@ -85,6 +85,13 @@ debian() {
   quietly lintian --allow-root --fail-on error,warning \
     --suppress-tags maintscript-calls-ldconfig,pkg-config-unavailable-for-cross-compilation "$packages"/*.deb
   echo "debian: lintian finds no error and no warning"
+  # What is under the GNU GPL cannot be given to others together with Ipopt.
+  for file in "$packages"/poise_*.deb "$packages"/python3-poise_*.deb; do
+    if dpkg-deb --field "$file" Depends | grep -E 'libcholmod|libspqr|libumfpack|libgf2x'; then
+      echo "debian: $file: expected that it needs no library under the GNU GPL"
+      exit 1
+    fi
+  done
 }
 
 program() {

@@ -46,6 +46,24 @@ def test_a_program_and_its_libraries_run_from_any_folder(names, tmp_path):
     listed = set(re.findall(r"lib\S+\.so\S*", index))
     stems = {re.sub(r"-[0-9a-f]{8}\.so", ".so", file.name) for file in (moved / "lib").iterdir()}
     assert stems == listed
+    assert not [name for name in stems if re.match("lib(cholmod|spqr|umfpack|metis|gf2x|atlas|f77blas)", name)]
+    assert "libntl.so.44 in the place of Debian's" in index
+
+
+@pytest.fixture
+def scripts(monkeypatch):
+    monkeypatch.syspath_prepend(str(SCRIPTS))
+
+
+def test_a_library_under_the_gpl_is_refused(scripts):
+    licences = runpy.run_path(str(SCRIPTS / "licences.py"))
+    libraries = {name: next(Path("/usr/lib").rglob(name)).resolve() for name in ("libgf2x.so.3", "libamd.so.2")}
+    assert licences["packages_of"](libraries) == {"libgf2x.so.3": "libgf2x3", "libamd.so.2": "libamd2"}
+    licences["refuse_gpl"](["libamd2", "libnlopt0", "libgfortran5", "coinor-libipopt1v5"])
+    with pytest.raises(SystemExit, match="libgf2x3: expected no library under the GNU GPL"):
+        licences["refuse_gpl"](["libamd2", "libgf2x3"])
+    with pytest.raises(SystemExit, match="libcholmod3: expected no library under the GNU GPL"):
+        licences["refuse_gpl"](["libcholmod3"])
 
 
 def test_the_platform_is_the_oldest_that_has_all_symbols():
