@@ -1,11 +1,12 @@
 # What Debian asks of the files of its packages; CPack calls this when it has collected them.
-file(READ "${CPACK_POISE_SOURCES}/LICENSE" licence)
-file(READ "${CPACK_POISE_SOURCES}/app/page/vendor/uplot/LICENSE" uplot)
+set(scripts "${CPACK_POISE_SOURCES}/cmake/package")
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
 foreach(component package IN ZIP_LISTS CPACK_COMPONENTS_ALL CPACK_POISE_PACKAGES)
   set(usr "${CPACK_TEMPORARY_DIRECTORY}/${component}/usr")
   set(doc "${usr}/share/doc/${package}")
-  file(WRITE "${doc}/copyright" "Poise\n\n${licence}\n\nThe pages that Poise writes contain uPlot\n\n${uplot}")
+  file(MAKE_DIRECTORY "${doc}")
+  execute_process(COMMAND /usr/bin/python3 -B "${scripts}/licences.py" "${component}" OUTPUT_FILE "${doc}/copyright"
+    COMMAND_ERROR_IS_FATAL ANY)
   file(WRITE "${doc}/changelog" "${package} (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium\n\n"
     "  * Poise ${CPACK_PACKAGE_VERSION}.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")
   file(GLOB manuals "${usr}/share/man/man*/*")

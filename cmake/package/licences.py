@@ -1,5 +1,7 @@
 """The licences of what Poise comes with: those of the Debian packages that libraries are of, and of those in
 cmake/dependencies.cmake, whose headers and static libraries are compiled in.
+
+    licences.py COMPONENT    prints the file copyright of a Debian package: of program, mpi, dev or python_debian
 """
 
 from __future__ import annotations
@@ -7,6 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -16,6 +19,12 @@ UPLOT = SOURCE / "app" / "page" / "vendor" / "uplot" / "LICENSE"
 
 # Of MPI and Python only headers are used, and they are not passed on.
 NOT_COMPILED_IN = ("libopenmpi-dev", "python3-dev")
+# What Debian's packages of Poise have less than the Python module, which has everything.
+NOT_IN = {
+    "program": ["pybind11-dev"],
+    "dev": ["pybind11-dev", "libcli11-dev", "nlohmann-json3-dev"],
+    "python_debian": [],
+}
 
 # Packages whose copyright names the GNU GPL too, of other files or with an exception, and what their library is under.
 SUITE_SPARSE = "unlike CHOLMOD, SPQR and UMFPACK of the same sources"
@@ -151,3 +160,27 @@ def write_licences(folder: Path, libraries: dict[str, Path], stand_ins: list[str
         "be replaced by another build of it. A licence may also be that of files that are not here: what is said in\n"
         "brackets is that of the library. No library is under the GNU GPL without an exception.\n"
         "\n" + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+def debian_copyright(component: str) -> str:
+    """The file copyright of a Debian package of Poise. Shared libraries are in packages of their own."""
+    parts = [f"Poise\n\n{POISE.read_text()}"]
+    if component in ("program", "python_debian"):
+        parts.append(f"The pages that Poise writes contain uPlot\n\n{UPLOT.read_text()}")
+    if component in NOT_IN:
+        packages = [package for package in compiled_in() if package not in NOT_IN[component]]
+        refuse_gpl(packages)
+        texts: dict[str, list[str]] = {}
+        for package in packages:
+            texts.setdefault(text_of(package), []).append(package)
+        parts.append("Headers and static libraries of other Debian packages are compiled in. Their files copyright\n"
+                     "follow, which also name files that are not compiled in.")
+        for text, names in texts.items():
+            versions = " and ".join(f"{name} {version_of(name)}" for name in names)
+            parts.append(f"Compiled in: {versions}\n\n{text}")
+    rule = "-" * 80
+    return f"\n{rule}\n\n".join(part.rstrip("\n") + "\n" for part in parts)
+
+
+if __name__ == "__main__":
+    print(debian_copyright(sys.argv[1]), end="")

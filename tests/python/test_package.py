@@ -66,6 +66,19 @@ def test_a_library_under_the_gpl_is_refused(scripts):
         licences["refuse_gpl"](["libcholmod3"])
 
 
+def test_copyright_names_what_is_compiled_in():
+    program, module, library, mpi = (output(sys.executable, SCRIPTS / "licences.py", component)
+                                     for component in ("program", "python_debian", "dev", "mpi"))
+    for text in (program, module, library, mpi):
+        assert text.startswith("Poise\n\nMIT License")
+    for name in ("libceres-dev", "libeigen3-dev", "librandom123-dev", "libboost-dev", "libcli11-dev", "libsleef-dev"):
+        assert f"Compiled in: {name} " in program and f"Compiled in: {name} " in module
+    assert "Compiled in: pybind11-dev" in module and "Compiled in: pybind11-dev" not in program
+    assert "uPlot" in program and "uPlot" not in library + mpi
+    assert "Compiled in" not in mpi
+    assert "Boost Software License" in library and "CLI11" not in library
+
+
 def test_the_platform_is_the_oldest_that_has_all_symbols():
     oldest = runpy.run_path(str(SCRIPTS / "platform_tag.py"))["oldest_glibc"]
     assert oldest({("GLIBC", (2, 2, 5)), ("GLIBC", (2, 36)), ("GLIBCXX", (3, 4, 29))}) == (2, 36)
