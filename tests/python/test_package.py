@@ -1,5 +1,6 @@
 """Programs are packed with their libraries and run where these are not; wheels name the glibc that they need."""
 
+import datetime
 import os
 import re
 import runpy
@@ -77,6 +78,39 @@ def test_copyright_names_what_is_compiled_in():
     assert "uPlot" in program and "uPlot" not in library + mpi
     assert "Compiled in" not in mpi
     assert "Boost Software License" in library and "CLI11" not in library
+
+
+def test_the_changelog_of_debian_is_that_of_poise():
+    changelog = runpy.run_path(str(SCRIPTS / "debian_changelog.py"))["debian_changelog"]
+    now = datetime.datetime(2026, 3, 1, 12, tzinfo=datetime.timezone.utc)
+    text = changelog("""# Changelog
+
+## [0.2.0] - unreleased
+
+### Added
+
+- **Loads.** `poise loads` cuts links
+  ([a](docs/a.md), [b](docs/b.md)). See [the page](docs/c.md).
+- More.
+
+## [0.1.0] - 2026-01-31
+
+The first version.
+""", "poise", "A <a@b.example>", now)
+    assert text == """poise (0.2.0) unstable; urgency=medium
+
+  [ Added ]
+  * Loads. poise loads cuts links. See the page.
+  * More.
+
+ -- A <a@b.example>  Sun, 01 Mar 2026 12:00:00 +0000
+
+poise (0.1.0) unstable; urgency=medium
+
+  * The first version.
+
+ -- A <a@b.example>  Sat, 31 Jan 2026 00:00:00 +0000
+"""
 
 
 def test_the_platform_is_the_oldest_that_has_all_symbols():
