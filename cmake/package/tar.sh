@@ -15,6 +15,7 @@ trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/$name" --component program >"$work/log" || { cat "$work/log" >&2; exit 1; }
 /usr/bin/python3 "$here/bundle_libraries.py" --into "$work/$name/lib" --licences "$work/$name/share/poise/licences" \
   "$work/$name/bin/poise"
+/usr/bin/python3 -B "$here/drop_dead_links.py" "$work/$name/share/poise"
 chmod -R u+rwX,go+rX,go-w "$work/$name"
 tar --create --owner=0 --group=0 --numeric-owner --sort=name --directory "$work" "$name" |
   gzip -9 --no-name >"$dist/$name.tar.gz"

@@ -22,6 +22,8 @@ module=$(echo "$folder"poise/_poise.*.so)
 # What every machine has that manylinux means stays out (PEP 600).
 "$python" "$here/bundle_libraries.py" --hashed-names --keep-out libstdc++.so.6 --keep-out libgcc_s.so.1 \
   --into "${folder}poise.libs" --licences "$information/licenses" "$module"
+# What an index shows of README.md, and the page of the datasets.
+"$python" -B "$here/drop_dead_links.py" "$information/METADATA" "$folder"
 platform=$("$python" "$here/platform_tag.py" "$module" "${folder}poise.libs"/*)
 sed -i "s/^\(Tag: .*\)-linux_.*/\1-$platform/" "$information/WHEEL"
 "$python" -m wheel pack --dest-dir "$dist" "$folder" >"$work/log"

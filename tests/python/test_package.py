@@ -113,6 +113,15 @@ poise (0.1.0) unstable; urgency=medium
 """
 
 
+def test_links_to_what_is_not_shipped_are_words(tmp_path):
+    page = tmp_path / "page.md"
+    (tmp_path / "beside.md").write_text("")
+    page.write_text("[a](beside.md#b), [`c`](gone.md), ![d](gone.png), [e](https://x.example), [![f](g.png)](h)\n"
+                    "```\n[i](gone)\n```\n")
+    output(sys.executable, "-B", SCRIPTS / "drop_dead_links.py", tmp_path)
+    assert page.read_text() == ("[a](beside.md#b), `c`, d, [e](https://x.example), f\n```\n[i](gone)\n```\n")
+
+
 def test_the_platform_is_the_oldest_that_has_all_symbols():
     oldest = runpy.run_path(str(SCRIPTS / "platform_tag.py"))["oldest_glibc"]
     assert oldest({("GLIBC", (2, 2, 5)), ("GLIBC", (2, 36)), ("GLIBCXX", (3, 4, 29))}) == (2, 36)
