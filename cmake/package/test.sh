@@ -131,6 +131,12 @@ rest.save("first.svg")
 END
   user 'python3 first.py; grep -q "</svg>" first.svg'
   since 'first picture'
+  # What root has run leaves compiled files in the folder of the package, which go with it.
+  quietly inside "$test" 0:0 'python3 first.py; apt-get remove -y python3-poise
+    test ! -e /usr/lib/python3/dist-packages/poise'
+  install "" './python3-poise_*.deb'
+  quietly inside "$test" 0:0 'apt-get purge -y python3-minimal; test ! -e /usr/lib/python3/dist-packages/poise'
+  echo "python: removed alone, and together with Python, without a trace"
 }
 
 library() {
