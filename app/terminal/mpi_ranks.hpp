@@ -6,6 +6,9 @@
 
 namespace poise::app {
 
+/// Whether mpirun, or srun with MPI, has started this process, alone or with others.
+bool started_by_mpirun();
+
 /// Joins the processes that `mpirun` has started together with this one; null where this one was started alone. The
 /// ranks part again when the object ends, in their normal course or by an exception. Throws InputError where the module
 /// for MPI is missing or cannot be loaded.

@@ -5,6 +5,8 @@
 
 #include <unistd.h>
 
+#include "app/terminal/mpi_ranks.hpp"
+
 namespace poise::app {
 
 Palette Palette::for_stream(std::FILE* stream) {
@@ -12,7 +14,7 @@ Palette Palette::for_stream(std::FILE* stream) {
   const char* terminal = std::getenv("TERM");
   Palette palette;
   palette.coloured_ = isatty(fileno(stream)) == 1 && (no_colour == nullptr || *no_colour == '\0') &&
-                      terminal != nullptr && std::string_view(terminal) != "dumb";
+                      terminal != nullptr && std::string_view(terminal) != "dumb" && !started_by_mpirun();
   return palette;
 }
 

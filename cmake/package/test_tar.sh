@@ -44,6 +44,15 @@ for file in share/man/man1/poise.1 share/poise/docs/scene-files.md share/poise/l
   [ -s "$root$poise/$file" ] || fail "expected $file in the archive"
 done
 
+# Under mpirun it advises what fits an archive, not packages of Debian.
+refused=$(chroot "$root" env OMPI_COMM_WORLD_SIZE=2 "$poise/bin/poise" montecarlo \
+  "$share/datasets/lift_experiment.toml" 2>&1) && fail "expected that ranks without MPI are refused"
+case $refused in
+  *poise-mpi*) fail "expected no advice to install a package, found: $refused" ;;
+  *"build Poise with Open MPI"*) ;;
+  *) fail "expected the advice to build Poise with Open MPI, found: $refused" ;;
+esac
+
 # Of the machine only glibc is used.
 foreign=$(chroot "$root" ldd "$poise/bin/poise" | grep -F ' => ' | grep -v -F " => $poise/" |
   grep -v -E '^\s*lib(c|m|mvec|dl|rt|pthread)\.so\.[0-9]+ ') || true

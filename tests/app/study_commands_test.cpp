@@ -1,6 +1,8 @@
 // `poise montecarlo` with --output, --resume and --shard, killed, and under mpirun.
 
+#include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -190,6 +192,10 @@ TEST(StudyCommands, RanksDoNotMatter) {
     fs::remove(result);
   }
   EXPECT_EQ(study(folder, file, {"--output", place, "--resume"}), whole);
+  // mpirun gives ranks a terminal, whose colours would be in the file.
+  ASSERT_EQ(run_and_wait(under_mpirun(1, {"solve", dataset("toggle_clamp")}), out), 0) << contents(out);
+  EXPECT_TRUE(has(contents(out), "proved")) << contents(out);
+  EXPECT_FALSE(has(contents(out), "\x1b")) << contents(out);
   // A mistake is said once.
   EXPECT_EQ(run_and_wait(under_mpirun(2, {"montecarlo", file, "--output", place, "--trials", trials}), out), 2);
   const std::string said = contents(out), line = "exists already; expected a new folder";
@@ -209,6 +215,23 @@ TEST(StudyCommands, WithoutMpiRanksAreRefused) {
   EXPECT_EQ(run_and_wait(words, out), 2);
   EXPECT_TRUE(has(contents(out), "mpirun: cannot load MPI (" + module + ": ")) << contents(out);
   EXPECT_TRUE(has(contents(out), "every rank would do the whole study")) << contents(out);
+  // This program is none of a Debian package, which poise-mpi would fit.
+  EXPECT_FALSE(has(contents(out), "poise-mpi")) << contents(out);
+  // A module that is cut anywhere is one clear line, not the end by a signal.
+  if (POISE_HAS_MPI) {
+    const fs::path whole = fs::path(POISE_EXECUTABLE).parent_path() / "poise_mpi.so";
+    for (const std::uintmax_t size : {10u, 100u, 1000u, 5000u}) {
+      SCOPED_TRACE(size);
+      fs::copy_file(whole, module, fs::copy_options::overwrite_existing);
+      ASSERT_GT(fs::file_size(module), size);
+      fs::resize_file(module, size);
+      EXPECT_EQ(run_and_wait(words, out), 2);
+      const std::string said = contents(out);
+      EXPECT_TRUE(has(said, "mpirun: cannot load MPI (" + module + ": ")) << said;
+      EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+    }
+    fs::remove(module);
+  }
   // A rank that is alone needs no other.
   const Words alone = {
       "/usr/bin/env", "OMPI_COMM_WORLD_SIZE=1", program, "montecarlo", dataset("lift_experiment"), "--trials", "2"};
