@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import pathlib
+import re
 import tomllib
 from typing import Any
 
 from . import _poise
 from ._scene import Scene, load
-from ._tables import EXAMPLES, checked_name, unknown
+from ._tables import EXAMPLES, checked_name, shown, unknown
 
 
 def _files() -> dict[str, pathlib.Path]:
-    """All files that come with the package, by their place in the folder; without the ending .toml."""
-    files = (file for file in sorted(EXAMPLES.rglob("*")) if file.is_file())
+    """All files that calls read, by their place in the folder; without the ending .toml. Others, which describe the
+    examples or have their known answers, are none of them."""
+    files = (file for file in sorted(EXAMPLES.rglob("*")) if file.suffix in (".toml", ".csv", ".svg"))
     return {file.relative_to(EXAMPLES).as_posix().removesuffix(".toml"): file for file in files}
 
 
@@ -24,6 +26,20 @@ def _document(file: pathlib.Path) -> dict[str, Any]:
 def _listed(files: dict[str, pathlib.Path]) -> list[str]:
     """The names of all files of TOML but those in hard/, with which `poise stress` tries the methods."""
     return [name for name, file in files.items() if file.suffix == ".toml" and not name.startswith("hard/")]
+
+
+def _bare(name: str) -> str:
+    """A name without its folder and its ending, in small letters."""
+    return name.rpartition("/")[2].partition(".")[0].lower()
+
+
+def _unknown(name: str, files: dict[str, pathlib.Path]) -> _poise.InputError:
+    """The error of a name that is none: folder, ending or capitals may be missing or wrong, and letters too."""
+    near = re.search('"(.+)"', _poise.did_you_mean(_bare(name), sorted({_bare(known) for known in files})))
+    alike = [f'"{known}"' for known in files if near is not None and _bare(known) == near[1]]
+    if alike:
+        return _poise.InputError(f"{shown(name)}: expected the name of an example; did you mean {' or '.join(alike)}?")
+    return unknown("the name of an example", name, _listed(files))
 
 
 def examples() -> dict[str, str]:
@@ -53,8 +69,8 @@ def example_path(name: str) -> pathlib.Path:
     """
     files = _files()  # no name leads out of the folder
     file = files.get(checked_name(name).removesuffix(".toml"))
-    if file is None:
-        raise unknown("the name of an example", name, _listed(files))
+    if file is None or (name.endswith(".toml") and file.suffix != ".toml"):
+        raise _unknown(name, files)
     return file
 
 

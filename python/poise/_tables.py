@@ -30,9 +30,17 @@ def needed(module: str, package: str, what: str) -> Any:
         raise ImportError(f"{what} needs {module.split('.')[0]}; install {package}, or by pip") from error
 
 
+def shown(name: object) -> str:
+    """A name as messages have it: on one line, and cut where it is long."""
+    text = str(name)
+    text = text if text.isprintable() else repr(text)
+    return text if len(text) <= 100 else text[:100] + "..."
+
+
 def unknown(what: str, name: object, known: Sequence[str]) -> _poise.InputError:
     """The error of a name that is none, with the nearest ones."""
-    return _poise.InputError(f"{name}: expected {what}{_poise.did_you_mean(checked_text(str(name)), list(known))}")
+    near = _poise.did_you_mean(checked_text(str(name)), list(known))
+    return _poise.InputError(f"{shown(name)}: expected {what}{near}")
 
 
 def write_file(path: pathlib.Path, text: str) -> None:

@@ -47,6 +47,15 @@ def test_files_are_those_that_commands_read():
 
 @pytest.mark.parametrize("name, why", [
     ("togle_clamp", 'did you mean "toggle_clamp"?'),
+    ("TOGGLE_CLAMP", 'did you mean "toggle_clamp"?'),
+    ("wedge", 'did you mean "friction/wedge"?'),
+    ("structures/wegde", 'did you mean "friction/wedge"?'),
+    ("struts", 'did you mean "struts.csv"?'),
+    ("struts.csv.toml", 'did you mean "struts.csv"?'),
+    ("README.md", "README.md: expected the name of an example; known here: "),
+    ("answers.json", "answers.json: expected the name of an example"),
+    ("clamp" * 1000, "clamp" * 20 + "...: expected the name of an example"),
+    ("two\nlines", "'two\\nlines': expected the name of an example"),
     ("a clamp", "known here: "),
     ("../README.md", "expected the name of an example"),
     ("/etc/passwd", "expected the name of an example"),
