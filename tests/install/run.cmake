@@ -35,13 +35,18 @@ if(NOT result EQUAL 0 OR output STREQUAL "")
   message(FATAL_ERROR "the example of README.md ended with ${result}")
 endif()
 
-# The same by the compiler and pkg-config alone.
-file(GLOB_RECURSE packages "${prefix}/*/poise.pc")
+# The same by the compiler and pkg-config alone, in a folder with a space in its name.
+file(CREATE_LINK "${prefix}" "${work}/my prefix" SYMBOLIC)
+file(GLOB_RECURSE packages RELATIVE "${prefix}" "${prefix}/*/poise.pc")
 cmake_path(GET packages PARENT_PATH packages)
-set(ENV{PKG_CONFIG_PATH} "${packages}")
+set(ENV{PKG_CONFIG_PATH} "${work}/my prefix/${packages}")
 execute_process(COMMAND pkg-config --cflags --libs poise OUTPUT_VARIABLE words OUTPUT_STRIP_TRAILING_WHITESPACE
   COMMAND_ERROR_IS_FATAL ANY)
+# As `eval` reads them.
 separate_arguments(words UNIX_COMMAND "${flags} ${words}")
+if(NOT words MATCHES "-L[^;]*/my prefix/")
+  message(FATAL_ERROR "pkg-config names no folder in ${work}/my prefix: ${words}")
+endif()
 run("${compiler}" -std=c++20 "${work}/source/example.cpp" -o "${work}/example" ${words})
 execute_process(COMMAND "${work}/example" datasets/toggle_clamp.toml
   WORKING_DIRECTORY "${prefix}/share/poise" OUTPUT_VARIABLE by_pkg_config COMMAND_ERROR_IS_FATAL ANY)
