@@ -114,7 +114,9 @@ def patch(file: Path, names: dict[str, str], folder: Path) -> None:
 def bundle(files: list[Path], folder: Path, kept_out: set[str], with_hashes: bool, licences: Path) -> None:
     libraries = closure(files, kept_out)
     left_out = sorted(set(LEFT_OUT) & set(libraries))
-    write_licences(licences, {name: file for name, file in libraries.items() if name not in left_out}, left_out)
+    component = "python_debian" if any(".so" in file.suffixes for file in files) else "program"
+    debian = {name: file for name, file in libraries.items() if name not in left_out}
+    write_licences(licences, component, debian, left_out)
     with tempfile.TemporaryDirectory() as work:
         for name in left_out:
             users = [file for file in [*files, *libraries.values()] if name in needed(file)]

@@ -19,7 +19,7 @@ UPLOT = SOURCE / "app" / "page" / "vendor" / "uplot" / "LICENSE"
 
 # Of MPI and Python only headers are used, and they are not passed on.
 NOT_COMPILED_IN = ("libopenmpi-dev", "python3-dev")
-# What Debian's packages of Poise have less than the Python module, which has everything.
+# What components have less than the Python module, which has everything.
 NOT_IN = {
     "program": ["pybind11-dev"],
     "dev": ["pybind11-dev", "libcli11-dev", "nlohmann-json3-dev"],
@@ -44,12 +44,13 @@ NOT_GPL = {
 }
 
 
-def compiled_in() -> list[str]:
-    """The packages that Poise is compiled with: those of dependencies.cmake but for tests and benchmarks."""
+def compiled_in(component: str) -> list[str]:
+    """The packages that it is compiled with: those of dependencies.cmake but for tests and benchmarks."""
     lines = (SOURCE / "cmake" / "dependencies.cmake").read_text().split("if(POISE_BUILD_TESTS)")[0]
     packages = re.findall(r"# apt: (.*)", lines)
     names = [name for line in packages for name in line.split()]
-    return [name for name in names if name.endswith("-dev") and name not in NOT_COMPILED_IN]
+    left_out = [*NOT_COMPILED_IN, *NOT_IN[component]]
+    return [name for name in names if name.endswith("-dev") and name not in left_out]
 
 
 def text_of(package: str) -> str:
@@ -133,17 +134,18 @@ class Licences:
         return self.names[text]
 
 
-def write_licences(folder: Path, libraries: dict[str, Path], stand_ins: list[str]) -> None:
-    """Writes the licences of libraries that are copied, and of what is compiled in, with an index of them. `stand_ins`
-    are libraries that are ours."""
+def write_licences(folder: Path, component: str, libraries: dict[str, Path], stand_ins: list[str]) -> None:
+    """Writes the licences of libraries that are copied, and of what the component is compiled with, with an index of
+    them. `stand_ins` are libraries that are ours."""
     of_package: dict[str, list[str]] = {}
     for name, package in sorted(packages_of(libraries).items()):
         of_package.setdefault(package, []).append(name)
-    refuse_gpl([*of_package, *compiled_in()])
+    compiled = compiled_in(component)
+    refuse_gpl([*of_package, *compiled])
     licences = Licences(folder)
     rows = [(licences.add(package), package, " ".join(names)) for package, names in sorted(of_package.items())]
     # The headers of a library that is copied are under its licence.
-    rows += [(licences.add(package), package, "compiled in") for package in compiled_in() if not licences.has(package)]
+    rows += [(licences.add(package), package, "compiled in") for package in compiled if not licences.has(package)]
     shutil.copyfile(POISE, folder / "poise.txt")
     shutil.copyfile(UPLOT, folder / "uplot.txt")
     lines = [f"{'uplot.txt':26} uPlot, in pages for the browser"]
@@ -168,7 +170,7 @@ def debian_copyright(component: str) -> str:
     if component in ("program", "python_debian"):
         parts.append(f"The pages that Poise writes contain uPlot\n\n{UPLOT.read_text()}")
     if component in NOT_IN:
-        packages = [package for package in compiled_in() if package not in NOT_IN[component]]
+        packages = compiled_in(component)
         refuse_gpl(packages)
         texts: dict[str, list[str]] = {}
         for package in packages:
