@@ -133,6 +133,11 @@ int parse_and_run(int argc, const char* const* argv) {
 
   expect_command(commands, argc, argv);
   const std::string_view first = argv[1];
+  // CLI11 would print the script at the first of its words, and overlook the others.
+  if (const int last = first == "--completion" ? 2 : 1; first.starts_with("--completion") && argc > last + 1) {
+    throw InputError(fmt::format("poise: --completion: expected nothing behind {}, found \"{}\"; see poise --help",
+                                 argv[last], argv[last + 1]));
+  }
   const std::string help = first.starts_with('-') ? "poise --help" : fmt::format("poise {} --help", first);
   // CLI11 would take the next word in its place.
   for (int i = 2; i < argc; ++i) {

@@ -111,6 +111,15 @@ TEST(Completion, OfAnotherShellIsRefused) {
   EXPECT_EQ(run.err, "--completion: expected bash, zsh or fish, found \"fishy\"; did you mean \"fish\"?\n");
 }
 
+TEST(Completion, BehindTheShellNothingIsRead) {
+  for (const Words& words : {Words{"--completion", "bash", "zsh"}, Words{"--completion=bash", "zsh"}}) {
+    const ProgramRun more = run_poise(words);
+    EXPECT_EQ(more.exit_code, 2);
+    EXPECT_EQ(more.out, "");
+    EXPECT_TRUE(more.err.ends_with("found \"zsh\"; see poise --help\n")) << more.err;
+  }
+}
+
 TEST(Completion, WithoutAShellNamesTheHelp) {
   const ProgramRun run = run_poise({"--completion"});
   EXPECT_EQ(run.exit_code, 2);
