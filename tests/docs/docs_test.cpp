@@ -214,6 +214,15 @@ class Walk {
   int not_run_ = 0;
 };
 
+TEST(DocsPrograms, SayHowTheyAreCalled) {
+  const Workplace workplace;
+  for (const std::string name : {"example", "many"}) {
+    const ProgramRun run = workplace.run("build/" + name);
+    EXPECT_EQ(run.exit_code, 2) << name;
+    EXPECT_EQ(run.out, "usage: " + name + " SCENE.toml\n");
+  }
+}
+
 class Docs : public testing::TestWithParam<std::string> {};
 
 TEST_P(Docs, PrintWhatTheyShow) { Walk(source / GetParam(), false).run(); }
