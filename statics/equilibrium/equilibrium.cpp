@@ -485,18 +485,10 @@ Equilibrium solve(const StaticModel& model, const SolveOptions& options) {
 }
 
 std::vector<double> assemble(const StaticModel& model) {
-  if (model.mechanism().coordinates() == 0) {
-    throw InputError(where(model) +
-                     "nothing can move under load; expected a body that can turn or slide and carries a load, a weight "
-                     "or a spring");
-  }
+  expect_movable(model);
   const Mobility mobility = analyse_mobility(model);
   expect_closed(model, mobility);
-  if (mobility.freedoms == 0) {
-    throw InputError(fmt::format(
-        "{}no degree of freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld",
-        where(model), mobility.coordinates, mobility.rank));
-  }
+  expect_movable(model, mobility);
   return mobility.x;
 }
 

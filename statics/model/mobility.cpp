@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <random>
+#include <string_view>
 
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
@@ -30,6 +31,9 @@ constexpr double closed_in_place = 1e-13;
 // Curvatures of the rows are known to this share of the largest: positions are closed to 1e-9.
 constexpr double bends_for_certain = 1e-6;
 constexpr int most_combinations = 100;
+
+constexpr std::string_view asked_of_structures =
+    "of a structure, poise loads and poise forces find the forces, poise equilibria --assemblies the assemblies";
 
 int gruebler_count(const Scene& scene) {
   int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
@@ -362,6 +366,21 @@ void expect_closed(const ScaledModel& model, const Mobility& mobility) {
   throw AssemblyError(fmt::format(
       "{}cannot be assembled from its start: {}; give a [start] nearer to a closed pose, or check the lengths", place,
       mobility.gap));
+}
+
+void expect_movable(const ScaledModel& model) {
+  if (model.mechanism().coordinates() > 0) return;
+  throw InputError(
+      fmt::format("{}nothing can move under load; expected a body that can turn or slide and carries a load, a weight "
+                  "or a spring; {}",
+                  where(model), asked_of_structures));
+}
+
+void expect_movable(const ScaledModel& model, const Mobility& mobility) {
+  if (mobility.freedoms > 0) return;
+  throw InputError(fmt::format(
+      "{}no degree of freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld; {}",
+      where(model), mobility.coordinates, mobility.rank, asked_of_structures));
 }
 
 std::string where(const ScaledModel& model, int line) {

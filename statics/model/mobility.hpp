@@ -67,6 +67,11 @@ Freedoms freedoms_at(const ScaledModel& model, const std::vector<double>& x, std
 /// Throws AssemblyError if the loops are not closed, InputError if no pose can close them.
 void expect_closed(const ScaledModel& model, const Mobility& mobility);
 
+/// Throws InputError if the mechanism has no coordinate, or, by its mobility, no freedom, and names what a structure
+/// can be asked for.
+void expect_movable(const ScaledModel& model);
+void expect_movable(const ScaledModel& model, const Mobility& mobility);
+
 /// "file:line: mechanism: ", the beginning of messages about a whole mechanism; line 0: that of its first body.
 std::string where(const ScaledModel& model, int line = 0);
 

@@ -52,11 +52,7 @@ VirtualWork::VirtualWork(std::shared_ptr<const StaticModel> model, std::vector<T
     throw InputError(fmt::format("{}expected at most {} coordinates for equations with dense matrices, found {}",
                                  where(*model_), most_coordinates, n_));
   }
-  if (n_ == 0) {
-    throw InputError(where(*model_) +
-                     "nothing can move under load; expected a body that can turn or slide and carries "
-                     "a load, a weight or a spring");
-  }
+  expect_movable(*model_);
   length_ = length_in_scene_units(*model_);
   work_ = model_->scales().energy() / (model_->scene().units.force * model_->scene().units.length);
   for (int t = 0; t < n_; ++t) per_coordinate_.push_back(t < model_->layout().angles ? 1.0 : length_);

@@ -342,12 +342,13 @@ TEST(Assemble, ReportsThatNoDegreeOfFreedomIsLeft) {
   scene.start.angle[1] = -1.0;
   scene.start.angle[2] = 1.0;
   test::add_pin(scene, "2.b", "ground.E");
-  expect_message(scene, {"no degree of freedom left", "2 coordinates", "2 independent closure equations"});
+  expect_message(scene, {"no degree of freedom left", "2 coordinates", "2 independent closure equations",
+                         "of a structure, poise loads and poise forces", "poise equilibria --assemblies"});
 }
 
 TEST(Assemble, ReportsThatNothingCanMove) {
   expect_message(test::chain(2, 1.0, 1.0), {"nothing can move under load"});
-  expect_message(Scene(), {"nothing can move under load"});
+  expect_message(Scene(), {"nothing can move under load", "of a structure, poise loads and poise forces"});
 }
 
 TEST(Assemble, ClosesLoopsFromAnOpenStart) {
