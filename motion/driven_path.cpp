@@ -73,6 +73,10 @@ SplitClosure::SplitClosure(const MotionModel& model, std::vector<int> driven, st
   }
 }
 
+double SplitClosure::least_scale() const {
+  return measured_.empty() ? rounding_of_closures / DrivenPath::singular_below : 1.0;
+}
+
 int SplitClosure::constant_measure() const {
   const auto found =
       std::find_if(measures_.begin(), measures_.end(), [](const Measured& g) { return g.support().empty(); });

@@ -29,8 +29,9 @@ class SplitClosure {
   /// Drives that have a row each behind these.
   const std::vector<int>& measured() const { return measured_; }
   /// Singular values of the free columns count against the largest of them, but against this at least: slopes of
-  /// measures by rad and mechanism sizes are of order one, and one alone vanishes against nothing else.
-  double least_scale() const { return measured_.empty() ? 0.0 : 1.0; }
+  /// measures by rad and mechanism sizes are of order one, and one alone vanishes against nothing else; those of
+  /// closures must be more than rounding.
+  double least_scale() const;
   /// Whether some measure of these drives is the same in every pose; its place in measured(), or -1.
   int constant_measure() const;
   /// x of the coordinates q.

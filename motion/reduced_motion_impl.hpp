@@ -9,6 +9,7 @@
 #include "model/joint_friction.hpp"
 #include "motion/motion_input_impl.hpp"
 #include "motion/reduced_motion.hpp"
+#include "statics/model/held_rows.hpp"
 
 namespace poise {
 
@@ -268,7 +269,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
     find_pivot(rank < unnamed ? unnamed : searched);
     if (rank < unnamed && !(abs(jacobian(rows[p], columns[c])) > static_cast<T>(0.1))) find_pivot(searched);
     const T size = abs(jacobian(rows[p], columns[c]));
-    if (rank == 0) first = size;
+    if (rank == 0) first = std::max<T>(size, static_cast<T>(rounding_of_closures) / zero);
     if (rank >= most) {
       grown = size > static_cast<T>(1e-6) * first;
       break;

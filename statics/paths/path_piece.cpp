@@ -5,6 +5,7 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "statics/model/curvature.hpp"
+#include "statics/model/held_rows.hpp"
 #include "statics/model/readings.hpp"
 #include "statics/paths/varied_mechanism.hpp"
 
@@ -53,6 +54,7 @@ std::vector<int> independent_closures(const Mechanism<double>& m, const std::vec
   for (int r = 0; r < m.equalities(); ++r) rows[r] = r;
   if (rows.empty() || m.equalities() > solvers::Curve::spectrum_limit) return rows;
   const DensePoint<double> point(m, x, rows);
+  if (point.jacobian.size() == 0 || point.jacobian.cwiseAbs().maxCoeff() <= rounding_of_closures) return {};
   const auto [rank, order] = solvers::pivot_order<double>(point.jacobian.transpose(), solvers::known_to::closed_point);
   rows.assign(order.begin(), order.begin() + rank);
   std::sort(rows.begin(), rows.end());

@@ -399,5 +399,23 @@ TEST(MotionCommand, InterruptKeepsWhatWasReached) {
   EXPECT_NEAR(table.values[1][5], 100 + 7 * std::cos(10 * table.values[0][5]), 1e-8);
 }
 
+// A rod of 1 kg whose centre is 0.2 m from a pin that was written twice, a rounding of its place apart.
+TEST(MotionCommand, APinWrittenTwiceMovesAsOne) {
+  const TempFolder folder;
+  const std::string scene = dataset("hard/middle_pin_twice"), file = folder.path("found.json").string();
+  const ProgramRun moved = run_poise({"motion", scene, "--release", "rod=1", "--duration", "1"});
+  EXPECT_EQ(moved.exit_code, 0) << moved.err;
+  EXPECT_NE(moved.out.find("1 degree of freedom, of 1"), std::string::npos) << moved.out;
+  EXPECT_EQ(run_poise({"kinematics", scene, "--drive", "rod=0..1"}).exit_code, 0);
+  const ProgramRun held = run_poise({"path", scene, "--vary", "angle.rod=1..2", "--json", file});
+  EXPECT_EQ(held.exit_code, 0) << held.out;
+  const json points = json::parse(contents(file))["points"];
+  EXPECT_GT(points.size(), 2U);
+  for (const json& point : points) {
+    EXPECT_NEAR(point["effort"], 10 * 0.2 * std::cos(point["parameter"].get<double>()), 1e-12);
+    EXPECT_EQ(point["proof"], "proved");
+  }
+}
+
 }  // namespace
 }  // namespace poise::app_tests::motion_command_test
