@@ -132,8 +132,13 @@ Figure hold_figure(const StaticModel& model, const std::vector<double>& x, const
   Play play{.label = number, .unit = numbered.unit};
   std::list<Scene> scenes;
   std::vector<Position> positions;
+  // The nearest of equal parts gives way to the scene's own value, where the page opens.
+  const double part = std::clamp((range.present - from) / (to - from), 0.0, 1.0);
+  const auto own = static_cast<std::size_t>(std::lround(part * (frames - 1)));
+  play.rest = own;
   for (std::size_t k = 0; k < frames; ++k) {
-    const double value = from + (to - from) * static_cast<double>(k) / (frames - 1);
+    const double value =
+        k == own ? std::clamp(range.present, from, to) : from + (to - from) * static_cast<double>(k) / (frames - 1);
     const bool is_above = value > range.upper.value;
     const bool is_held = value >= range.lower.value && !is_above;
     const std::vector<Slip> slips = is_held ? std::vector<Slip>{} : (is_above ? range.upper : range.lower).slips;
@@ -145,7 +150,6 @@ Figure hold_figure(const StaticModel& model, const std::vector<double>& x, const
                          .picture = picture_of_hold(model, x, slips, caption, decided),
                          .tone = is_held ? Tone::good : Tone::bad});
     play.values.push_back(value / numbered.si);
-    if (value <= range.present) play.rest = k;
   }
   Figure figure{.title = "Held or not, as " + number + " changes"};
   animate(figure, std::move(positions), std::move(play), "The mechanism, with what slips", {});

@@ -164,6 +164,9 @@ TEST(Html, WhatFrictionHoldsIsPlayedBeyondItsRange) {
       held += is_held ? 1 : 0;
       EXPECT_EQ(captions[k].get<std::string>().ends_with(": held"), is_held) << captions[k] << words[0];
     }
+    // The page opens at the scene's own value.
+    const double shown = figure["play"]["values"][figure["play"]["rest"].get<std::size_t>()], own = range["present"];
+    EXPECT_NEAR(shown, own, 1e-5 * std::abs(own)) << words[0];
     EXPECT_GT(held, 0U) << words[0];
     const bool ends = !(range["lower"]["without_end"].get<bool>() && range["upper"]["without_end"].get<bool>());
     EXPECT_EQ(held < captions.size(), ends) << words[0] << words[2];
