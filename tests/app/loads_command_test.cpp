@@ -83,9 +83,74 @@ TEST(LoadsCommand, OverARangeNeedsNoLinks) {
     EXPECT_LE(joint["least"].get<double>(), joint["largest"].get<double>());
     const std::string key = "reaction." + joint["name"].get<std::string>() + ".size";
     const std::vector<double> all = found["equilibria"][key];
-    EXPECT_EQ(*std::max_element(all.begin(), all.end()), joint["largest"].get<double>());
+    const double largest = joint["largest"];
+    EXPECT_GE(largest * (1 + 1e-12), *std::max_element(all.begin(), all.end()));
   }
   EXPECT_EQ(found["joints"].size(), 7U);
+}
+
+TEST(LoadsCommand, ExtremesAreThoseOfTheWholeRange) {
+  const std::vector<std::string> range{"--vary", "angle.crank=110..150", "--steps"};
+  const auto in_steps = [&](const std::string& steps) {
+    std::vector<std::string> words = range;
+    words.push_back(steps);
+    return loads_of(dataset("toggle_press"), 0, words);
+  };
+  const json few = in_steps("3"), many = in_steps("400");
+  double between = 0.0;
+  for (std::size_t j = 0; j < few["joints"].size(); ++j) {
+    const json &one = few["joints"][j], &fine = many["joints"][j];
+    const std::vector<double> all = many["equilibria"]["reaction." + one["name"].get<std::string>() + ".size"];
+    // A step of 0.1 deg is this near to an extreme.
+    const double least = *std::min_element(all.begin(), all.end()), largest = *std::max_element(all.begin(), all.end());
+    EXPECT_NEAR(one["least"], least, 1e-4 * largest) << one["name"];
+    EXPECT_NEAR(one["largest"], largest, 1e-4 * largest) << one["name"];
+    EXPECT_LE(one["least"].get<double>(), least * (1 + 1e-12));
+    for (const char* key : {"least", "largest"}) {
+      EXPECT_NEAR(one[key], fine[key], 2e-9 * largest) << one["name"];
+      EXPECT_NEAR(one[std::string(key) + "_at"], fine[std::string(key) + "_at"], 1e-3) << one["name"];
+    }
+    const double at = one["least_at"];
+    between = std::max(between, std::abs(std::remainder(at - 110, 40.0 / 3)));
+  }
+  EXPECT_GT(between, 1.0) << "deg: some extreme is between the three steps";
+}
+
+// A cantilever's bracket: a load of 3 N down and one of P up. Bar and pin carry nothing at P = 3 N, which is no step.
+TEST(LoadsCommand, OfAStructureNothingIsWrittenAsZero) {
+  const TempFolder folder;
+  const std::string scene = folder.write("bracket.toml", R"(
+[ground]
+points = { A = [0, 0], B = [0, 0.7] }
+[body.arm]
+points = { A = [0, 0], C = [1.1, 0.3] }
+[[pin]]
+name = "hinge"
+points = ["ground.A", "arm.A"]
+[[bar]]
+name = "stay"
+points = ["ground.B", "arm.C"]
+[[force]]
+name = "W"
+at = "arm.C"
+vector = [0, -3]
+[[force]]
+name = "P"
+at = "arm.C"
+vector = [0, 1]
+)");
+  const json found = loads_of(scene, 0, {"--vary", "load.P=0..8", "--steps", "4"});
+  const json &hinge = found["joints"][0], &stay = found["joints"][1];
+  ASSERT_EQ(hinge["name"], "hinge");
+  EXPECT_EQ(hinge["least"], 0.0);
+  EXPECT_NEAR(hinge["least_at"], 3, 1e-6);
+  EXPECT_EQ(hinge["largest_at"], 8.0);
+  // By its tension: -5 N and 3 N times what the three directions give.
+  EXPECT_EQ(stay["least_at"], 8.0);
+  EXPECT_EQ(stay["largest_at"], 0.0);
+  EXPECT_NEAR(stay["largest"].get<double>() / stay["least"].get<double>(), -3.0 / 5, 1e-12);
+  const ProgramRun run = run_poise({"loads", scene, "--vary", "load.P=3..8", "--steps", "4"});
+  EXPECT_EQ(run.out.find("e-"), std::string::npos) << run.out;
 }
 
 TEST(LoadsCommand, RefusesByNameWithoutDiagrams) {

@@ -1,10 +1,9 @@
 #include "app/results/statics/loads_along.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,151 +16,45 @@
 namespace poise::app {
 namespace {
 
-constexpr double no_load = std::numeric_limits<double>::quiet_NaN();
-constexpr Dimension stress_of_links = dimension::force * dimension::length.power(-2);
+const Format format_of_extremes{.style = Format::Style::significant, .digits = force_digits};
 
-/// A value along the path, of a joint or a link.
-struct LoadSeries {
-  std::string item, key, title;
-  Dimension dimension{};
-  std::vector<double> values, at_s;  ///< SI, not a number where there is none; of a link where on its line
-  bool by_size = true;               ///< the largest is that by size; otherwise the smallest counts too
-
-  std::size_t place(bool smallest) const {
-    std::size_t best = values.size();
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (std::isnan(values[k])) continue;
-      const double now = by_size ? std::abs(values[k]) : values[k];
-      const double most = best == values.size() ? now : by_size ? std::abs(values[best]) : values[best];
-      if (best == values.size() || (smallest ? now < most : now > most)) best = k;
-    }
-    return best;
-  }
-};
-
-/// Whether a joint is between two parts of one flexible link.
-bool is_within_link(const Scene& scene, const Joint& joint) {
-  return std::any_of(scene.flexible_links.begin(), scene.flexible_links.end(), [&](const FlexibleLink& link) {
-    const auto has = [&](int body) {
-      return std::find(link.bodies.begin(), link.bodies.end(), body) != link.bodies.end();
-    };
-    return has(joint.a.body) && has(joint.b.body);
-  });
-}
-
-/// The size of each joint's force; tension of a bar with its sign.
-std::vector<LoadSeries> joint_series(const VariedScene& varied, const std::vector<LoadsAt>& loads) {
-  std::vector<LoadSeries> out;
-  const std::vector<Joint>& joints = varied.scene().joints;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    if (is_within_link(varied.scene(), joints[j])) continue;
-    const bool is_bar = joints[j].keeps_length();
-    LoadSeries one{joints[j].name, is_bar ? "axial" : "size", is_bar ? "tension" : "size", dimension::force, {}, {},
-                   false};
-    for (const LoadsAt& here : loads) {
-      const auto found = std::find_if(here.check.reactions.begin(), here.check.reactions.end(),
-                                      [&](const Reaction& r) { return r.joint == static_cast<int>(j); });
-      const bool is_known = found != here.check.reactions.end() && found->determined;
-      one.values.push_back(!is_known ? no_load : is_bar ? found->axial : norm(found->force));
-    }
-    out.push_back(std::move(one));
-  }
-  return out;
-}
-
-struct OfLink {
-  const char *key, *title;
-  LargestOnLink LinkLoads::*value;
-  Dimension dimension;
-};
-constexpr std::array<OfLink, 6> of_link{{{"normal", "N", &LinkLoads::normal, dimension::force},
-                                         {"shear", "V", &LinkLoads::shear, dimension::force},
-                                         {"moment", "M", &LinkLoads::moment, dimension::torque},
-                                         {"tension", "tension", &LinkLoads::tension, stress_of_links},
-                                         {"compression", "compression", &LinkLoads::compression, stress_of_links},
-                                         {"deflection", "deflection", &LinkLoads::deflection, dimension::length}}};
-
-/// The largest loads of each link in each equilibrium.
-std::vector<LoadSeries> link_series(const std::vector<LoadsAt>& loads) {
-  std::vector<LoadSeries> out;
-  const std::size_t links = loads.empty() ? 0 : loads.front().links.size();
-  for (std::size_t l = 0; l < links; ++l) {
-    for (const OfLink& of : of_link) {
-      const LinkLoads& first = loads.front().links[l];
-      if (first.flexible && of.value == &LinkLoads::deflection) continue;  // it is drawn as it is bent
-      LoadSeries one{first.name, of.key, of.title, of.dimension, {}, {}};
-      for (const LoadsAt& here : loads) {
-        const LinkLoads& link = here.links[l];
-        one.values.push_back(link.why.empty() ? (link.*of.value).value : no_load);
-        one.at_s.push_back(link.why.empty() ? (link.*of.value).s : no_load);
-      }
-      out.push_back(std::move(one));
-    }
-  }
-  return out;
-}
-
-double parameter_of_place(const VariedScene& varied, const std::vector<LoadsAt>& loads, std::size_t place) {
-  return place < loads.size() ? loads[place].point.parameter / varied.unit() : no_load;
-}
-
-double value_of_place(const std::vector<double>& values, std::size_t place) {
-  return place < values.size() ? values[place] : no_load;
-}
-
-void add_joint_extremes(Group& content, const VariedScene& varied, const std::vector<LoadsAt>& loads,
-                        const std::vector<LoadSeries>& joints) {
+void add_joint_extremes(Group& content, const VariedScene& varied, const std::vector<LoadSeries>& joints) {
   const Units& units = varied.scene().units;
-  const std::string force = unit_name(Quantity::force, units);
   Table& table = content.table("joints", "Joint forces", Rows::list);
   table.words("name", "joint", each(joints, &LoadSeries::item));
-  table.words("", "force", each(joints, &LoadSeries::title));
-  const Format format{.style = Format::Style::significant, .digits = force_digits};
-  for (const bool smallest : {true, false}) {
-    const std::string key = smallest ? "least" : "largest", title = smallest ? "smallest" : "largest";
-    table.numbers(key, title, force,
-                  each(joints,
-                       [&](const LoadSeries& one) {
-                         return in_unit(value_of_place(one.values, one.place(smallest)), Quantity::force, units);
-                       }),
-                  format);
-    table.numbers(
-        key + "_at", "at " + varied.name(), varied.unit_name(),
-        each(joints, [&](const LoadSeries& one) { return parameter_of_place(varied, loads, one.place(smallest)); }),
-        format);
+  table.words("", "force",
+              each(joints, [](const LoadSeries& one) { return std::string(one.key == "axial" ? "tension" : "size"); }));
+  for (const auto& [extreme, key, title] :
+       {std::tuple{&LoadSeries::least, "least", "smallest"}, std::tuple{&LoadSeries::largest, "largest", "largest"}}) {
+    const auto of = [&, extreme = extreme](const LoadSeries& one) -> const LoadExtreme& { return one.*extreme; };
+    table.numbers(key, title, unit_name(Quantity::force, units),
+                  each(joints, [&](const LoadSeries& one) { return in_unit(of(one).value, Quantity::force, units); }),
+                  format_of_extremes);
+    table.numbers(std::string(key) + "_at", "at " + varied.name(), varied.unit_name(),
+                  each(joints, [&](const LoadSeries& one) { return of(one).at / varied.unit(); }), format_of_extremes);
   }
   table.footnotes = {"sizes, of bars the tension; - where statics does not determine it"};
 }
 
-void add_link_extremes(Group& content, const VariedScene& varied, const std::vector<LoadsAt>& loads,
-                       const std::vector<LoadSeries>& links) {
+void add_link_extremes(Group& content, const VariedScene& varied, const std::vector<LoadSeries>& links) {
   const Units& units = varied.scene().units;
-  const Format format{.style = Format::Style::significant, .digits = force_digits};
   Table& table = content.table("links", "Largest internal loads of links", Rows::list);
   table.words("name", "link", each(links, &LoadSeries::item));
   table.words("load", "load", each(links, &LoadSeries::key));
   table.numbers("value", "largest", "",
-                each(links,
-                     [&](const LoadSeries& one) {
-                       return value_of_place(one.values, one.place(false)) / one.dimension.unit(units);
-                     }),
-                format);
+                each(links, [&](const LoadSeries& one) { return one.largest.value / one.dimension.unit(units); }),
+                format_of_extremes);
   table.words("unit", "unit", each(links, [&](const LoadSeries& one) { return one.dimension.unit_name(units); }));
   table.numbers("at", "at " + varied.name(), varied.unit_name(),
-                each(links, [&](const LoadSeries& one) { return parameter_of_place(varied, loads, one.place(false)); }),
-                format);
+                each(links, [&](const LoadSeries& one) { return one.largest.at / varied.unit(); }), format_of_extremes);
   table.numbers("s", "s", unit_name(Quantity::length, units),
-                each(links,
-                     [&](const LoadSeries& one) {
-                       return in_unit(value_of_place(one.at_s, one.place(false)), Quantity::length, units);
-                     }),
-                format);
+                each(links, [&](const LoadSeries& one) { return in_unit(one.largest.s, Quantity::length, units); }),
+                format_of_extremes);
   if (!links.empty()) table.footnotes = {"s: along the line of the link"};
 }
 
-void add_equilibria_loads(Group& content, const VariedScene& varied, const std::vector<LoadsAt>& loads,
-                          bool is_structure, const std::vector<LoadSeries>& joints,
-                          const std::vector<LoadSeries>& links) {
+void add_equilibria_loads(Group& content, const VariedScene& varied, const LoadsAlong& answer) {
+  const std::vector<LoadsAt>& loads = answer.loads;
   const Units& units = varied.scene().units;
   Table& table = content.table("equilibria", "", Rows::columns, Verbosity::data);
   table.csv = !loads.empty();
@@ -173,7 +66,7 @@ void add_equilibria_loads(Group& content, const VariedScene& varied, const std::
         varied.effort_dimension().unit_name(units);
   }
   table.words("stability", "", each(loads, [&](const LoadsAt& here) {
-                return is_structure ? std::string("structure") : to_string(here.point.stability);
+                return answer.is_structure ? std::string("structure") : to_string(here.point.stability);
               }));
   const auto add = [&](const std::string& kind, const LoadSeries& one) {
     std::vector<double> values = one.values;
@@ -181,8 +74,8 @@ void add_equilibria_loads(Group& content, const VariedScene& varied, const std::
     table.data(fmt::format("{}.{}.{}", kind, one.item, one.key), std::move(values)).unit =
         one.dimension.unit_name(units);
   };
-  for (const LoadSeries& one : joints) add("reaction", one);
-  for (const LoadSeries& one : links) add("link", one);
+  for (const LoadSeries& one : answer.joints) add("reaction", one);
+  for (const LoadSeries& one : answer.links) add("link", one);
 }
 
 /// The loads before and behind a snap are those of two poses that no equilibria connect.
@@ -250,10 +143,9 @@ Result loads_along_result(const VariedScene& varied, const LoadsAlong& answer,
   parameter.data("unit", varied.unit_name());
   parameter.data("driven", varied.is_driven() ? Value(varied.driven_words()) : Value());
   if (varied.is_driven()) content.fact("driven", fmt::format("{}: {}", varied.name(), varied.driven_words()));
-  const std::vector<LoadSeries> joints = joint_series(varied, answer.loads), links = link_series(answer.loads);
-  add_joint_extremes(content, varied, answer.loads, joints);
-  add_link_extremes(content, varied, answer.loads, links);
-  add_equilibria_loads(content, varied, answer.loads, answer.is_structure, joints, links);
+  add_joint_extremes(content, varied, answer.joints);
+  add_link_extremes(content, varied, answer.links);
+  add_equilibria_loads(content, varied, answer);
   return out;
 }
 
@@ -265,9 +157,11 @@ std::vector<Panel> loads_along_panels(const VariedScene& varied, const LoadsAlon
       each(answer.loads, [&](const LoadsAt& here) { return here.point.parameter / varied.unit(); });
   std::vector<Panel> panels;
   const auto add = [&](const std::string& title, const std::string& label, std::vector<LoadSeries> all) {
-    const auto largest = [](const LoadSeries& one) { return std::abs(value_of_place(one.values, one.place(false))); };
+    const auto size = [](const LoadSeries& one) {
+      return std::max(std::abs(one.least.value), std::abs(one.largest.value));
+    };
     std::stable_sort(all.begin(), all.end(),
-                     [&](const LoadSeries& a, const LoadSeries& b) { return largest(a) > largest(b); });
+                     [&](const LoadSeries& a, const LoadSeries& b) { return size(a) > size(b); });
     if (all.size() > most_curves) all.resize(most_curves);
     if (all.empty()) return;
     Panel& panel = panels.emplace_back(Panel{.title = title, .x_label = varied.name() + unit, .y_label = label});
@@ -276,8 +170,8 @@ std::vector<Panel> loads_along_panels(const VariedScene& varied, const LoadsAlon
       panel.curves.push_back({.name = one.item, .x = x, .y = std::move(one.values)});
     }
   };
-  add("joint forces", "force (" + unit_name(Quantity::force, units) + ")", joint_series(varied, answer.loads));
-  std::vector<LoadSeries> moments = link_series(answer.loads);
+  add("joint forces", "force (" + unit_name(Quantity::force, units) + ")", answer.joints);
+  std::vector<LoadSeries> moments = answer.links;
   std::erase_if(moments, [](const LoadSeries& one) { return one.key != "moment"; });
   add("largest bending moments of links", "moment (" + unit_name(Quantity::moment, units) + ")", std::move(moments));
   return panels;
