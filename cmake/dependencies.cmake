@@ -46,6 +46,7 @@ if(POISE_BUILD_APP OR POISE_BUILD_PYTHON)
     find_package(MPI 3.1 QUIET COMPONENTS CXX)                                      # apt: libopenmpi-dev openmpi-bin
   endif()
   find_package(CLI11 2 REQUIRED)                                                    # apt: libcli11-dev
+  find_package(ZLIB 1.2 REQUIRED)                                                   # apt: zlib1g-dev
 endif()
 if(POISE_BUILD_APP OR POISE_BUILD_PYTHON OR POISE_BUILD_BENCHMARKS)
   find_package(nlohmann_json 3.11 REQUIRED)                                         # apt: nlohmann-json3-dev

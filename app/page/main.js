@@ -169,15 +169,21 @@ export function showPage(text) {
   document.getElementById('page').replaceChildren(headerView(page, text), main, footer);
 }
 
-function startPage() {
+// The document's text, which the page contains as base64 of what zlib compressed.
+async function documentText() {
+  const packed = Uint8Array.from(atob(document.getElementById('document').textContent), (c) => c.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'))).text();
+}
+
+async function startPage() {
   const place = document.getElementById('page');
   startTheme();
   closeMenusOutside();
   openWhilePrinting(place);
   try {
-    showPage(document.getElementById('document').textContent);
+    showPage(await documentText());
   } catch {
-    const text = 'This page cannot be shown, because the data in it cannot be read.';
+    const text = 'This page cannot be shown, because the data in it cannot be read; browsers since 2023 can.';
     place.replaceChildren(
       element('main', {id: 'main'}, element('div', {role: 'alert'}, element('h1', {class: 'unreadable'}, text)))
     );

@@ -17,10 +17,17 @@ namespace {
 
 using nlohmann::json;
 
-// Digits by which rows are sorted; the data have all.
-constexpr int digits_of_cells = 9;
+// Digits by which rows are sorted, and those of the data, for which pages would be twice as large with all of them.
+constexpr int digits_of_cells = 9, digits_of_data = 10;
 
-double rounded(double value) { return std::strtod(fmt::format("{:.{}g}", value, digits_of_cells).c_str(), nullptr); }
+double rounded(double value, int digits) { return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr); }
+
+void round_all(json& data) {
+  if (data.is_number_float()) data = rounded(data.get<double>(), digits_of_data);
+  if (data.is_structured()) {
+    for (json& one : data) round_all(one);
+  }
+}
 
 /// Without the blanks that align text.
 std::string trimmed(const std::string& text) {
@@ -31,7 +38,7 @@ std::string trimmed(const std::string& text) {
 json values_of(const TextColumn& column) {
   json values = json::array();
   for (const double number : column.column->numbers) {
-    values.push_back(std::isfinite(number) ? json(rounded(number * column.factor)) : json(nullptr));
+    values.push_back(std::isfinite(number) ? json(rounded(number * column.factor, digits_of_cells)) : json(nullptr));
   }
   return values;
 }
@@ -118,6 +125,7 @@ json page_document(const Result& result, const PageOrigin& origin, const std::ve
               {"palette", json::parse(palette_json())},
               {"figures", json::array()},
               {"result", result_json(result)}});
+  round_all(out["result"]);
   // Whose texts may be no UTF-8.
   for (const Figure& figure : figures) {
     const bool is_empty = figure.drawing.frames.empty() && figure.charts.panels.empty();

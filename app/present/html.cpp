@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <map>
+#include <new>
 #include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <zlib.h>
 
 #include "app/draw/canvas.hpp"
 #include "app/present/page_parts.hpp"
@@ -21,22 +23,28 @@ std::string joined(const std::vector<std::string_view>& pieces) {
   return out;
 }
 
-/// JSON that stays within its script element: "</" would end it, and after "<!--" the parser of HTML would overlook its
-/// end. Both can only stand in strings, where the escapes mean the same.
-std::string embedded(const json& document) {
-  const std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+/// In base64, of which nothing can end the element that holds it.
+std::string in_letters(const std::vector<unsigned char>& bytes) {
+  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;
-  out.reserve(text.size());
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const std::string_view rest = std::string_view(text).substr(i);
-    if (rest.starts_with("<!--")) {
-      out += "\\u003c";
-    } else {
-      out += text[i];
-      if (rest.starts_with("</")) out += '\\';
-    }
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;  // of 24 bits
+    for (std::size_t k = i; k < i + 3; ++k) group = (group << 8U) | (k < bytes.size() ? bytes[k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : letters[(group >> (18 - 6 * k)) & 63U];
   }
   return out;
+}
+
+/// The document in the format of zlib: numbers and names repeat, and browsers read it without a library.
+std::string embedded(const json& document) {
+  const std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  uLongf size = compressBound(text.size());
+  std::vector<unsigned char> packed(size);
+  const auto* const bytes = reinterpret_cast<const unsigned char*>(text.data());
+  if (compress2(packed.data(), &size, bytes, text.size(), Z_BEST_COMPRESSION) != Z_OK) throw std::bad_alloc();
+  packed.resize(size);
+  return in_letters(packed);
 }
 
 std::string title_of(const json& document) {
@@ -61,9 +69,10 @@ std::string filled(const std::string& skeleton, const std::map<std::string, std:
 
 std::string html_page(const json& document) {
   const PageParts page = page_parts();
+  const bool is_live = document.at("command") == "view";
   return filled(joined(page.skeleton), {{"styles", joined(page.styles)},
                                         {"libraries", joined(page.libraries)},
-                                        {"scripts", joined(page.scripts)},
+                                        {"scripts", joined(is_live ? page.live_scripts : page.scripts)},
                                         {"document", embedded(document)},
                                         {"title", title_of(document)}});
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import json
 import os
@@ -10,6 +11,7 @@ import re
 import shlex
 import subprocess
 import tempfile
+import zlib
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Iterable
 
@@ -39,10 +41,10 @@ def named_files(text: str) -> set[pathlib.Path]:
 
 def document_of(page: str) -> dict[str, Any]:
     """The JSON object that a page of `--html` shows."""
-    found = re.search(r'<script type="application/json" id="document">(.*?)</script>', page, re.DOTALL)
+    found = re.search(r'<script type="text/plain" id="document">(.*?)</script>', page, re.DOTALL)
     if found is None:
         raise ReportError("no document in the page")
-    return dict(json.loads(found[1]))
+    return dict(json.loads(zlib.decompress(base64.b64decode(found[1]))))
 
 
 class Reports:

@@ -12,6 +12,7 @@
 #include "app/view/view_session.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/docs/page.hpp"
+#include "tests/support/page_document.hpp"
 
 namespace poise::docs_tests::json_test {
 namespace {
@@ -162,13 +163,6 @@ void expect_all_written(const std::vector<Key>& keys, Shared shared) {
   }
 }
 
-/// The document in a page.
-Json document_of(const std::string& page) {
-  const std::string begin = R"(<script type="application/json" id="document">)";
-  const std::size_t from = page.find(begin) + begin.size();
-  return Json::parse(page.substr(from, page.find("</script", from) - from));
-}
-
 /// The items of a report, those of each section behind it.
 std::vector<Json> all_items(const Json& items) {
   std::vector<Json> out;
@@ -183,8 +177,8 @@ std::vector<Json> all_items(const Json& items) {
 
 /// Checks a page against its section and the file of --json that was written beside it.
 void check_page(std::vector<Key>& keys, const std::string& page, const Json& result) {
-  Json document = document_of(page);
-  EXPECT_EQ(document["result"], result);
+  Json document = Json::parse(page_tests::document_in(page));
+  EXPECT_TRUE(page_tests::are_data_of(document["result"], result));
   document["result"] = nullptr;
   document["report"] = all_items(document["report"]);
   Checker(keys).check(document, {});

@@ -5,11 +5,13 @@ This is what the build and `poise ... --html` do; here for tests of the page alo
 script: lines that import and comments are left out, and so are indentation and the word `export`. No text of a module
 may go on in a second line therefore."""
 
+import base64
 import html
 import json
 import pathlib
 import re
 import sys
+import zlib
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "app" / "page"
 
@@ -26,9 +28,8 @@ def joined_modules():
 
 
 def embedded(document):
-    """The text of a document within a script element. Without any "<" it can neither end the element nor begin a
-    comment in it, which "<!--" would."""
-    return document.replace("<", "\\u003c")
+    """The document as app/present/html.cpp embeds it."""
+    return base64.b64encode(zlib.compress(document.encode(), 9)).decode()
 
 
 def page(document):

@@ -7,6 +7,7 @@ import {execFileSync} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {basename, resolve} from 'node:path';
 import {fileURLToPath} from 'node:url';
+import {inflateSync} from 'node:zlib';
 
 import {Expectations, packagesIn, startBrowser} from './browser.mjs';
 
@@ -21,9 +22,9 @@ const {expect} = expectations;
 
 async function assembled() {
   const served = await (await fetch(address)).text();
-  const document = served.match(/<script type="application\/json" id="document">(.*?)<\/script>/s)[1];
+  const document = served.match(/<script type="text\/plain" id="document">(.*?)<\/script>/s)[1];
   const [source, target] = [resolve(shots, `${scene}.json`), resolve(shots, `${scene}.html`)];
-  writeFileSync(source, document);
+  writeFileSync(source, inflateSync(Buffer.from(document, 'base64')));
   execFileSync('python3', [fileURLToPath(new URL('assemble.py', import.meta.url)), source, target]);
   return readFileSync(target, 'utf8');
 }

@@ -4,12 +4,14 @@ serve.py ADDRESS [PORT]
 
 ADDRESS is what `poise view` printed. The document is taken out of its page; all requests are handed on to it."""
 
+import base64
 import http.client
 import http.server
 import re
 import sys
 import threading
 import urllib.parse
+import zlib
 
 from assemble import page
 
@@ -48,8 +50,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.close_connection = True
             return
         if self.path == self.program.path and answer.status == 200:
-            document = re.search(r'<script type="application/json" id="document">(.*?)</script>', content.decode(), re.S)
-            content = page(document[1]).encode()
+            document = re.search(r'<script type="text/plain" id="document">(.*?)</script>', content.decode(), re.S)
+            content = page(zlib.decompress(base64.b64decode(document[1])).decode()).encode()
         self.send_response(answer.status)
         self.send_header("Content-Type", answer.getheader("Content-Type"))
         self.send_header("Content-Length", str(len(content)))
