@@ -17,13 +17,13 @@ namespace {
 
 using nlohmann::json;
 
-// Digits by which rows are sorted, and those of the data, for which pages would be twice as large with all of them.
-constexpr int digits_of_cells = 9, digits_of_data = 10;
+// With all digits of its data a page would be half as large again.
+constexpr int digits_of_data = 9;
 
-double rounded(double value, int digits) { return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr); }
+double rounded(double value) { return std::strtod(fmt::format("{:.{}g}", value, digits_of_data).c_str(), nullptr); }
 
 void round_all(json& data) {
-  if (data.is_number_float()) data = rounded(data.get<double>(), digits_of_data);
+  if (data.is_number_float()) data = rounded(data.get<double>());
   if (data.is_structured()) {
     for (json& one : data) round_all(one);
   }
@@ -38,7 +38,7 @@ std::string trimmed(const std::string& text) {
 json values_of(const TextColumn& column) {
   json values = json::array();
   for (const double number : column.column->numbers) {
-    values.push_back(std::isfinite(number) ? json(rounded(number * column.factor, digits_of_cells)) : json(nullptr));
+    values.push_back(std::isfinite(number) ? json(rounded(number * column.factor)) : json(nullptr));
   }
   return values;
 }

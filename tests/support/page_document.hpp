@@ -9,12 +9,12 @@ namespace poise::page_tests {
 /// there is none.
 std::string document_in(const std::string& page);
 
-/// Whether the data of a page are those of a file of --json, numbers to 10 digits.
+/// Whether the data of a page are those of a file of --json, numbers to 9 digits.
 template <class Json>
 bool are_data_of(const Json& page, const Json& file) {
   if (file.is_number_float()) {
     return page.is_number_float() && std::abs(page.template get<double>() - file.template get<double>()) <=
-                                         5.01e-10 * std::abs(file.template get<double>());
+                                         5.01e-9 * std::abs(file.template get<double>());
   }
   if (!file.is_structured()) return page == file;
   if (page.type() != file.type() || page.size() != file.size()) return false;
