@@ -179,7 +179,7 @@ LoadExtreme extreme_over(std::vector<Stretch>& stretches, const std::vector<Load
 
 /// What is less than rounding of the forces of the whole mechanism, or than its extremes are found to, is nothing.
 void forget_rounding(std::vector<LoadSeries>& all, const Scales& scales) {
-  constexpr double of_scale = 1e-13, of_alike = 1e-12;
+  constexpr double of_scale = 1e-13, of_alike = 1e-12, of_own = 10 * extreme_accuracy;
   for (LoadSeries& one : all) {
     double alike = 0.0;
     for (const LoadSeries& other : all) {
@@ -190,8 +190,7 @@ void forget_rounding(std::vector<LoadSeries>& all, const Scales& scales) {
     }
     double own = std::max(std::abs(one.least.value), std::abs(one.largest.value));
     if (!std::isfinite(own)) own = 0.0;
-    const double nothing =
-        std::max({extreme_accuracy * own, of_alike * alike, of_scale / one.dimension.per_scale(scales)});
+    const double nothing = std::max({of_own * own, of_alike * alike, of_scale / one.dimension.per_scale(scales)});
     for (LoadExtreme* extreme : {&one.least, &one.largest}) {
       if (std::abs(extreme->value) <= nothing) extreme->value = 0.0;
     }

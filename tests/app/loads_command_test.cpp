@@ -101,9 +101,9 @@ TEST(LoadsCommand, ExtremesAreThoseOfTheWholeRange) {
   for (std::size_t j = 0; j < few["joints"].size(); ++j) {
     const json &one = few["joints"][j], &fine = many["joints"][j];
     const std::vector<double> all = many["equilibria"]["reaction." + one["name"].get<std::string>() + ".size"];
-    // A step of 0.1 deg is this near to an extreme.
+    // A step of 0.1 deg is this near to an extreme, beside which forces fall to nothing and rise again.
     const double least = *std::min_element(all.begin(), all.end()), largest = *std::max_element(all.begin(), all.end());
-    EXPECT_NEAR(one["least"], least, 1e-4 * largest) << one["name"];
+    EXPECT_NEAR(one["least"], least, 1e-2 * largest) << one["name"];
     EXPECT_NEAR(one["largest"], largest, 1e-4 * largest) << one["name"];
     EXPECT_LE(one["least"].get<double>(), least * (1 + 1e-12));
     for (const char* key : {"least", "largest"}) {
@@ -123,13 +123,14 @@ TEST(LoadsCommand, OfAStructureNothingIsWrittenAsZero) {
 [ground]
 points = { A = [0, 0], B = [0, 0.7] }
 [body.arm]
-points = { A = [0, 0], C = [1.1, 0.3] }
+points = { A = [0, 0], C = [1.2, 0.2] }
 [[pin]]
 name = "hinge"
 points = ["ground.A", "arm.A"]
 [[bar]]
 name = "stay"
 points = ["ground.B", "arm.C"]
+length = 1.3
 [[force]]
 name = "W"
 at = "arm.C"

@@ -88,7 +88,9 @@ class Extremes {
       return sense * sample->value;
     };
     double at_t = value(t), at_u = value(u);
-    for (int step = 0; step < most && !std::isnan(at_t) && !std::isnan(at_u) && to - from > 1e-7; ++step) {
+    // Beside a kink, as where a size falls to nothing, the value is known only as well as its place.
+    const auto is_coarse = [&] { return to - from > 1e-7 || std::abs(at_t - at_u) > 0.01 * extreme_accuracy * size_; };
+    for (int step = 0; step < most && !std::isnan(at_t) && !std::isnan(at_u) && is_coarse(); ++step) {
       if (at_t > at_u) {
         to = u;
         u = t;
