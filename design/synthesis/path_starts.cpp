@@ -38,7 +38,8 @@ PathVector random_shape(PathLinkage linkage, solvers::RandomStream& random) {
     x[at_b] = turned;
     x[at_b + 1] = random.uniform(-1.0, 1.0) * std::exp(x[at_coupler]);
   }
-  const Vec2 arm = std::exp(log_uniform(random, 0.1, 5.0)) * unit(random.uniform(0.0, whole_turn));
+  const Vec2 direction = unit(random.uniform(0.0, whole_turn));
+  const Vec2 arm = std::exp(log_uniform(random, 0.1, 5.0)) * direction;
   x[at_point] = arm.x;
   x[at_point + 1] = arm.y;
   return x;
