@@ -12,12 +12,12 @@ namespace poise::comparison {
 namespace {
 
 std::string body(Random& random, const std::string& name, double length, const std::string& more = "") {
-  const double mass = random.uniform(0.5, 3);
+  const double mass = random.uniform(0.5, 3), inertia = mass * length * length * random.uniform(0.05, 0.15);
+  const double beside = random.uniform(-0.1, 0.1) * length, along = random.uniform(0.3, 0.7) * length;
   return fmt::format(
       "[body.{}]\npoints = {{ a = [0, 0], b = [{:.17g}, 0]{} }}\nmass = {:.17g}\ncenter = [{:.17g}, {:.17g}]\n"
       "inertia = {:.17g}\n",
-      name, length, more, mass, random.uniform(0.3, 0.7) * length, random.uniform(-0.1, 0.1) * length,
-      mass * length * length * random.uniform(0.05, 0.15));
+      name, length, more, mass, along, beside, inertia);
 }
 
 std::string pin(const std::string& a, const std::string& b) {
@@ -59,7 +59,8 @@ std::string scissors(Random& random) {
     };
     for (int stage = 1; stage <= stages; ++stage) {
       const std::string rise = fmt::format("r{}{}", k, stage), fall = fmt::format("f{}{}", k, stage);
-      out += body(random, rise, bar, middle) + body(random, fall, bar, middle);
+      const std::string falling = body(random, fall, bar, middle);
+      out += body(random, rise, bar, middle) + falling;
       start += fmt::format("{} = {:.17g}\n{} = {:.17g}\n", rise, angle, fall, M_PI - angle);
       joints += pin(left, rise + ".a") + pin(rise + ".m", fall + ".m") +
                 (stage == 1 ? slot(foot, fall + ".a", "foot") : pin(right, fall + ".a"));
@@ -79,9 +80,11 @@ std::string four_bar(Random& random) {
   const double across = (random.chance(0.5) ? 1 : -1) * std::sqrt(coupler * coupler - along * along);
   const double cx = bx + (along * dx - across * dy) / d, cy = by + (along * dy + across * dx) / d;
   const std::string twice[] = {pin("crank.b", "coupler.a"), pin("coupler.b", "rocker.b")};
-  return "[ground]\npoints = { p1 = [0, 0], p2 = [3, 0] }\n" + body(random, "crank", crank) +
-         body(random, "coupler", coupler) + body(random, "rocker", rocker) + pin("ground.p1", "crank.a") + twice[0] +
-         twice[1] + pin("ground.p2", "rocker.a") + twice[random.index(2)] +
+  const std::string& again = twice[random.index(2)];
+  const std::string third = body(random, "rocker", rocker), second = body(random, "coupler", coupler);
+  const std::string first = body(random, "crank", crank);
+  return "[ground]\npoints = { p1 = [0, 0], p2 = [3, 0] }\n" + first + second + third + pin("ground.p1", "crank.a") +
+         twice[0] + twice[1] + pin("ground.p2", "rocker.a") + again +
          fmt::format("[start]\ncrank = {:.17g}\ncoupler = {:.17g}\nrocker = {:.17g}\n", angle,
                      std::atan2(cy - by, cx - bx), std::atan2(cy, cx - 3));
 }

@@ -208,7 +208,10 @@ const std::vector<Change> changes = {
        replace_one(text, names(text), random, how, [&](const std::string& was) { return was + random.of(odd_bytes); });
      }},
     {"cut out",
-     [](std::string& text, Random& random, std::string&) { text.erase(random.below(text.size()), random.below(40)); }},
+     [](std::string& text, Random& random, std::string&) {
+       const std::size_t length = random.below(40);
+       text.erase(random.below(text.size()), length);
+     }},
     {"truncated", [](std::string& text, Random& random, std::string&) { text.resize(random.below(text.size())); }},
     {"deleted line",
      [](std::string& text, Random& random, std::string& how) {
@@ -251,8 +254,8 @@ const std::vector<Change> changes = {
      }},
     {"long line",
      [](std::string& text, Random& random, std::string&) {
-       text.insert(random.below(text.size()),
-                   repeated(random.of(std::vector<std::string>{" ", "#", "x ", "1,"}), 50'000));
+       const std::string inserted = random.of(std::vector<std::string>{" ", "#", "x ", "1,"});
+       text.insert(random.below(text.size()), repeated(inserted, 50'000));
      }},
     {"nested value",
      [](std::string& text, Random& random, std::string& how) {
@@ -269,9 +272,8 @@ const std::vector<Change> changes = {
      }},
     {"nested table",
      [](std::string& text, Random& random, std::string&) {
-       text += "\n[a" +
-               repeated(random.below(2) == 0 ? ".a" : " . \"b\"", random.of(std::vector<std::size_t>{3, 40'000})) +
-               "]\nx = 1\n";
+       const std::size_t depth = random.of(std::vector<std::size_t>{3, 40'000});
+       text += "\n[a" + repeated(random.below(2) == 0 ? ".a" : " . \"b\"", depth) + "]\nx = 1\n";
      }},
     {"many tables",
      [](std::string& text, Random& random, std::string&) {

@@ -72,7 +72,10 @@ class Generator {
     for (int b = 0; b < boxes; ++b) add_contacts(b);
     if (boxes == 2) {
       const int links = 1 + pick(3);
-      for (int k = 0; k < links; ++k) add_rope(corner(0), corner(1));
+      for (int k = 0; k < links; ++k) {
+        const std::string other = corner(1);
+        add_rope(corner(0), other);
+      }
     }
     std::string loads = add_loads(boxes);
     std::string ground = "[ground]\npoints = { O = [0, 0]";
@@ -109,6 +112,9 @@ class Generator {
     add_rope(to, from);
   }
 
+  // From a random corner.
+  void add_rope_to_ground(int box, double direction) { add_rope_to_ground(corner(box), direction); }
+
   void add_stop(const std::string& at, bool is_x, bool is_max) {
     const std::string name = fmt::format("s{}", out_.contacts.size());
     const double value = is_x ? place_[at].x() : place_[at].y();
@@ -117,6 +123,8 @@ class Generator {
     const double sign = is_max ? -1.0 : 1.0;
     out_.contacts.push_back({name, at, "", is_x ? Vector2d(sign, 0) : Vector2d(0, sign)});
   }
+
+  void add_stop(int box, bool is_x, bool is_max) { add_stop(corner(box), is_x, is_max); }
 
   void add_contacts(int box) {
     switch (pick(5)) {
@@ -132,29 +140,29 @@ class Generator {
       }
       case 1: {  // ropes anywhere
         const int count = 2 + pick(5);
-        for (int k = 0; k < count; ++k) add_rope_to_ground(corner(box), uniform(-M_PI, M_PI));
+        for (int k = 0; k < count; ++k) add_rope_to_ground(box, uniform(-M_PI, M_PI));
         break;
       }
       case 2: {  // vertical ropes and a floor
         const int ropes = 1 + pick(4), stops = pick(3);
-        for (int k = 0; k < ropes; ++k) add_rope_to_ground(corner(box), M_PI / 2);
-        for (int k = 0; k < stops; ++k) add_stop(corner(box), false, false);
-        if (pick(2) == 0) add_rope_to_ground(corner(box), uniform(-M_PI, 0));
+        for (int k = 0; k < ropes; ++k) add_rope_to_ground(box, M_PI / 2);
+        for (int k = 0; k < stops; ++k) add_stop(box, false, false);
+        if (pick(2) == 0) add_rope_to_ground(box, uniform(-M_PI, 0));
         break;
       }
       case 3: {  // in a pit
         add_stop(fmt::format("box{}.P2", box), false, false);
         add_stop(fmt::format("box{}.P3", box), false, false);
-        add_stop(corner(box), true, pick(2) == 0);
-        if (pick(2) == 0) add_stop(corner(box), true, pick(2) == 0);
+        add_stop(box, true, pick(2) == 0);
+        if (pick(2) == 0) add_stop(box, true, pick(2) == 0);
         const int ropes = pick(3);
-        for (int k = 0; k < ropes; ++k) add_rope_to_ground(corner(box), uniform(-M_PI, M_PI));
+        for (int k = 0; k < ropes; ++k) add_rope_to_ground(box, uniform(-M_PI, M_PI));
         break;
       }
       default: {  // hung from above, with ropes on both sides
         const int above = 1 + pick(3), others = pick(3);
-        for (int k = 0; k < above; ++k) add_rope_to_ground(corner(box), M_PI / 2 + uniform(-0.8, 0.8));
-        for (int k = 0; k < others; ++k) add_rope_to_ground(corner(box), pick(2) == 0 ? 0.0 : M_PI);
+        for (int k = 0; k < above; ++k) add_rope_to_ground(box, M_PI / 2 + uniform(-0.8, 0.8));
+        for (int k = 0; k < others; ++k) add_rope_to_ground(box, pick(2) == 0 ? 0.0 : M_PI);
         break;
       }
     }

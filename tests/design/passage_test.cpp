@@ -67,7 +67,8 @@ TEST(Passage, DefectsAreThoseOfSmallSteps) {
   std::array<int, 5> counts{};
   int tasks = 0;
   for (int task = 0; task < 300; ++task) {
-    const FourBar linkage{{0.3, -0.2},    Vec2{0.3, -0.2} + length(random) * unit(angle(random)),
+    const Vec2 direction = unit(angle(random));
+    const FourBar linkage{{0.3, -0.2},    Vec2{0.3, -0.2} + length(random) * direction,
                           length(random), length(random),
                           length(random), {1, 1}};
     // A third of the tasks has a chance to pass in order: angles that rise.
@@ -105,8 +106,8 @@ TEST(Passage, OverARangeStopsAtDeadPoints) {
   std::uniform_real_distribution<double> length(0.5, 4), angle(-turn, turn);
   int passed = 0, stopped = 0;
   for (int task = 0; task < 300; ++task) {
-    const FourBar linkage{{0, 0}, length(random) * unit(angle(random)), length(random), length(random), length(random),
-                          {}};
+    const Vec2 direction = unit(angle(random));
+    const FourBar linkage{{0, 0}, length(random) * direction, length(random), length(random), length(random), {}};
     const double from = angle(random), to = from + 0.6 * angle(random);
     bool closes = true;
     for (int k = 0; k <= 2000; ++k) closes = closes && pose_of(linkage, from + (to - from) * k / 2000, 1).has_value();

@@ -189,7 +189,8 @@ TEST(ShakingBalance, RandomFourBarsStandStill) {
     const double crank = 1.0, coupler = random.uniform(2.5, 4.0), rocker = random.uniform(2.5, 4.0);
     const double ground = random.uniform(std::abs(coupler - rocker) + 1.3, coupler + rocker - 1.3);
     if (ground < 1.2) continue;
-    const Scene scene = four_bar(ground, crank, coupler, rocker, link(), link(), link());
+    const Link of_rocker = link(), of_coupler = link(), of_crank = link();
+    const Scene scene = four_bar(ground, crank, coupler, rocker, of_crank, of_coupler, of_rocker);
     BalanceProblem problem = shaking_problem(scene, {"crank", "rocker"}, 0.5);
     problem.drive.clear();
     const ShakingBalance found = balance_shaking(problem);

@@ -331,7 +331,10 @@ struct RandomTree {
 RandomTree balanced_tree(std::uint64_t index) {
   using Complex = RandomTree::Complex;
   solvers::RandomStream random(5, 0, index);
-  const auto around = [&] { return Complex(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)); };
+  const auto around = [&] {
+    const double y = random.uniform(-1.0, 1.0), x = random.uniform(-1.0, 1.0);
+    return Complex(x, y);
+  };
   RandomTree out;
   const int n = 1 + static_cast<int>(4 * random.uniform());
   for (int b = 0; b < n; ++b) {
@@ -346,7 +349,10 @@ RandomTree balanced_tree(std::uint64_t index) {
       sum += k * at;
       behind[b] += k;
     };
-    for (int s = 0; s < 2; ++s) add(around(), random.uniform(5.0, 20.0));
+    for (int s = 0; s < 2; ++s) {
+      const double stiffness = random.uniform(5.0, 20.0);
+      add(around(), stiffness);
+    }
     for (int c = b + 1; c < n; ++c) {
       if (out.arms[c].parent != b) continue;
       sum += behind[c] * out.arms[c].pin;

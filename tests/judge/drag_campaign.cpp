@@ -196,9 +196,11 @@ class Run {
         heading += random_.uniform(-0.4, 0.4);
         target += length * unit(heading);
       } else if (how < 0.55) {  // jerkily
-        target += (random_.uniform(0.1, 3.0) * length) * unit(random_.uniform(-M_PI, M_PI));
+        const Vec2 direction = unit(random_.uniform(-M_PI, M_PI));
+        target += (random_.uniform(0.1, 3.0) * length) * direction;
       } else if (how < 0.65) {  // far
-        target = start + (random_.uniform(0.05, 1.5) * size_) * unit(random_.uniform(-M_PI, M_PI));
+        const Vec2 direction = unit(random_.uniform(-M_PI, M_PI));
+        target = start + (random_.uniform(0.05, 1.5) * size_) * direction;
       } else if (how < 0.8) {  // straight through a pivot, and dead centres that lie there
         const Vec2 way = pivot - start;
         if (k == 0) heading = std::atan2(way.y, way.x);
@@ -297,7 +299,8 @@ class Run {
     const int f = random_.index(live_.scene().forces.size());
     const int steps = 1 + random_.index(6);
     const Vec2 from = live_.scene().forces[static_cast<std::size_t>(f)].vector;
-    const Vec2 to = random_.uniform(-1.0, 2.0) * (from * unit(random_.uniform(-1.5, 1.5)));
+    const Vec2 turned = from * unit(random_.uniform(-1.5, 1.5));
+    const Vec2 to = random_.uniform(-1.0, 2.0) * turned;
     for (int k = 1; k <= steps && out_.contradictions.size() < 5; ++k) {
       Scene wanted = live_.scene();
       const double s = static_cast<double>(k) / steps;

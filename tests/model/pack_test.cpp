@@ -251,7 +251,8 @@ TEST(Pack, LawsActInEachLaneByItsNumbers) {
   Random random(3);
   for (const Case& one : cases()) {
     for (const double by : {0.0, 0.01, 0.2}) {
-      expect_laws_agree(one.law, varied_numbers_of(one.law, random, by), pack(one.at), drawn(random, -1.0, 1.0));
+      const Four rate = drawn(random, -1.0, 1.0);
+      expect_laws_agree(one.law, varied_numbers_of(one.law, random, by), pack(one.at), rate);
     }
   }
   // A curve that rises in some lanes and falls in others; friction that sticks in some.

@@ -241,11 +241,12 @@ std::string slider_crank(std::mt19937& random, double most) {
   std::string friction[4];
   for (int k = 0; k < 4; ++k) {
     if (any(0, 1) < 0.2) continue;
-    friction[k] = k == 3 ? fmt::format("friction = {{ coefficient = {}, length = {}, force = {} }}", any(0.05, most),
-                                       any(0, 1) < 0.3 ? 0.0 : any(0.3, 1.0), any(0, 0.3))
-                         : fmt::format("friction = {{ coefficient = {}, radius = {}, torque = {} }}", any(0.05, most),
-                                       any(0.01, 0.1), any(0, 0.1));
+    const double dry = any(0, k == 3 ? 0.3 : 0.1);
+    const double length = k < 3 ? any(0.01, 0.1) : any(0, 1) < 0.3 ? 0.0 : any(0.3, 1.0);
+    friction[k] = fmt::format("friction = {{ coefficient = {}, {} = {}, {} = {} }}", any(0.05, most),
+                              k == 3 ? "length" : "radius", length, k == 3 ? "force" : "torque", dry);
   }
+  const double T = any(-0.3, 0.3), Qy = any(-2, 2), Qx = any(-2, 2), Py = any(-2, 2), Px = any(-2, 2);
   return fmt::format(R"(
 gravity = [0, -9.81]
 [ground]
@@ -297,8 +298,8 @@ value = {14}
 crank = {7}
 guide = {8}
 )",
-                     a, b, b / 2, friction[0], friction[1], friction[2], friction[3], angle, reach, any(-0.3, 0.3),
-                     any(-2, 2), any(-2, 2), any(-2, 2), any(-2, 2), any(-0.3, 0.3));
+                     a, b, b / 2, friction[0], friction[1], friction[2], friction[3], angle, reach, any(-0.3, 0.3), Px,
+                     Py, Qx, Qy, T);
 }
 
 // A block in a vertical guide on a wedge on the floor.
@@ -309,6 +310,7 @@ std::string wedge(std::mt19937& random, double most) {
     if (any(0, 1) < 0.6) one = fmt::format("friction = {{ coefficient = {} }}", any(0.02, most));
   }
   const double angle = any(0.05, 0.9);
+  const double Q = any(-500, 500), Py = any(-2000, 500), Px = any(-2000, 2000), block = any(0.1, 20);
   return fmt::format(R"(
 gravity = [0, -9.81]
 [ground]
@@ -347,8 +349,8 @@ floor = 0
 face = 0
 guide = 0
 )",
-                     any(0.1, 20), any(0.1, 20), friction[0], friction[1], friction[2], std::cos(angle),
-                     -std::sin(angle), any(-2000, 2000), any(-2000, 500), any(-500, 500));
+                     any(0.1, 20), block, friction[0], friction[1], friction[2], std::cos(angle), -std::sin(angle), Px,
+                     Py, Q);
 }
 
 struct AtRest {

@@ -124,9 +124,10 @@ TEST(ProfileBorders, RandomCamsBalanceTheirEnergy) {
     const std::string law = std::vector<std::string>{"harmonic", "cycloidal", "polynomial_345"}[random() % 3];
     const bool is_driven = k % 2 == 0;
     const std::string start = fmt::format("[start]\ncam = {}\nguide = 0.016\n", any(-3, 3));
+    const double acceleration = any(-2000, 2000);
     const std::string drive =
         fmt::format("[[drive]]\nname = \"engine\"\nbodies = [\"ground\", \"cam\"]\nrate = {}\nacceleration = {}\n",
-                    any(-200, 200), any(-2000, 2000));
+                    any(-200, 200), acceleration);
     const MotionModel model(
         parse_scene(valve(law, angles[0], angles[1], angles[2], any(-3, 3), (is_driven ? drive : "") + start), "test"));
     const test::Release release = is_driven ? test::Release{} : test::Release{{}, {{"cam", any(-200, 200)}}};

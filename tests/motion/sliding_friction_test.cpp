@@ -215,6 +215,8 @@ std::string slider_crank(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(0.0, 1.0);
   const double crank = 0.1, rod = 0.2 + 0.3 * u(random), theta = 0.4 + 1.6 * u(random);
   const double x = crank * std::cos(theta) + std::sqrt(rod * rod - std::pow(crank * std::sin(theta), 2));
+  const double Py = 20 * (u(random) - 0.5), Px = 40 * (u(random) - 0.5), coefficient = 0.3 * u(random);
+  const double B = 0.008 * u(random), dry = 0.1 * u(random), O = 0.01 * u(random);
   return fmt::format(R"(
 [units]
 angle = "deg"
@@ -257,9 +259,8 @@ rod = {3:.17g}
 rail = {4:.17g}
 )",
                      crank, rod, theta * 180 / std::numbers::pi,
-                     -std::asin(crank / rod * std::sin(theta)) * 180 / std::numbers::pi, x, 0.01 * u(random),
-                     0.1 * u(random), 0.008 * u(random), 0.3 * u(random), 40 * (u(random) - 0.5),
-                     20 * (u(random) - 0.5));
+                     -std::asin(crank / rod * std::sin(theta)) * 180 / std::numbers::pi, x, O, dry, B, coefficient, Px,
+                     Py);
 }
 
 // At rates toward zero the effort that drives it in a direction is that end of the range that friction holds, if all

@@ -140,8 +140,9 @@ TEST(TornMotions, RandomOnesAreNeverConfirmed) {
     Random random(test::seed(7000) + static_cast<std::uint64_t>(k));
     SCOPED_TRACE(k);
     const double angle = random.uniform(0.3, 2.8);
-    const std::string linkage = four_bar(random.uniform(0.5, 1.2), random.uniform(2.6, 3.2), random.uniform(2, 2.6),
-                                         angle, random.chance(0.5) ? 1 : -1);
+    const int elbow = random.chance(0.5) ? 1 : -1;
+    const double rocker = random.uniform(2, 2.6), coupler = random.uniform(2.6, 3.2), crank = random.uniform(0.5, 1.2);
+    const std::string linkage = four_bar(crank, coupler, rocker, angle, elbow);
     const double rate = random.uniform(0.5, 2), other = rate + random.uniform(0.01, 1);
     EXPECT_EQ(end_of(linkage + drive("motor", "crank", rate) + drive("brake", "rocker", 0), 1), End::refused);
     EXPECT_EQ(end_of(linkage + drive("one", "coupler", rate) + drive("two", "coupler", other), 1), End::refused);

@@ -16,7 +16,10 @@ namespace {
 
 struct Random {
   // Of either sign, over many magnitudes.
-  double operator()() { return std::ldexp(uniform(engine), magnitude(engine)); }
+  double operator()() {
+    const int exponent = magnitude(engine);
+    return std::ldexp(uniform(engine), exponent);
+  }
 
   std::mt19937 engine{static_cast<unsigned>(test::seed(11))};
   std::uniform_real_distribution<double> uniform{-1.0, 1.0};

@@ -33,8 +33,8 @@ class Operands {
   double number() {
     if (random_() % 16 == 0) return 0.0;
     if (random_() % 8 == 0) return static_cast<double>(static_cast<int>(random_() % 9)) - 4.0;
-    const double size =
-        std::ldexp(1.0 + static_cast<double>(random_() % 1000003) / 1000003.0, static_cast<int>(random_() % 60) - 30);
+    const int exponent = static_cast<int>(random_() % 60) - 30;
+    const double size = std::ldexp(1.0 + static_cast<double>(random_() % 1000003) / 1000003.0, exponent);
     return random_() % 2 == 0 ? size : -size;
   }
 

@@ -48,7 +48,10 @@ TEST(NonnegativeLeastSquares, IsOptimalOnRandomData) {
   Random random;
   for (const Eigen::Index rows : {1, 2, 5, 20}) {
     for (const Eigen::Index columns : {1, 2, 4, 8, 30}) {
-      for (int k = 0; k < 20; ++k) expect_optimal(random.matrix(rows, columns), random.matrix(rows, 1));
+      for (int k = 0; k < 20; ++k) {
+        const Eigen::MatrixXd b = random.matrix(rows, 1);
+        expect_optimal(random.matrix(rows, columns), b);
+      }
     }
   }
 }

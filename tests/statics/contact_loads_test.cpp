@@ -365,7 +365,10 @@ TEST(ContactLoads, RandomTrainsAreHeldUpToTheTorquesThatDriveThem) {
     Vec2 at{};
     for (const char body : {'a', 'b', 'c'}) {
       axes += fmt::format("{} = [{:.17g}, {:.17g}]\n", body, at.x, at.y);
-      at += uniform(0.2, 0.5) * unit(uniform(0, 2 * pi));
+      const Vec2 direction = unit(uniform(0, 2 * pi));
+      at += uniform(0.2, 0.5) * direction;
+      const double Fy = uniform(-50, 50), Fx = uniform(-50, 50), coefficient = uniform(0.05, 0.25);
+      const double radius = uniform(0.005, 0.02), y = uniform(-0.1, 0.1), x = uniform(-0.1, 0.1);
       text += fmt::format(R"(
 [body.{0}]
 points = {{ O = [0, 0], P = [{1:.17g}, {2:.17g}] }}
@@ -376,8 +379,7 @@ friction = {{ radius = {3:.17g}, coefficient = {4:.17g} }}
 at = "{0}.P"
 vector = [{5:.17g}, {6:.17g}]
 )",
-                          body, uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(0.005, 0.02), uniform(0.05, 0.25),
-                          uniform(-50, 50), uniform(-50, 50));
+                          body, x, y, radius, coefficient, Fx, Fy);
     }
     for (const std::string wheels : {R"(["a", "b"])", R"(["b", "c"])"}) {
       const bool internal = uniform(0, 1) < 0.3;

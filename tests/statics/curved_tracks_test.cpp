@@ -593,6 +593,8 @@ Planted planted_bead(comparison::Random& random, bool is_circle) {
   out.second = is_circle ? "" : "slot y";
   out.angles = {{"plate", angle}};
   const Vec2 to_anchor = out.place - Vec2{3, -2};
+  const auto near = [&](double value) { return value + random.uniform(-0.02, 0.02); };
+  const double start_y = near(out.place.y), start_x = near(out.place.x), start_angle = near(angle);
   out.text = plate(angle, cross(out.place, out.contact), 2000) + R"(
     [body.bead]
     points = { P = [0, 0] }
@@ -613,9 +615,8 @@ Planted planted_bead(comparison::Random& random, bool is_circle) {
     plate = {:.17g}
     position = {{ bead = [{:.17g}, {:.17g}] }}
   )",
-                         -out.contact.x, -out.contact.y, out.place.x, out.place.y, angle + random.uniform(-0.02, 0.02),
-                         out.place.x + random.uniform(-0.02, 0.02), out.place.y + random.uniform(-0.02, 0.02));
-  if (!is_circle) out.text += fmt::format("slot = {:.17g}\n", guess + random.uniform(-0.02, 0.02));
+                         -out.contact.x, -out.contact.y, out.place.x, out.place.y, start_angle, start_x, start_y);
+  if (!is_circle) out.text += fmt::format("slot = {:.17g}\n", near(guess));
   EXPECT_GT(norm(to_anchor), 0.0);
   return out;
 }

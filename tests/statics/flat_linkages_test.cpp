@@ -173,13 +173,16 @@ FourBar random_four_bar(std::uint64_t seed) {
     // On the coupler one at least, so that nothing turns freely.
     const int body = k == 0 ? 1 : random.index(3);
     const double far = out.length(body);
-    const Complex end = is_in_line ? rounded(-1.0, 2.0) * along : Complex(rounded(-0.5, 1.5), rounded(-1.0, 1.0));
-    const Complex at(rounded(0.1, far), is_in_line || random.chance(0.5) ? 0.0 : rounded(-0.3, 0.3));
+    const double beside = is_in_line ? 0.0 : rounded(-1.0, 1.0);
+    const Complex end = is_in_line ? rounded(-1.0, 2.0) * along : Complex(rounded(-0.5, 1.5), beside);
+    const double across = is_in_line || random.chance(0.5) ? 0.0 : rounded(-0.3, 0.3);
+    const Complex at(rounded(0.1, far), across);
     out.springs.push_back({body, end, at, std::round(random.uniform(20, 200)), rounded(0.1, 0.9)});
   }
   if (!is_in_line && random.chance(0.5)) out.mass[static_cast<std::size_t>(random.index(3))] = 1.0;
   for (;;) {
-    const auto start = out.pose(true, random.uniform(-M_PI, M_PI), random.chance(0.5) ? 1 : -1);
+    const int elbow = random.chance(0.5) ? 1 : -1;
+    const auto start = out.pose(true, random.uniform(-M_PI, M_PI), elbow);
     if (!start) continue;
     out.start = *start;
     return out;

@@ -462,11 +462,11 @@ class RandomSliderCrank {
     const int first = static_cast<int>(any(0, 4)) % 4;
     const int second = (first + 1 + static_cast<int>(any(0, 3)) % 3) % 4;
     for (const int one : {first, second}) {
-      friction[one] = one == 3 ? fmt::format("friction = {{ coefficient = {}, length = {}, force = {} }}",
-                                             any(0.05, 0.5), any(0.1, 1.0), any(0, 0.3))
-                               : fmt::format("friction = {{ coefficient = {}, radius = {}, torque = {} }}",
-                                             any(0.05, 0.5), any(0.01, 0.2), any(0, 0.1));
+      const double dry = any(0, one == 3 ? 0.3 : 0.1), length = one == 3 ? any(0.1, 1.0) : any(0.01, 0.2);
+      friction[one] = fmt::format("friction = {{ coefficient = {}, {} = {}, {} = {} }}", any(0.05, 0.5),
+                                  one == 3 ? "length" : "radius", length, one == 3 ? "force" : "torque", dry);
     }
+    const double T = any(-1, 1), Qy = any(-2, 2), Qx = any(-2, 2), Py = any(-2, 2), Px = any(-2, 2);
     return fmt::format(R"(
 [ground]
 points = {{ O = [0, 0] }}
@@ -507,7 +507,7 @@ crank = {7}
 guide = {8}
 )",
                        a, b, b / 2, friction[0], friction[1], friction[2], friction[3], angle, reach, any(-0.3, 0.3),
-                       any(-2, 2), any(-2, 2), any(-2, 2), any(-2, 2), any(-1, 1));
+                       Px, Py, Qx, Qy, T);
   }
 
   JointBounds balanced(const std::vector<BodyPose<double>>& poses, const std::vector<Rubbing>& all, double effort,

@@ -383,6 +383,8 @@ Planted planted(comparison::Random& random, bool on_circle) {
   out.place = touch - of_curve * unit(out.body);
   out.contact = N * quarter_turn(along) + T * along;
   const auto near = [&](double value) { return value + random.uniform(-0.02, 0.02); };
+  const double start_y = near(out.place.y), start_x = near(out.place.x);
+  const double start_body = near(out.body), start_plate = near(out.plate);
   out.text = fmt::format(R"(
     [ground]
     points = {{ O = [0, 0] }}
@@ -422,8 +424,8 @@ Planted planted(comparison::Random& random, bool on_circle) {
     position = {{ wheel = [{:.17g}, {:.17g}] }}
   )",
                          cross(touch, out.contact), out.plate, contact, list_of(points), offset, -out.contact.x,
-                         -out.contact.y, -cross(touch - out.place, out.contact), out.body, start, near(out.plate),
-                         near(out.body), near(out.place.x), near(out.place.y));
+                         -out.contact.y, -cross(touch - out.place, out.contact), out.body, start, start_plate,
+                         start_body, start_x, start_y);
   return out;
 }
 

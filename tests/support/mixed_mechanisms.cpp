@@ -262,7 +262,8 @@ class Draw {
     const int forces = random_.chance(0.35) ? 1 : 0;
     for (int k = 0; k < forces; ++k) {
       const Placed& body = bodies_[static_cast<std::size_t>(random_.index(bodies_.size()))];
-      const Vec2 vector = at_angle(draw_angle(), draw_strength());
+      const double strength = draw_strength();
+      const Vec2 vector = at_angle(draw_angle(), strength);
       builder_.force("", body.name + ".B", vector, random_.chance(0.25) ? body.name : "");
     }
     if (random_.chance(0.25)) {

@@ -65,6 +65,10 @@ class Growth {
 
   Vec2 place() { return {random_.uniform(-1.0, 1.0), random_.uniform(-1.0, 1.0)}; }
   Vec2 local() { return {random_.uniform(0.1, 0.6), random_.uniform(-0.4, 0.4)}; }
+  Vec2 step(double least, double more) {
+    const Vec2 direction = unit(random_.uniform(-3.0, 3.0));
+    return (least + random_.uniform(0.0, more)) * direction;
+  }
   PointRef ground(Vec2 at) {
     scene_.bodies[0].points.push_back({fmt::format("G{}", scene_.bodies[0].points.size()), at});
     return {0, static_cast<int>(scene_.bodies[0].points.size()) - 1};
@@ -80,9 +84,9 @@ class Growth {
 
   /// From a point of the mechanism over two links, or a link and a block, to the ground.
   int dyad(PointRef from, Vec2 from_at) {
-    const Vec2 knee = from_at + (0.5 + random_.uniform(0.0, 0.6)) * unit(random_.uniform(-3.0, 3.0));
+    const Vec2 knee = from_at + step(0.5, 0.6);
     const int coupler = link(from, from_at, knee);
-    const Vec2 foot = knee + (0.5 + random_.uniform(0.0, 0.6)) * unit(random_.uniform(-3.0, 3.0));
+    const Vec2 foot = knee + step(0.5, 0.6);
     if (random_.chance(0.3)) {
       const int slider = block(ground(foot), foot, 0.0, random_.uniform(-0.3, 0.3));
       // The ground is moved so that the block's origin is the knee.
@@ -106,7 +110,7 @@ class Growth {
         body = block(on, end, angle, random_.uniform(-0.5, 0.5));
         end = at_[static_cast<std::size_t>(body)];
       } else {
-        const Vec2 next = end + (0.3 + random_.uniform(0.0, 0.7)) * unit(random_.uniform(-3.0, 3.0));
+        const Vec2 next = end + step(0.3, 0.7);
         body = link(on, end, next);
         end = next;
       }
@@ -117,7 +121,7 @@ class Growth {
   }
 
   Scene loops(int dyads) {
-    const Vec2 end = (0.3 + random_.uniform(0.0, 0.4)) * unit(random_.uniform(-3.0, 3.0));
+    const Vec2 end = step(0.3, 0.4);
     const int crank = link({0, 0}, {0, 0}, end);
     int coupler = dyad({crank, 1}, end);
     for (int i = 1; i < dyads; ++i) coupler = dyad({coupler, 2}, at_[static_cast<std::size_t>(coupler)]);
@@ -168,16 +172,23 @@ Scene random_motion_scene(Random& random, std::uint64_t seed) {
     if (a == b) continue;
     const std::string name = fmt::format("element{}", i);
     switch (random.index(5)) {
-      case 0:
-        scene.elements.push_back(
-            line_spring(name, any_point(a), any_point(b), random.uniform(20, 200), random.uniform(0.1, 0.6)));
+      case 0: {
+        const double free_length = random.uniform(0.1, 0.6), stiffness = random.uniform(20, 200);
+        const PointRef end = any_point(b);
+        scene.elements.push_back(line_spring(name, any_point(a), end, stiffness, free_length));
         break;
-      case 1:
-        scene.elements.push_back(torsion_spring(name, a, b, random.uniform(2, 20), random.uniform(-1, 1)));
+      }
+      case 1: {
+        const double free_angle = random.uniform(-1, 1);
+        scene.elements.push_back(torsion_spring(name, a, b, random.uniform(2, 20), free_angle));
         break;
-      case 2:
-        scene.elements.push_back(line_damper(name, any_point(a), any_point(b), random.uniform(0.5, 3)));
+      }
+      case 2: {
+        const double coefficient = random.uniform(0.5, 3);
+        const PointRef end = any_point(b);
+        scene.elements.push_back(line_damper(name, any_point(a), end, coefficient));
         break;
+      }
       case 3:
         scene.elements.push_back(torsion_damper(name, a, b, random.uniform(0.1, 1)));
         break;

@@ -36,6 +36,11 @@ constexpr double least_arm = 0.3;              // of two points that a joint or 
 constexpr int tries = 200;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+Vec2 random_vector(Random& random, double least, double most) {
+  const Vec2 direction = unit(random.uniform(-M_PI, M_PI));
+  return random.uniform(least, most) * direction;
+}
+
 // A scene and the pose in which its loops close.
 struct Draft {
   Scene scene;
@@ -172,7 +177,7 @@ class Geometry {
   Vec2 somewhere() { return {random_.uniform(-1.0, 1.0), random_.uniform(-1.0, 1.0)}; }
   Vec2 direction() { return unit(random_.uniform(-M_PI, M_PI)); }
   // A place at a good distance.
-  Vec2 away_from(Vec2 p) { return p + random_.uniform(least_arm, 1.2) * direction(); }
+  Vec2 away_from(Vec2 p) { return p + random_vector(random_, least_arm, 1.2); }
 
   double angle(int body) const { return draft_.scene.start.angle[body].value_or(0.0); }
   Vec2 origin(int body) const { return draft_.scene.start.position[body].value_or(Vec2{}); }
@@ -346,7 +351,7 @@ class Geometry {
   // A body on three parallel cranks of equal length.
   void add_parallel_cranks() {
     const int a = any_body();
-    const Vec2 crank = random_.uniform(2 * least_arm, 1.2) * direction();
+    const Vec2 crank = random_vector(random_, 2 * least_arm, 1.2);
     const int coupler = new_body(somewhere());
     for (int k = 0; k < 3; ++k) {
       const Vec2 place = somewhere();
@@ -484,7 +489,7 @@ class Planting {
       Force force;
       force.name = fmt::format("f{}", k);
       force.at = point(moving_body());
-      force.vector = random_.uniform(0.2, 1.0) * unit(random_.uniform(-M_PI, M_PI));
+      force.vector = random_vector(random_, 0.2, 1.0);
       scene().forces.push_back(force);
     }
     if (random_.chance(0.3)) scene().torques.push_back({"m0", moving_body(), random_.uniform(-1.0, 1.0)});
@@ -496,7 +501,7 @@ class Planting {
       Force force;
       force.name = fmt::format("follower{}", k);
       force.at = point(moving_body());
-      force.vector = random_.uniform(0.2, 1.0) * unit(random_.uniform(-M_PI, M_PI));
+      force.vector = random_vector(random_, 0.2, 1.0);
       force.follows = random_.chance(0.7) ? force.at.body : moving_body();
       scene().forces.push_back(force);
     }

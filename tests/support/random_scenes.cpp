@@ -80,8 +80,10 @@ Measure random_measure(Random& random, Scene& scene, double size) {
     case 1:
       return random.chance(0.5) ? Measure::x_of(new_point(random, scene, b, size))
                                 : Measure::y_of(new_point(random, scene, b, size));
-    default:
-      return Measure::distance_between(new_point(random, scene, a, size), new_point(random, scene, b, size));
+    default: {
+      const PointRef end = new_point(random, scene, b, size);
+      return Measure::distance_between(new_point(random, scene, a, size), end);
+    }
   }
 }
 
@@ -99,7 +101,8 @@ std::optional<Measure> constant_measure(Random& random, Scene& scene, double siz
 // Something to hang stops and springs on, that starts in equilibrium.
 Scene in_equilibrium(Random& random) {
   if (random.chance(0.4)) {
-    Scene scene = chain(1 + random.index(3), decimal(random, 0.3, 2.0), decimal(random, 0.5, 3.0));
+    const double mass = decimal(random, 0.5, 3.0), length = decimal(random, 0.3, 2.0);
+    Scene scene = chain(1 + random.index(3), length, mass);
     // Upright or hanging, exactly so: gravity along x.
     scene.gravity = {sign(random) * 9.81, 0.0};
     for (std::size_t b = 1; b < scene.bodies.size(); ++b) scene.start.angle[b] = 0.0;
@@ -209,13 +212,15 @@ Scene cusps(Random& random) {
 Scene followers(Random& random) {
   if (random.chance(0.5)) return planted_scene(random, {.followers = true});
   const int count = 1 + random.index(10);
-  Scene scene = chain(count, decimal(random, 0.1, 1.0), random.chance(0.5) ? 0.0 : decimal(random, 0.1, 1.0));
+  const double mass = random.chance(0.5) ? 0.0 : decimal(random, 0.1, 1.0);
+  Scene scene = chain(count, decimal(random, 0.1, 1.0), mass);
   if (random.chance(0.5)) scene.gravity = {0.0, -1.0};
   for (int i = 0; i < count; ++i) add_torsion_spring(scene, i, i + 1, decimal(random, 0.5, 8.0));
   Force force;
   force.name = "P";
   force.at = point(scene, fmt::format("{}.b", count));
-  force.vector = random.uniform(0.0, 2.0) * unit(random.chance(0.5) ? M_PI : random.uniform(-M_PI, M_PI));
+  const Vec2 direction = unit(random.chance(0.5) ? M_PI : random.uniform(-M_PI, M_PI));
+  force.vector = random.uniform(0.0, 2.0) * direction;
   force.follows = random.chance(0.8) ? count : 1 + random.index(static_cast<std::size_t>(count));
   scene.forces.push_back(force);
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) scene.start.angle[b] = random.uniform(-0.1, 0.1);
@@ -299,7 +304,8 @@ Scene pins(Random& random) {
   scene.gravity = {0.0, random.chance(0.5) ? -1.0 : -9.81};
   scene.add_point(0, "A", {first, 0.0});
   scene.add_point(0, "B", {second, 0.0});
-  const int link = add_link(scene, "link", decimal(random, 2.0, 8.0), decimal(random, 0.5, 2.0));
+  const double mass = decimal(random, 0.5, 2.0);
+  const int link = add_link(scene, "link", decimal(random, 2.0, 8.0), mass);
   scene.add_point(link, "A", {first, 0.0});
   scene.add_point(link, "B", {second, 0.0});
   add_pin(scene, "ground.A", "link.A", "one");
@@ -338,7 +344,8 @@ Scene change_points(Random& random) {
   for (int k = 0; k < springs; ++k) add_torsion_spring(scene, 0, 1 + k, decimal(random, 0.1, 3.0));
   if (random.chance(0.6)) {
     const char* places[] = {"crank.b", "coupler.m", "rocker.b"};
-    add_force(scene, places[random.index(3)], {decimal(random, -2.0, 2.0), 0.0}, "P");
+    const double load = decimal(random, -2.0, 2.0);
+    add_force(scene, places[random.index(3)], {load, 0.0}, "P");
   }
   if (random.chance(0.5)) {
     const double off = sign(random) * power_of_ten(random, -10.0, -2.0);
@@ -356,11 +363,13 @@ Scene soft(Random& random) {
   Scene scene = chain(count, 1.0, random.chance(0.5) ? 1.0 : 0.0);
   scene.gravity = {0.0, -random.uniform(0.1, 10.0)};
   for (int i = 0; i < count; ++i) {
-    add_torsion_spring(scene, i, i + 1, power_of_ten(random, -4.0, 5.0), random.uniform(-1.0, 1.0));
+    const double free_angle = random.uniform(-1.0, 1.0);
+    add_torsion_spring(scene, i, i + 1, power_of_ten(random, -4.0, 5.0), free_angle);
   }
   const PointRef anchor = scene.add_point(0, "S", {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)});
+  const double free_length = random.uniform(0.2, 1.5);
   scene.elements.push_back(line_spring("line", anchor, point(scene, fmt::format("{}.b", count)),
-                                       power_of_ten(random, -4.0, 5.0), random.uniform(0.2, 1.5)));
+                                       power_of_ten(random, -4.0, 5.0), free_length));
   if (random.chance(0.5)) add_force(scene, fmt::format("{}.m", count), {power_of_ten(random, -6.0, 1.0), 0.0}, "P");
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) scene.start.angle[b] = random.uniform(-1.5, 0.5);
   return scene;

@@ -155,16 +155,17 @@ std::optional<ReleasedScene> release_planted(Random& random, bool followers, int
 // A chain on springs: hung up by torsion springs and line springs to the ground, some only pulling or pressing.
 ReleasedScene release_chain(Random& random) {
   const int links = 2 + random.index(4);
-  Scene scene = chain(links, random.uniform(0.5, 1.5), random.uniform(0.0, 2.0));
+  const double mass = random.uniform(0.0, 2.0);
+  Scene scene = chain(links, random.uniform(0.5, 1.5), mass);
   if (random.chance(0.7)) scene.gravity = {0.0, -9.81};
   for (int k = 1; k <= links; ++k) {
     if (random.chance(0.6)) {
-      add_torsion_spring(scene, k - 1, k, std::pow(10.0, random.uniform(-1.0, 2.0)), random.uniform(-2.0, 2.0));
+      const double free_angle = random.uniform(-2.0, 2.0);
+      add_torsion_spring(scene, k - 1, k, std::pow(10.0, random.uniform(-1.0, 2.0)), free_angle);
     }
     if (random.chance(0.3)) {
-      const double middle = random.uniform(-1.0, 1.0);
-      add_stop(scene, fmt::format("stop{}", k), k - 1, k, middle - random.uniform(0.1, 1.0),
-               middle + random.uniform(0.1, 1.0));
+      const double middle = random.uniform(-1.0, 1.0), most = middle + random.uniform(0.1, 1.0);
+      add_stop(scene, fmt::format("stop{}", k), k - 1, k, middle - random.uniform(0.1, 1.0), most);
     }
   }
   const int springs = 1 + random.index(3);
@@ -172,8 +173,9 @@ ReleasedScene release_chain(Random& random) {
     const PointRef hook =
         scene.add_point(0, fmt::format("hook{}", k), {random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0)});
     const PointRef end = point(scene, fmt::format("{}.b", 1 + random.index(static_cast<std::size_t>(links))));
-    scene.elements.push_back(line_spring(fmt::format("s{}", k), hook, end, std::pow(10.0, random.uniform(0.0, 2.0)),
-                                         random.uniform(0.3, 3.0), static_cast<LinearSpring::Acts>(random.index(3))));
+    const auto acts = static_cast<LinearSpring::Acts>(random.index(3));
+    const double free_length = random.uniform(0.3, 3.0), stiffness = std::pow(10.0, random.uniform(0.0, 2.0));
+    scene.elements.push_back(line_spring(fmt::format("s{}", k), hook, end, stiffness, free_length, acts));
   }
   add_force(scene, fmt::format("{}.b", links), {random.uniform(-10.0, 10.0), random.uniform(-10.0, 10.0)}, "tip");
   for (int k = 1; k <= links; ++k) scene.start.angle[k] = random.uniform(-3.0, 3.0);
