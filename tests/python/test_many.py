@@ -188,12 +188,22 @@ def test_progress_is_told_and_may_stop_it(clamp):
 
 def interrupted_soon(work):
     time.sleep(2.1)  # a second Ctrl-C within two seconds is Python's
-    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
+    ended = threading.Event()
+    begin = time.process_time()
+
+    def interrupt():
+        # A busy machine may not have let the work begin by then.
+        while not ended.wait(0.3) and time.process_time() - begin < 0.6:
+            pass
+        os.kill(os.getpid(), signal.SIGINT)
+
+    interrupter = threading.Thread(target=interrupt)
+    interrupter.start()
     try:
         return work()
     finally:
-        timer.join()
+        ended.set()
+        interrupter.join()
 
 
 def test_interrupts_leave_what_was_solved(clamp):
