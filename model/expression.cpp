@@ -226,7 +226,9 @@ const x3::rule<class OperandRule> operand = "operand";
 const auto digits = +x3::ascii::digit;
 const auto number = x3::raw[x3::lexeme[((digits >> -('.' >> *x3::ascii::digit)) | (x3::char_('.') >> digits)) >>
                                        -(x3::char_("eE") >> -x3::char_("+-") >> digits)]];
-const auto word = x3::raw[x3::lexeme[(x3::ascii::alpha | '_') >> *(x3::ascii::alnum | '_')]];
+const auto letter = x3::ascii::alnum | '_';
+// Those of parts of a scene have dots.
+const auto word = x3::raw[x3::lexeme[(x3::ascii::alpha | '_') >> *letter >> *('.' >> +letter)]];
 const auto called = x3::raw[x3::lexeme[(x3::ascii::alpha | '_') >> *(x3::ascii::alnum | '_')]] >> &x3::lit('(');
 
 const auto operand_def =

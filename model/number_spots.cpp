@@ -41,18 +41,23 @@ const toml::node* NumberSpot::twin_node() const {
 NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : document_(document), scene_(scene) {
   std::map<std::string_view, std::size_t> count;
   for (const Element& element : scene.elements) elements_.push_back(count[element.table]++);
+  count.erase("rope");
   for (const Stop& stop : scene.stops) stops_.push_back(count[stop.table]++);
-  // Ropes that stretch are elements, others stops: they take turns in one list, by their lines.
-  const auto before = [&](int line) {
-    const auto is_before = [&](const auto& item) { return item.table == "rope" && item.line < line; };
-    return static_cast<std::size_t>(std::count_if(scene.elements.begin(), scene.elements.end(), is_before) +
-                                    std::count_if(scene.stops.begin(), scene.stops.end(), is_before));
+  // Ropes that stretch are elements, others stops: they take turns in one list.
+  std::vector<std::size_t> stretching, other;
+  const toml::array* const ropes = document.get_as<toml::array>("rope");
+  for (std::size_t k = 0; ropes != nullptr && k < ropes->size(); ++k) {
+    const toml::table* const rope = ropes->get_as<toml::table>(k);
+    if (rope != nullptr) (rope->contains("stiffness") ? stretching : other).push_back(k);
+  }
+  const auto place_in = [&](const std::vector<std::size_t>& list, std::size_t nth) {
+    return nth < list.size() ? list[nth] : ropes != nullptr ? ropes->size() : 0;
   };
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (scene.elements[e].table == "rope") elements_[e] = before(scene.elements[e].line);
+    if (scene.elements[e].table == "rope") elements_[e] = place_in(stretching, elements_[e]);
   }
   for (std::size_t s = 0; s < stops_.size(); ++s) {
-    if (scene.stops[s].table == "rope") stops_[s] = before(scene.stops[s].line);
+    if (scene.stops[s].table == "rope") stops_[s] = place_in(other, stops_[s]);
   }
   for (const Force& force : scene.forces) forces_.push_back(count[force.to ? "distributed_load" : "force"]++);
   for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);

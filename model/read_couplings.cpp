@@ -33,7 +33,7 @@ using Keys = std::vector<std::string_view>;
 
 class CouplingReader {
  public:
-  CouplingReader(const SceneNames& names, Scene& scene) : names_(names), measures_(names, scene.units), scene_(scene) {}
+  CouplingReader(const SceneNames& names, Scene& scene) : names_(names), measures_(names), scene_(scene) {}
 
   /// The stops of a coupling, one per row. `rider`: of a curve; `line`: of centres of a circle.
   std::vector<Stop> read(const CouplingKind& kind, const TomlTable& table, int rider, int line) const {
@@ -64,7 +64,7 @@ class CouplingReader {
       read_circle(table, stop);
     else
       read_sum(table, stop);
-    read_numbers(table, stop.numbers(), &stop, &stop.on, scene_.units);
+    read_numbers(table, stop.numbers(), &stop, &stop.on);
     check_meshing(table, stop);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
@@ -78,7 +78,7 @@ class CouplingReader {
     rope.table = "rope";
     rope.on = Measure::rope_over(measures_.contacts(table, "over"));
     LinearSpring law;
-    read_numbers(table, LinearSpring::numbers, &law, &rope.on, scene_.units);
+    read_numbers(table, LinearSpring::numbers, &law, &rope.on);
     law.acts = LinearSpring::Acts::tension;
     rope.law = law;
     return rope;
@@ -137,7 +137,7 @@ class CouplingReader {
     const Measure sum = Measure::sum_of(terms);
     // A factor of an angle in a sum of lengths is a length per radian.
     for (Measure::Term& term : terms) {
-      term.factor *= sum.dimension().unit(scene_.units) / term.measure.dimension().unit(scene_.units);
+      term.factor *= table.unit(sum.dimension()) / table.unit(term.measure.dimension());
     }
     stop.on = Measure::sum_of(std::move(terms));
   }
@@ -180,12 +180,12 @@ class CouplingReader {
     rows[1].min = rows[1].max = 0.0;
     rows[2].table = "circular_slot_ends";
     rows[2].on = Measure::angle_between(center.body, line);
-    rows[2].min = table.number("from", scene_.units.angle, Range::finite);
-    rows[2].max = table.number("to", scene_.units.angle, Range::finite);
+    rows[2].min = table.number("from", table.unit(dimension::angle), Range::finite);
+    rows[2].max = table.number("to", table.unit(dimension::angle), Range::finite);
     if (!(rows[2].min < rows[2].max && rows[2].max - rows[2].min < full_turn)) {
       table.place_of("to").fail("expected an arc from a smaller angle to a larger one, of less than a full turn");
     }
-    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on);
     return rows;
   }
 
@@ -214,7 +214,7 @@ class CouplingReader {
     rows[2].table = "chain_straight";
     rows[2].on = straight;
     rows[2].min = 0.0;
-    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
     if (table.flag("slack", false)) rows[0].min = -std::numeric_limits<double>::infinity();
     return rows;
   }
@@ -250,7 +250,8 @@ class CouplingReader {
   // The points of the curve, m.
   std::vector<Vec2> track_points(const TomlTable& table, bool is_closed) const {
     std::vector<Vec2> points;
-    for (const TomlTable::Pair& pair : table.pairs("curve", scene_.units.length, scene_.units.length)) {
+    for (const TomlTable::Pair& pair :
+         table.pairs("curve", table.unit(dimension::length), table.unit(dimension::length))) {
       if (!points.empty() && points.back() == pair.value) {
         pair.place.fail("expected another point than the one before");
       }
@@ -266,7 +267,7 @@ class CouplingReader {
 
   void read_ends(const TomlTable& table, Stop& ends) const {
     const auto find = [&](std::string_view key, double otherwise) {
-      return table.find_number(key, scene_.units.length, Range::finite).value_or(otherwise);
+      return table.find_number(key, table.unit(dimension::length), Range::finite).value_or(otherwise);
     };
     constexpr double unlimited = std::numeric_limits<double>::infinity();
     ends.min = find("from", ends.closed ? -unlimited : 0.0);
@@ -293,7 +294,7 @@ class CouplingReader {
     rows[1].on = Measure::sum_of(
         {{1.0, Measure::component_along(line, wheel, axis)}, {1.0, Measure::angle_between(line.body, wheel.body)}});
     rows[1].min = rows[1].max = 0.0;
-    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
     return rows;
   }
 
@@ -317,7 +318,7 @@ class CouplingReader {
     rows[2].table = "rolling_on_circle_line";
     rows[2].on = across;
     rows[2].min = rows[2].max = 0.0;
-    read_numbers(table, kind.numbers, rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
     if (!(rows[0].max > 0.0)) {
       table.place_of("radius").fail("expected a smaller wheel than the circle that it rolls in");
     }
@@ -373,8 +374,8 @@ class CouplingReader {
     if (!(ends.min < ends.max)) table.place_of("to").fail("expected an end behind the key from");
     for (const auto& [key, at] : {std::pair("from", ends.min), std::pair("to", ends.max)}) {
       if (!(at >= 0.0 && at <= curve.angle.span)) {
-        table.place_of(key).fail(
-            fmt::format("expected a place on the curve, from 0 to {:.6g}", curve.angle.span / scene_.units.length));
+        table.place_of(key).fail(fmt::format("expected a place on the curve, from 0 to {:.6g}",
+                                             curve.angle.span / table.unit(dimension::length)));
       }
     }
   }
@@ -394,7 +395,7 @@ class CouplingReader {
     keep_points(curve, rows[0]);
     rows.push_back(tangent_row(kind, line.body, at.body, curve.angle, std::atan2(axis.y, axis.x)));
     add_ends(kind, table, curve, rows);
-    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers.first(1), rows.data(), &rows[0].on);
     return rows;
   }
 
@@ -404,7 +405,7 @@ class CouplingReader {
     allow_profile(table, {"center", "circle_radius", "inside"});
     const auto [at, center] = points_of(table, "at", "center");
     const double sense = table.flag("inside", false) ? -1.0 : 1.0;
-    const double radius = table.number("circle_radius", scene_.units.length, Range::positive);
+    const double radius = table.number("circle_radius", table.unit(dimension::length), Range::positive);
     Curve curve = read_curve(table, rider, -sense / radius);
     curve.across.factor = sense;
     const PointRef origin{line, 0};
@@ -426,7 +427,7 @@ class CouplingReader {
     aside.min = aside.max = 0.0;
     add_ends(kind, table, curve, rows);
     for (Stop& row : rows) row.sense = sense;
-    read_numbers(table, kind.numbers.first(2), rows.data(), &rows[0].on, scene_.units);
+    read_numbers(table, kind.numbers.first(2), rows.data(), &rows[0].on);
     return rows;
   }
 
@@ -471,17 +472,17 @@ class CouplingReader {
   }
 
   /// Turns per unit of an angle of the file.
-  double turns() const { return scene_.units.angle / full_turn; }
+  static double turns(const TomlTable& table) { return table.unit(dimension::angle) / full_turn; }
 
   /// From curve = [[ANGLE, LIFT], ...], as Stop::curve.
   std::vector<Vec2> curve_of(const TomlTable& table) const {
     std::vector<Vec2> curve;
     for (const TomlItem& point : table.items("curve")) {
       const Vec2 at = point.vector();
-      if (!curve.empty() && !(curve.back().x < at.x * turns())) {
+      if (!curve.empty() && !(curve.back().x < at.x * turns(table))) {
         point.place().fail("expected a greater angle than before");
       }
-      curve.push_back({at.x * turns(), at.y});
+      curve.push_back({at.x * turns(table), at.y});
     }
     if (curve.size() < 4) {
       table.place_of("curve").fail("expected four points [ANGLE, LIFT] or more, over a full turn");
@@ -505,7 +506,7 @@ class CouplingReader {
     std::vector<Profile::Piece> pieces;
     for (const TomlTable& part : parts) {
       part.allow_keys({"to", "lift", "law"});
-      double to = part.number("to", turns(), Range::finite);
+      double to = part.number("to", turns(table), Range::finite);
       if (&part == &parts.back()) {
         expect_full_turn(0.0, to, part.place_of("to"));
         to = 1.0;
@@ -678,7 +679,7 @@ std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scen
     for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
     const std::vector<std::string> own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
     for (std::size_t i = 0; i < tables.size(); ++i) {
-      const int line = tables[i].place().line;
+      const int line = tables[i].place().line_in_document();
       const std::string name = own[i] + " rider";
       if (const int body = names.index_of_body(name); body >= 0) {
         fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
@@ -719,13 +720,13 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
       if (kind == "circular_slot" && !has_ends(tables[i])) continue;
       const PointRef center = names.point(tables[i].text(pinned_at));
       lines.back() = scene.add_body(own[i]);
-      scene.bodies.back().line = tables[i].place().line;
+      scene.bodies.back().line = tables[i].place().line_in_document();
       const PointRef origin = scene.add_point(lines.back(), "O", {});
       scene.add_joint({.kind = Joint::Kind::pin,
                        .name = own[i] + " center",
                        .a = center,
                        .b = origin,
-                       .line = tables[i].place().line});
+                       .line = tables[i].place().line_in_document()});
     }
   }
   return lines;
@@ -754,7 +755,7 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
       if (stretches(kind, tables[i])) {
         Element rope = reader.read_stretching_rope(tables[i]);
         rope.name = item_names[i];
-        rope.line = tables[i].place().line;
+        rope.line = tables[i].place().line_in_document();
         scene.elements.push_back(std::move(rope));
         continue;
       }
@@ -765,7 +766,7 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
                                : line >= 0 ? scene.bodies[static_cast<std::size_t>(line)].name
                                            : item_names[i],
                                row);
-        row.line = tables[i].place().line;
+        row.line = tables[i].place().line_in_document();
         for (const Stop& other : scene.stops) {
           if (other.name == row.name) fail_taken(tables[i].place(), row.name, other.line);
         }

@@ -87,14 +87,14 @@ CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit
   return points.two_or_more({csv.file, 0, ""});
 }
 
-CurveSpring read_curve(const TomlTable& table, const Measure& on, const Units& units) {
+CurveSpring read_curve(const TomlTable& table, const Measure& on) {
   table.allow_keys({"curve", "file", "interpolation"});
   if (table.has("curve") == table.has("file")) {
     table.place().fail(std::string("expected either curve = [[x, F], ...] or file = \"NAME.csv\", found ") +
                        (table.has("curve") ? "both; leave one out" : "none"));
   }
   if (const auto interpolation = table.find_text("interpolation")) choose(*interpolation, {"monotone"});
-  const double unit_x = on.dimension().unit(units), unit_force = on.effort_dimension().unit(units);
+  const double unit_x = table.unit(on.dimension()), unit_force = table.unit(on.effort_dimension());
   return table.has("curve") ? read_points(table, unit_x, unit_force)
                             : spring(read_points_of_file(table.text("file"), unit_x, unit_force, spring_words), false);
 }

@@ -8,7 +8,6 @@
 #include "model/laws/curve_spring.hpp"
 #include "model/measure.hpp"
 #include "model/toml_reader.hpp"
-#include "model/units.hpp"
 
 namespace poise {
 
@@ -30,8 +29,8 @@ CurvePoints read_listed_points(const TomlTable& table, std::string_view key, dou
 CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit_y, const PointWords& words);
 
 /// The spring of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }, of which x is a value of the measure `on`
-/// and F a force on it, in these units. The file has a header and two columns; its name counts from the folder of the
+/// and F a force on it. The file has a header and two columns; its name counts from the folder of the
 /// scene file. Throws InputError with file and line unless there are two points or more, of ascending x.
-CurveSpring read_curve(const TomlTable& table, const Measure& on, const Units& units);
+CurveSpring read_curve(const TomlTable& table, const Measure& on);
 
 }  // namespace poise

@@ -21,7 +21,7 @@ namespace {
 class ElementReader {
  public:
   ElementReader(const TomlTable& root, const SceneNames& names, Scene& scene)
-      : root_(root), names_(names), measures_(names, scene.units), scene_(scene), units_(scene.units) {}
+      : root_(root), names_(names), measures_(names), scene_(scene) {}
 
   void read() {
     for (const std::string_view key : element_tables()) {
@@ -51,7 +51,7 @@ class ElementReader {
   void add(const TomlTable& table, const std::string& name, std::vector<Item>& family, ReadOne read_one) {
     Item item = std::invoke(read_one, this, table);
     item.name = name;
-    item.line = table.place().line;
+    item.line = table.place().line_in_document();
     family.push_back(std::move(item));
   }
 
@@ -120,8 +120,8 @@ class ElementReader {
     if constexpr (std::is_same_v<L, GasStrut>) {
       read_gas(table, element.on, law);
     } else {
-      if constexpr (std::is_same_v<L, CurveSpring>) law = read_curve(*table.find_table(told), element.on, units_);
-      read_numbers(table, L::numbers, &law, &element.on, units_);
+      if constexpr (std::is_same_v<L, CurveSpring>) law = read_curve(*table.find_table(told), element.on);
+      read_numbers(table, L::numbers, &law, &element.on);
     }
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) {
@@ -152,7 +152,7 @@ class ElementReader {
       keys.push_back(number.key);
     }
     table.allow_keys(keys);
-    read_numbers(table, numbers, &law, &on, units_);
+    read_numbers(table, numbers, &law, &on);
     if (contains(on.range(), law.length - law.stroke)) return;
     table.place_of("stroke").fail(
         "expected a stroke of at most the length; a strut with its rod in is not shorter than 0");
@@ -175,12 +175,13 @@ class ElementReader {
         if (gas.has("friction_width")) gas.place().fail("expected the key friction beside friction_width; add it");
         return;
       }
-      Element element{"friction", scene_.elements[strut].name, scene_.elements[strut].on, {}, gas.place().line};
+      Element element{
+          "friction", scene_.elements[strut].name, scene_.elements[strut].on, {}, gas.place().line_in_document()};
       DryFriction law;
       std::array<Number, 2> numbers = DryFriction::numbers;
       numbers[0].key = "friction";
       numbers[1].key = "friction_width";
-      read_numbers(gas, numbers, &law, &element.on, units_);
+      read_numbers(gas, numbers, &law, &element.on);
       element.law = law;
       for (const Element& other : scene_.elements) {
         if (other.table == element.table && other.name == element.name) {
@@ -198,7 +199,7 @@ class ElementReader {
       for (const Stop& other : scene_.stops) {
         if (other.name == element.name) fail_taken(gas.place(), element.name, other.line);
       }
-      Stop stop{.name = element.name, .on = element.on, .line = gas.place().line};
+      Stop stop{.name = element.name, .on = element.on, .line = gas.place().line_in_document()};
       hold_in_stroke(stop, law);
       scene_.stops.push_back(std::move(stop));
     });
@@ -231,7 +232,7 @@ class ElementReader {
   }
 
   void read_time(const TomlTable& table, TimeFunction::Of of, std::size_t item, const Measure* on) {
-    if (std::optional<TimeLaw> law = read_time_law(table, on, units_)) {
+    if (std::optional<TimeLaw> law = read_time_law(table, on)) {
       scene_.time_functions.push_back({of, static_cast<int>(item), std::move(*law), table.place_of("time").line});
     }
   }
@@ -246,7 +247,7 @@ class ElementReader {
   /// Either vector, or direction and size.
   void read_vector(const TomlTable& table, const Dimension& dimension, Force& force) const {
     if (!table.has("direction") && !table.has("size")) {
-      force.vector = table.vector("vector", dimension.unit(units_));
+      force.vector = table.vector("vector", table.unit(dimension));
       return;
     }
     if (table.has("vector")) {
@@ -257,7 +258,7 @@ class ElementReader {
       table.place_of("direction").fail("expected a direction, found [0, 0]; give for example [0, 1]");
     }
     force.along = direction<double>(along);
-    force.vector = table.number("size", dimension.unit(units_), Range::finite) * force.along;
+    force.vector = table.number("size", table.unit(dimension), Range::finite) * force.along;
   }
 
   Force read_force(const TomlTable& table) const {
@@ -306,7 +307,7 @@ class ElementReader {
     } else {
       torque.body = names_.movable_body(table.text("on"));
     }
-    torque.value = table.number("value", dimension::torque.unit(units_), Range::finite);
+    torque.value = table.number("value", table.unit(dimension::torque), Range::finite);
     return torque;
   }
 
@@ -322,14 +323,14 @@ class ElementReader {
     }
     keys.push_back("time");
     drive.on = measures_.read(table, all_measures(), keys);
-    read_numbers(table, Drive::numbers, &drive, &drive.on, units_);
+    read_numbers(table, Drive::numbers, &drive, &drive.on);
     return drive;
   }
 
   Stop read_stop(const TomlTable& table) const {
     Stop stop;
     stop.on = measures_.read(table, all_measures(), {"min", "max"});
-    const double unit = stop.on.dimension().unit(units_);
+    const double unit = table.unit(stop.on.dimension());
     stop.min = table.find_number("min", unit, stop.on.range()).value_or(stop.min);
     stop.max = table.find_number("max", unit, stop.on.range()).value_or(stop.max);
     if (!table.has("min") && !table.has("max")) {
@@ -343,7 +344,6 @@ class ElementReader {
   const SceneNames& names_;
   MeasureReader measures_;
   Scene& scene_;
-  const Units& units_;
 };
 
 }  // namespace
@@ -354,11 +354,10 @@ std::vector<std::string> numbered(std::string_view what, std::size_t count) {
   return names;
 }
 
-void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
-                  const Units& units) {
+void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on) {
   for (const Number& number : numbers) {
     const std::string_view key = number.key_on(on);
-    const double unit = number.dimension_on(on).unit(units);
+    const double unit = table.unit(number.dimension_on(on));
     const Range range = number.range_on(on);
     const std::optional<double> value =
         number.needed_on(on) ? table.number(key, unit, range) : table.find_number(key, unit, range);

@@ -19,8 +19,7 @@ std::vector<std::string> numbered(std::string_view what, std::size_t count);
 
 /// Reads these numbers of an item at its address `item`, which acts on the measure `on` or on none (null), under their
 /// keys. Fails if a required one is absent.
-void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on,
-                  const Units& units);
+void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on);
 
 /// The tables of force elements, "spring", "torsion_spring", ..., in the order in which they are read.
 std::vector<std::string_view> element_tables();

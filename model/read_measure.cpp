@@ -121,7 +121,7 @@ std::vector<RopeContact> MeasureReader::contacts(const TomlTable& table, std::st
       }
       item.table->allow_keys({"pulley", "radius", "turn", "friction"});
       contact.at = names_.point(item.table->text("pulley"));
-      contact.radius = item.table->number("radius", units_.length, Range::positive);
+      contact.radius = item.table->number("radius", item.table->unit(dimension::length), Range::positive);
       contact.turn = choose(item.table->text("turn"), {"counterclockwise", "clockwise"}) == 0 ? 1 : -1;
       contact.friction = item.table->find_number("friction", 1.0, Range::not_negative);
     }

@@ -20,8 +20,8 @@ const MeasureKeys& all_measures();
 
 class MeasureReader {
  public:
-  /// Both outlive it. All bodies and joints are registered in `names`.
-  MeasureReader(const SceneNames& names, const Units& units) : names_(names), units_(units) {}
+  /// Of scenes whose bodies and joints are registered in `names`, which outlives it.
+  explicit MeasureReader(const SceneNames& names) : names_(names) {}
 
   /// The measure of a table that has one of the keys `measures` and, besides a name, the keys `others`.
   Measure read(const TomlTable& table, const MeasureKeys& measures, const std::vector<std::string_view>& others) const;
@@ -38,7 +38,6 @@ class MeasureReader {
   Measure under(const TomlTable& table, std::string_view key) const;
 
   const SceneNames& names_;
-  const Units& units_;
 };
 
 }  // namespace poise

@@ -8,6 +8,7 @@
 #include "model/couplings.hpp"
 #include "model/flexible_link.hpp"
 #include "model/nearest_name.hpp"
+#include "model/parts.hpp"
 #include "model/read_couplings.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_section.hpp"
@@ -42,21 +43,15 @@ void read_unit(const TomlTable& table, std::string_view key, const List& list, s
   si = unit.si;
 }
 
-Units read_units(const TomlTable& table) {
-  Units units;
-  table.allow_keys({"length", "force", "mass", "angle"});
-  read_unit(table, "length", length_units, units.length_name, units.length);
-  read_unit(table, "force", force_units, units.force_name, units.force);
-  read_unit(table, "mass", mass_units, units.mass_name, units.mass);
-  read_unit(table, "angle", angle_units, units.angle_name, units.angle);
-  return units;
-}
-
 /// Reads the parts of a scene in the order in which they refer to each other.
 class SceneReader {
  public:
-  SceneReader(const toml::table& document, const TomlPlace& place, const ReadingOptions& options)
-      : document_(document), options_(options), root_(document, place, &expressions_), names_(scene_, options.uses) {
+  SceneReader(toml::table document, const TomlPlace& place, const ReadingOptions& options)
+      : options_(options),
+        parts_(std::move(document), place),
+        expressions_(parts_),
+        root_(parts_.document(), place, &expressions_, &parts_.files()),
+        names_(scene_, options.uses) {
     scene_.file = place.file;
   }
 
@@ -66,7 +61,7 @@ class SceneReader {
           "expected a scene, found a file that names one: an experiment or a design; give it to poise identify or "
           "design, or give the scene that it names");
     }
-    std::vector<std::string_view> keys{"title", "source", "gravity", "units", "numbers", "ground", "body"};
+    std::vector<std::string_view> keys{"title", "source", "gravity", "units", "numbers", "part", "ground", "body"};
     for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
     for (const std::string_view key : element_tables()) keys.push_back(key);
     for (const CouplingKind& kind : coupling_kinds()) {
@@ -75,6 +70,7 @@ class SceneReader {
     keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start", "outputs"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
+    parts_.units() = scene_.units;
     expressions_.read_named(root_, scene_);
     read_header();
     read_bodies();
@@ -90,8 +86,8 @@ class SceneReader {
     add_chains();
     read_start();
     read_outputs();
+    expressions_.find_dependents(scene_);
     set_values_from_start(root_, scene_);
-    expressions_.find_dependents(document_, scene_);
     return std::move(scene_);
   }
 
@@ -99,13 +95,13 @@ class SceneReader {
   void read_header() {
     if (const auto title = root_.find_text("title")) scene_.title = title->value;
     if (const auto source = root_.find_text("source")) scene_.source = source->value;
-    scene_.gravity = root_.find_vector("gravity", units().length).value_or(Vec2{});
+    scene_.gravity = root_.find_vector("gravity", root_.unit(dimension::length)).value_or(Vec2{});
   }
 
   void read_bodies() {
     if (const auto ground = root_.find_table("ground")) {
       ground->allow_keys({"points"});
-      scene_.bodies[0].line = ground->place().line;
+      scene_.bodies[0].line = ground->place().line_in_document();
       read_points(*ground, 0);
     }
     names_.learn_body(0);
@@ -133,11 +129,11 @@ class SceneReader {
     table.allow_keys({"points", "mass", "center", "inertia", "section"});
     const int index = scene_.add_body(name);
     Body& body = scene_.bodies[index];
-    body.line = table.place().line;
-    read_numbers(table, std::span(Body::numbers).first<2>(), &body, nullptr, units());
-    body.center = table.find_vector("center", units().length).value_or(Vec2{});
+    body.line = table.place().line_in_document();
+    read_numbers(table, std::span(Body::numbers).first<2>(), &body, nullptr);
+    body.center = table.find_vector("center", table.unit(dimension::length)).value_or(Vec2{});
     read_points(table, index);
-    if (const auto section = table.find_table("section")) body.section = read_section(*section, body, units());
+    if (const auto section = table.find_table("section")) body.section = read_section(*section, body);
     return index;
   }
 
@@ -164,7 +160,7 @@ class SceneReader {
     FlexibleChain chain = make_flexible(scene_, index, static_cast<int>(elements));
     for (const int one : chain.link.bodies) {
       const std::string& taken = scene_.bodies[one].name;
-      if (bodies.has(taken)) fail_taken(bodies.place_of(taken), taken, table.place().line);
+      if (bodies.has(taken)) fail_taken(bodies.place_of(taken), taken, table.place().line_in_document());
       names_.learn_body(one);
     }
     names_.learn_chain(name, index);
@@ -216,7 +212,7 @@ class SceneReader {
       check_name(name, points->place_of(name));
       // "BODY.POINT" is split at its last dot.
       if (name.find('.') != std::string::npos) points->place_of(name).fail("expected a name without dots");
-      scene_.add_point(body, name, points->vector(name, units().length));
+      scene_.add_point(body, name, points->vector(name, points->unit(dimension::length)));
     }
   }
 
@@ -251,13 +247,13 @@ class SceneReader {
   Joint read_joint(const TomlTable& table, Joint::Kind kind) const {
     Joint joint;
     joint.kind = kind;
-    joint.line = table.place().line;
+    joint.line = table.place().line_in_document();
     std::vector<std::string_view> keys{"name", "points"};
     if (joint.has_travel()) keys.emplace_back("axis");
     for (const Number& number : joint.numbers()) keys.push_back(number.key);
     if (joint.can_rub()) keys.emplace_back("friction");
     table.allow_keys(keys);
-    read_numbers(table, joint.numbers(), &joint, nullptr, units());
+    read_numbers(table, joint.numbers(), &joint, nullptr);
     if (joint.can_rub()) read_friction(table, joint);
     std::tie(joint.a, joint.b) = names_.two_points(table);
     if (joint.has_travel()) {
@@ -279,7 +275,7 @@ class SceneReader {
       keys.push_back(number.key);
     }
     table->allow_keys(keys);
-    read_numbers(*table, numbers, &joint, nullptr, units());
+    read_numbers(*table, numbers, &joint, nullptr);
     if (joint.has_travel() || joint.friction->coefficient == 0.0 || table->has("radius")) return;
     table->place().fail("expected the key radius beside coefficient, of the surface on which the pin turns; add it");
   }
@@ -298,14 +294,14 @@ class SceneReader {
       } else if (is_table) {
         table->place_of(name).fail("expected a number; put a name that holds dots in quotes");
       } else if (turns) {
-        const double angle = table->number(name, units().angle, Range::finite);
+        const double angle = table->number(name, table->unit(dimension::angle), Range::finite);
         scene_.start.angle[body] = angle;
         for (const FlexibleLink& link : scene_.flexible_links) {
           if (link.name != name) continue;
           for (const int one : link.bodies) scene_.start.angle[one] = angle;
         }
       } else if (travels) {
-        scene_.start.travel[joint] = table->number(name, units().length, Range::finite);
+        scene_.start.travel[joint] = table->number(name, table->unit(dimension::length), Range::finite);
       } else {
         std::vector<std::string> valid = names_.movable_body_names();
         for (std::string& other : names_.travelling_joint_names()) valid.push_back(std::move(other));
@@ -338,14 +334,12 @@ class SceneReader {
   void read_positions(const TomlTable& table) {
     for (const std::string& name : table.keys()) {
       const int body = names_.movable_body({name, table.place_of(name)});
-      scene_.start.position[body] = table.vector(name, units().length);
+      scene_.start.position[body] = table.vector(name, table.unit(dimension::length));
     }
   }
 
-  const Units& units() const { return scene_.units; }
-
-  const toml::table& document_;
   const ReadingOptions options_;
+  PartedDocument parts_;
   SceneExpressions expressions_;
   TomlTable root_;
   Scene scene_;
@@ -355,8 +349,18 @@ class SceneReader {
 
 }  // namespace
 
-Scene read_document(const toml::table& document, const TomlPlace& place, const ReadingOptions& options) {
-  return SceneReader(document, place, options).read();
+Units read_units(const TomlTable& table) {
+  Units units;
+  table.allow_keys({"length", "force", "mass", "angle"});
+  read_unit(table, "length", length_units, units.length_name, units.length);
+  read_unit(table, "force", force_units, units.force_name, units.force);
+  read_unit(table, "mass", mass_units, units.mass_name, units.mass);
+  read_unit(table, "angle", angle_units, units.angle_name, units.angle);
+  return units;
+}
+
+Scene read_document(toml::table document, const TomlPlace& place, const ReadingOptions& options) {
+  return SceneReader(std::move(document), place, options).read();
 }
 
 toml::table table_of(const UnitNames& names) {

@@ -17,7 +17,10 @@ struct ReadingOptions {
 };
 
 /// Reads and checks the document of a scene; `place` names it in messages.
-Scene read_document(const toml::table& document, const TomlPlace& place, const ReadingOptions& options = {});
+Scene read_document(toml::table document, const TomlPlace& place, const ReadingOptions& options = {});
+
+/// Reads a table [units].
+Units read_units(const TomlTable& table);
 
 /// The table [units] with these names.
 toml::table table_of(const UnitNames& names);

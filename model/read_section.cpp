@@ -45,7 +45,7 @@ std::vector<int> read_line(const TomlTable& table, const Body& body) {
 
 }  // namespace
 
-CrossSection read_section(const TomlTable& table, const Body& body, const Units& units) {
+CrossSection read_section(const TomlTable& table, const Body& body) {
   std::vector<std::string_view> keys{"profile", "line", "flexible"};
   if (table.flag("flexible", false)) keys.emplace_back("elements");
   for (const Number& number : CrossSection::numbers) keys.push_back(number.key);
@@ -53,13 +53,13 @@ CrossSection read_section(const TomlTable& table, const Body& body, const Units&
   CrossSection section;
   const std::optional<TomlText> profile = table.find_text("profile");
   if (profile) {
-    const SectionProfile named = read_profile(*profile, units.length);
+    const SectionProfile named = read_profile(*profile, table.unit(dimension::length));
     section.area = named.area;
     section.second_moment = named.second_moment;
     section.height = named.height;
   }
   for (const Number& number : CrossSection::numbers) {
-    const double unit = number.dimension.unit(units);
+    const double unit = table.unit(number.dimension);
     const bool is_given_by_profile = profile && number.key != "modulus";
     const bool needed = number.key != "left" && !is_given_by_profile;
     const std::optional<double> value =

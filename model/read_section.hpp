@@ -9,6 +9,6 @@ namespace poise {
 
 /// Reads the table [body.NAME.section] of a body whose points have been read. A profile gives those of area,
 /// second_moment and height that the table does not have.
-CrossSection read_section(const TomlTable& table, const Body& body, const Units& units);
+CrossSection read_section(const TomlTable& table, const Body& body);
 
 }  // namespace poise

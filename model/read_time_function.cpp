@@ -19,8 +19,8 @@ constexpr PointWords time_words{"time", "value", "a time", "[t, VALUE]"};
 
 class TimeReader {
  public:
-  TimeReader(const TomlTable& time, const Measure* on, const Units& units)
-      : time_(time), on_(on), units_(units), unit_(on != nullptr ? on->dimension().unit(units) : 1.0) {}
+  TimeReader(const TomlTable& time, const Measure* on)
+      : time_(time), on_(on), unit_(on != nullptr ? time.unit(on->dimension()) : 1.0) {}
 
   TimeLaw read() const {
     std::vector<std::string> found;
@@ -51,7 +51,7 @@ class TimeReader {
     for (const Number& number : Law::numbers) keys.push_back(number.key);
     table.allow_keys(keys);
     Law law;
-    read_numbers(table, Law::numbers, &law, on_, units_);
+    read_numbers(table, Law::numbers, &law, on_);
     return law;
   }
 
@@ -96,19 +96,18 @@ class TimeReader {
 
   const TomlTable& time_;
   const Measure* on_;
-  const Units& units_;
   double unit_;  // of a value
 };
 
 }  // namespace
 
-std::optional<TimeLaw> read_time_law(const TomlTable& item, const Measure* on, const Units& units) {
+std::optional<TimeLaw> read_time_law(const TomlTable& item, const Measure* on) {
   if (!item.has("time")) return std::nullopt;
   if (!item.holds_table("time")) {
     item.place_of("time").fail("expected a table, say time = { sine = { amplitude = 1, frequency = 2 } }");
   }
   const TomlTable time = *item.find_table("time");
-  return TimeReader(time, on, units).read();
+  return TimeReader(time, on).read();
 }
 
 }  // namespace poise

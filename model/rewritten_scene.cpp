@@ -14,6 +14,7 @@
 #include "model/number_spots.hpp"
 #include "model/parameter_values.hpp"
 #include "model/parameters.hpp"
+#include "model/parts.hpp"
 #include "model/scene_text.hpp"
 #include "model/toml_edits.hpp"
 #include "model/toml_reader.hpp"
@@ -30,9 +31,10 @@ class Rewriter {
       : file_(file),
         wanted_(wanted),
         old_(parse_sketch(text, file)),
-        document_(parse_toml(text, file)),
-        edits_(text, document_),
-        spots_(document_, old_),
+        own_(parse_toml(text, file)),
+        edits_(text, own_),
+        parts_(parse_toml(text, file), {file, 1, ""}),
+        spots_(parts_.document(), old_),
         rows_(parameter_table(old_)),
         old_values_(parameter_values(old_)),
         wanted_values_(parameter_values(wanted)) {
@@ -69,8 +71,10 @@ class Rewriter {
             "{}: {}: expected the value of its expression \"{}\", found {}; write it as a number", file_,
             row.path.text(), dependent->expression.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
       }
-      throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it there as {}",
-                                   file_, row.path.text(), toml_number(*value / row.dimension.unit(wanted_.units))));
+      const PartUse* const use = part_of(spots_.of(row));
+      throw InputError(fmt::format("{}: {}: expected a number that can be written into this file; write it {} as {}",
+                                   file_, row.path.text(), use != nullptr ? "into " + use->file : "there",
+                                   toml_number(*value / row.dimension.unit(wanted_.units))));
     }
     // A closed profile that rolls counts the turns of its body from where its first point touches.
     for (std::size_t s = 0; s + 2 < old_.stops.size(); ++s) {
@@ -118,12 +122,36 @@ class Rewriter {
     return out.empty() ? toml_number(near) : out;
   }
 
+  /// The part in whose file the table of a number is; null where that is the text.
+  const PartUse* part_of(const NumberSpot& spot) const {
+    return spot.table != nullptr ? parts_.use_of(*spot.table) : nullptr;
+  }
+
+  /// The spot in the text alone. Numbers that the files of parts have, and guesses there, get their values in [numbers]
+  /// and [start].
+  NumberSpot in_text(const ParameterRow& row) const {
+    NumberSpot spot = spots_.of(row);
+    const auto below = [](const toml::table* in, std::string_view key) {
+      return in != nullptr ? in->get_as<toml::table>(key) : nullptr;
+    };
+    if (row.place.owner == Owner::scene) spot.table = &own_;
+    if (row.place.owner == Owner::number) spot.table = below(&own_, "numbers");
+    if (row.place.owner == Owner::start) {
+      spot.table = row.place.part < 2 ? below(&own_, "start") : below(below(&own_, "start"), "position");
+    }
+    if (row.place.owner == Owner::body && part_of(spot) == nullptr)
+      spot.table = below(below(&own_, "body"), row.path.parts[1]);
+    return spot;
+  }
+
   void write(std::size_t place) {
     const ParameterRow& row = rows_[place];
-    const NumberSpot spot = spots_.of(row);
-    if (spot.table == nullptr && spot.header.empty()) return;  // none of the text, which check() says
+    const NumberSpot spot = in_text(row);
+    // None of the text, which check() says.
+    if ((spot.table == nullptr && spot.header.empty()) || part_of(spot) != nullptr) return;
     const double unit = row.dimension.unit(wanted_.units);
     const toml::node* const node = spot.table != nullptr ? spot.table->get(spot.key) : nullptr;
+    if (node != nullptr && !node->source().begin) return;  // where a repeated part is
     const auto number = [&](const std::optional<double>& si) { return in_unit(si.value_or(0.0), unit); };
     const std::string own = number(wanted_values_[place]);
     if (row.place.owner == Owner::force && spot.key == "vector") {
@@ -155,6 +183,7 @@ class Rewriter {
                &along = wanted_.forces[static_cast<std::size_t>(force)].along;
     if (was == along) return;
     const toml::table* const table = spots_.item(Owner::force, force);
+    if (table != nullptr && parts_.use_of(*table) != nullptr) fail();
     const toml::node* const node = table != nullptr ? table->get("direction") : nullptr;
     if (node == nullptr || along == Vec2{}) fail();
     replace(*node, 0, toml_number(along.x));
@@ -174,8 +203,9 @@ class Rewriter {
   const std::string& file_;
   const Scene& wanted_;
   Scene old_;
-  toml::table document_;
+  toml::table own_;  // of the text alone
   TomlEdits edits_;
+  PartedDocument parts_;
   NumberSpots spots_;
   std::vector<ParameterRow> rows_;  // of the text, and of the scene that is wanted
   std::vector<std::optional<double>> old_values_, wanted_values_;

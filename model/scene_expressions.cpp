@@ -1,12 +1,15 @@
 #include "model/scene_expressions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
 #include <utility>
 
-#include "model/number_spots.hpp"
+#include <fmt/format.h>
+
+#include "model/nearest_name.hpp"
 
 namespace poise {
 namespace {
@@ -28,10 +31,7 @@ void SceneExpressions::read_named(const TomlTable& root, Scene& scene) {
                         "; write those that nothing shares where they stand");
   }
   for (const std::string& name : names_) {
-    if (Expression::is_name(name)) continue;
-    table->place_of(name).fail(
-        "expected a name of letters, digits and underscores that does not begin with a digit and is neither pi nor a "
-        "function");
+    if (!parts_.has_parts()) check_number_name(name, *table);
   }
   std::vector<std::optional<Expression>> expressions(names_.size());
   for (std::size_t i = 0; i < names_.size(); ++i) {
@@ -42,7 +42,7 @@ void SceneExpressions::read_named(const TomlTable& root, Scene& scene) {
     } else {
       values_.push_back(table->number(names_[i], 1.0, Range::finite));
     }
-    scene.named_values.push_back({names_[i], values_.back(), place.line});
+    scene.named_values.push_back({names_[i], values_.back(), place.line_in_document()});
   }
   // Each behind those that it uses. `way`: names that wait for the values of those behind them.
   std::vector<char> is_known(names_.size(), 0);
@@ -98,6 +98,20 @@ const SceneExpressions::Written* SceneExpressions::find(const toml::node* node) 
 
 namespace {
 
+/// The path of a number of a part as its file has it.
+std::string path_in_file(const ParameterRow& row, const PartUse& use, std::string_view key) {
+  ParameterPath path = row.path;
+  const std::string prefix = use.name + ".";
+  if (path.parts[1].starts_with(prefix)) path.parts[1].remove_prefix(prefix.size());
+  path.parts[3] = key;
+  return path.text();
+}
+
+std::string times(double factor, const std::string& text) {
+  if (factor == 1.0) return text;
+  return factor == -1.0 ? "-" + text : fmt::format("{}*{}", factor, text);
+}
+
 bool same_text(const toml::node* a, const toml::node* b) {
   return a != nullptr && b != nullptr && a->is_string() && b->is_string() &&
          a->as_string()->get() == b->as_string()->get();
@@ -105,9 +119,90 @@ bool same_text(const toml::node* a, const toml::node* b) {
 
 }  // namespace
 
-void SceneExpressions::find_dependents(const toml::table& document, Scene& scene) {
-  if (!written_.empty()) {
-    const NumberSpots spots(document, scene);
+Expression SceneExpressions::in_scene(const Written& written, const Dimension& dimension, const Scene& scene) const {
+  const TomlPart* const part = written.place.part;
+  const double factor = part != nullptr ? part->unit(dimension) / dimension.unit(scene.units) : 1.0;
+  if (factor == 1.0) return written.expression;
+  return parsed(times(factor, "(" + written.expression.text() + ")"), written.place);
+}
+
+Expression SceneExpressions::shared(const PartUse& use, const std::string& path, double value, double factor,
+                                    Scene& scene) {
+  const std::string as_name = name_in_expressions(path);
+  paths_[use.file].push_back(as_name);
+  const auto replaced = use.replaced.find(as_name);
+  if (replaced != use.replaced.end()) return {times(factor, replaced->second), names_};
+  std::string name = use.file_stem + "." + as_name;
+  // Paths that are told apart by other characters only.
+  while (shared_.contains(name) && shared_[name] != path) name += "_";
+  if (shared_.emplace(name, path).second) {
+    if (std::find(names_.begin(), names_.end(), name) != names_.end()) {
+      throw InputError(scene.file + ":" + std::to_string(use.line) + ": part \"" + use.name +
+                       "\": expected numbers of different names, found two called \"" + name +
+                       "\"; give parts another name");
+    }
+    const auto given = parts_.given().find(name);
+    names_.push_back(name);
+    values_.push_back(given != parts_.given().end() ? given->second.value : value);
+    scene.named_values.push_back(
+        {name, values_.back(), given != parts_.given().end() ? given->second.place.line : use.line});
+  }
+  return {times(factor, name), names_};
+}
+
+void SceneExpressions::share_number(const ParameterRow& row, const NumberSpot& spot, Scene& scene) {
+  const toml::node* const node = spot.node();
+  const PartUse* const use = node != nullptr && node->is_number() ? parts_.use_of(*node) : nullptr;
+  if (use == nullptr || row.place.owner == Owner::start || row.place.owner == Owner::number) return;
+  const double sign = parts_.is_negated(*node) ? -1.0 : 1.0;
+  const double factor = sign * (use->unit(row.dimension) / row.dimension.unit(scene.units));
+  const std::string path = path_in_file(row, *use, parts_.key_in_file(*node, row.path.parts[3]));
+  dependents_.push_back({{DependentPlace::Of::row, row.place},
+                         row.path.text(),
+                         shared(*use, path, sign * *node->value<double>(), factor, scene),
+                         row.dimension,
+                         row.range});
+}
+
+// The vector of a force has the direction that it is written with, and as its size the number.
+void SceneExpressions::share_force(const ParameterRow& row, const NumberSpot& spot,
+                                   std::vector<DependentNumber>& components, Scene& scene) {
+  const PartUse* const use = spot.table != nullptr ? parts_.use_of(*spot.table) : nullptr;
+  const toml::array* const vector = use != nullptr ? spot.table->get_as<toml::array>("vector") : nullptr;
+  if (vector == nullptr || vector->size() != 2) return;
+  const std::optional<double> x = (*vector)[0].value<double>(), y = (*vector)[1].value<double>();
+  const double size = x && y ? std::hypot(*x, *y) : 0.0;
+  if (size == 0.0) return;
+  const std::string path = path_in_file(row, *use, row.path.parts[3]);
+  const double unit = use->unit(row.dimension) / row.dimension.unit(scene.units);
+  for (const int component : {0, 1}) {
+    const double share = (component == 0 ? *x : *y) / size;
+    components.push_back({{DependentPlace::Of::force, row.place, component},
+                          row.path.text(),
+                          shared(*use, path, size, unit * share, scene),
+                          row.dimension});
+  }
+}
+
+void SceneExpressions::check_replacements() const {
+  for (const PartNumber& number : parts_.replacements()) {
+    const auto found = paths_.find(number.use->file);
+    const std::vector<std::string> paths = found != paths_.end() ? found->second : std::vector<std::string>{};
+    if (std::find(paths.begin(), paths.end(), name_in_expressions(number.key)) != paths.end()) continue;
+    number.place.fail("expected a name of [numbers] of " + number.use->file + ", or the path of a number there" +
+                      did_you_mean_or_list(number.key, paths));
+  }
+  std::vector<std::string> known;
+  for (const auto& [name, path] : shared_) known.push_back(name);
+  for (const auto& [name, given] : parts_.given()) {
+    if (shared_.contains(name)) continue;
+    given.place.fail("expected a number of the file of a part" + did_you_mean_or_list(name, known));
+  }
+}
+
+void SceneExpressions::find_dependents(Scene& scene) {
+  if (!written_.empty() || parts_.has_parts()) {
+    const NumberSpots spots(parts_.document(), scene);
     std::vector<DependentNumber> components;
     const auto add_components = [&](DependentPlace at, const toml::node* list, Dimension dimension) {
       const toml::array* const vector = list != nullptr ? list->as_array() : nullptr;
@@ -115,13 +210,14 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
         const toml::table* const term = vector->get(c)->as_table();
         const Written* const written = find(term != nullptr ? term->get("factor") : vector->get(c));
         at.component = static_cast<int>(c);
-        if (written) components.push_back({at, written->place.item, written->expression, dimension});
+        if (written) components.push_back({at, written->place.item, in_scene(*written, dimension, scene), dimension});
       }
     };
     for (const ParameterRow& row : parameter_table(scene)) {
       const NumberSpot spot = spots.of(row);
       if (row.place.owner == Owner::force && spot.key == "vector") {
         add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), row.dimension);
+        if (parts_.has_parts()) share_force(row, spot, components, scene);
         continue;
       }
       // The last point of a cam's curve is its first: the same expression.
@@ -131,8 +227,13 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
         written->place.fail("expected the same expression in the last point of the turn, which is the first again");
       }
       if (written) {
-        dependents_.push_back(
-            {{DependentPlace::Of::row, row.place}, written->place.item, written->expression, row.dimension, row.range});
+        dependents_.push_back({{DependentPlace::Of::row, row.place},
+                               written->place.item,
+                               in_scene(*written, row.dimension, scene),
+                               row.dimension,
+                               row.range});
+      } else if (parts_.has_parts()) {
+        share_number(row, spot, scene);
       }
     }
     const auto add_all = [&](Owner owner, DependentPlace::Of of, std::string_view key, std::size_t count) {
@@ -147,6 +248,7 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
     add_all(Owner::drive, DependentPlace::Of::factor, "sum", scene.drives.size());
     add_all(Owner::stop, DependentPlace::Of::factor, "sum", scene.stops.size());
     for (DependentNumber& one : components) dependents_.push_back(std::move(one));
+    check_replacements();
     for (const auto& [node, written] : written_) {
       if (!written.is_found) {
         written.place.fail("expected a number, found an expression, which this key does not follow; write its value");
@@ -155,6 +257,8 @@ void SceneExpressions::find_dependents(const toml::table& document, Scene& scene
   }
   if (!dependents_.empty()) {
     scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(dependents_));
+    // Numbers that a table [[part]] gives have been read as their file has them.
+    if (parts_.has_parts()) located({scene.file, 0, ""}, [&] { follow_expressions(scene, true); });
   }
 }
 

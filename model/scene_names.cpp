@@ -43,7 +43,7 @@ std::vector<std::string> SceneNames::travelling_joint_names() const {
 }
 
 void SceneNames::note(NameUse::Of of, const TomlText& name) const {
-  if (uses_ != nullptr && name.node != nullptr) uses_->push_back({of, name.node});
+  if (uses_ != nullptr && name.node != nullptr) uses_->push_back({of, name.value, name.node->source()});
 }
 
 int SceneNames::find_body(const TomlText& name, int first) const {
@@ -139,7 +139,7 @@ std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std
     const std::optional<TomlText> name = items[i].find_text("name");
     if (!name) continue;
     check_name(name->value, name->place);
-    const auto [other, is_new] = taken.emplace(name->value, name->place.line);
+    const auto [other, is_new] = taken.emplace(name->value, name->place.line_in_document());
     if (!is_new) fail_taken(name->place, name->value, other->second);
     names[i] = name->value;
   }
@@ -150,7 +150,7 @@ std::vector<std::string> names_of(const std::vector<TomlTable>& items, const std
     do {
       const int nth = ++count[defaults[i]];
       names[i] = nth == 1 ? defaults[i] : defaults[i] + " (" + std::to_string(nth) + ")";
-    } while (!taken.emplace(names[i], items[i].place().line).second);
+    } while (!taken.emplace(names[i], items[i].place().line_in_document()).second);
   }
   return names;
 }

@@ -19,7 +19,8 @@ using NameLines = std::unordered_map<std::string, int>;
 struct NameUse {
   enum class Of { body, point, joint };
   Of of;
-  const toml::node* node;
+  std::string text;
+  toml::source_region source;  ///< its path is null in the scene's own file
 };
 
 /// Looks up bodies, points and joints of a scene that is being read. Look-up takes constant time; only a failure

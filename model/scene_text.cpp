@@ -13,6 +13,7 @@
 #include "model/nearest_name.hpp"
 #include "model/number_spots.hpp"
 #include "model/one_line.hpp"
+#include "model/parts.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_scene.hpp"
 #include "model/toml_edits.hpp"
@@ -81,9 +82,18 @@ class SceneText::Editing {
   Editing(const std::string& text, const std::string& file)
       : file_(file),
         document_(parse_toml(text, file)),
-        scene_(read_document(document_, {file, 1, ""}, {.may_lack_bodies = true, .uses = &uses_})),
-        spots_(document_, scene_),
-        edits_(text, document_) {}
+        scene_(read_document(parse_toml(text, file), {file, 1, ""}, {.may_lack_bodies = true, .uses = &named_})),
+        parts_(parse_toml(text, file), {file, 1, ""}),
+        spots_(parts_.document(), scene_),
+        edits_(text, document_) {
+    learn(document_);
+    // What the files of parts have is not in this text.
+    for (const NameUse& use : named_) {
+      if (use.source.path || !use.source.begin) continue;
+      if (const auto node = nodes_.find(place_of(use.source)); node != nodes_.end())
+        uses_.push_back({use.of, use.text, node->second});
+    }
+  }
 
   std::string made() { return edits_.made(); }
 
@@ -146,8 +156,8 @@ class SceneText::Editing {
         tables.insert(&table_of(item));
       if (item.owner == Owner::joint) joints.insert(item.own_name);
     }
-    const auto is_gone = [&](const NameUse& use) {
-      const std::string& text = use.node->as_string()->get();
+    const auto is_gone = [&](const Use& use) {
+      const std::string& text = use.text;
       if (use.of == NameUse::Of::body) return bodies.contains(text);
       if (use.of == NameUse::Of::joint) return joints.contains(text);
       const std::size_t dot = text.rfind('.');
@@ -160,7 +170,7 @@ class SceneText::Editing {
       for (const auto& [item, table] : all) {
         if (tables.contains(table)) continue;
         if (std::none_of(uses_.begin(), uses_.end(),
-                         [&](const NameUse& use) { return is_gone(use) && holds(*table, use.node); }))
+                         [&](const Use& use) { return is_gone(use) && holds(*table, use.node); }))
           continue;
         more = true;
         tables.insert(table);
@@ -191,8 +201,8 @@ class SceneText::Editing {
     switch (item.owner) {
       case Owner::body: {
         rename_key(*table_in(&document_, "body"), old, name, 1);
-        for (const NameUse& use : uses_) {
-          const std::string& text = use.node->as_string()->get();
+        for (const Use& use : uses_) {
+          const std::string& text = use.text;
           if (use.of == NameUse::Of::body && text == old) edits_.replace(*use.node, toml_string(name));
           if (use.of == NameUse::Of::point && is_point_of(text, old))
             edits_.replace(*use.node, toml_string(name + text.substr(old.size())));
@@ -205,8 +215,8 @@ class SceneText::Editing {
         const std::string body = scene_.bodies[static_cast<std::size_t>(item.index)].name;
         const toml::table* const owner = table_of_body(body);
         rename_key(*table_in(owner, "points"), old, name, body == scene_.bodies[0].name ? 2 : 3);
-        for (const NameUse& use : uses_) {
-          if (use.of == NameUse::Of::point && use.node->as_string()->get() == item.name)
+        for (const Use& use : uses_) {
+          if (use.of == NameUse::Of::point && use.text == item.name)
             edits_.replace(*use.node, toml_string(body + "." + name));
         }
         const toml::table* const section = table_in(owner, "section");
@@ -221,9 +231,8 @@ class SceneText::Editing {
       default: {
         set(item, {{"name", toml_string(name)}});
         if (item.owner == Owner::joint) {
-          for (const NameUse& use : uses_) {
-            if (use.of == NameUse::Of::joint && use.node->as_string()->get() == old)
-              edits_.replace(*use.node, toml_string(name));
+          for (const Use& use : uses_) {
+            if (use.of == NameUse::Of::joint && use.text == old) edits_.replace(*use.node, toml_string(name));
           }
           rename_in_start(old, name);
         }
@@ -262,6 +271,38 @@ class SceneText::Editing {
   Scene take_scene() { return std::move(scene_); }
 
  private:
+  /// A name in this text.
+  struct Use {
+    NameUse::Of of;
+    std::string text;
+    const toml::node* node;
+  };
+
+  static std::pair<toml::source_index, toml::source_index> place_of(const toml::source_region& source) {
+    return {source.begin.line, source.begin.column};
+  }
+
+  /// Finds the nodes below one by their places.
+  void learn(const toml::node& node) {
+    // A table that others imply begins where they do, and a list with its first table.
+    if (const toml::table* const table = node.as_table()) {
+      for (auto&& [key, below] : *table) learn(below);
+      nodes_.emplace(place_of(node.source()), &node);
+    } else if (const toml::array* const list = node.as_array()) {
+      for (const toml::node& one : *list) learn(one);
+    } else {
+      nodes_.emplace(place_of(node.source()), &node);
+    }
+  }
+
+  /// The table of an item in this text; null of one that it does not have.
+  const toml::table* own_table(Owner owner, int index) const {
+    const toml::table* const table = spots_.item(owner, index);
+    if (table == nullptr || table->source().path || !table->source().begin) return nullptr;
+    const auto node = nodes_.find(place_of(table->source()));
+    return node == nodes_.end() ? nullptr : node->second->as_table();
+  }
+
   [[noreturn]] void fail(const std::string& name) const {
     throw InputError(fmt::format("{}: {} has no table of its own; change the text", file_, name));
   }
@@ -275,7 +316,7 @@ class SceneText::Editing {
 
   const toml::table& table_of(const SceneItem& item) const {
     const toml::table* const table =
-        item.owner == Owner::body ? table_of_body(item.own_name) : spots_.item(item.owner, item.index);
+        item.owner == Owner::body ? table_of_body(item.own_name) : own_table(item.owner, item.index);
     if (table == nullptr || item.owner == Owner::point) fail(item.name);
     return *table;
   }
@@ -290,7 +331,7 @@ class SceneText::Editing {
     std::vector<std::pair<SceneItem, const toml::table*>> out;
     const auto add = [&](const auto& list, Owner owner, auto family) {
       for (std::size_t k = 0; k < list.size(); ++k) {
-        const toml::table* const table = spots_.item(owner, static_cast<int>(k));
+        const toml::table* const table = own_table(owner, static_cast<int>(k));
         if (table == nullptr || !tables.contains(table)) continue;
         out.push_back({{family(list[k]) + " " + list[k].name, list[k].name, owner, static_cast<int>(k)}, table});
       }
@@ -422,10 +463,13 @@ class SceneText::Editing {
 
   const std::string& file_;
   toml::table document_;
-  std::vector<NameUse> uses_;
+  std::vector<NameUse> named_;
   Scene scene_;
+  PartedDocument parts_;
   NumberSpots spots_;
   TomlEdits edits_;
+  std::map<std::pair<toml::source_index, toml::source_index>, const toml::node*> nodes_;
+  std::vector<Use> uses_;
 };
 
 SceneText::SceneText(std::string text, std::string file) : file_(std::move(file)) { take(std::move(text)); }

@@ -1,6 +1,7 @@
 #include "model/toml_reader.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,6 +13,25 @@ namespace poise {
 namespace {
 
 int line_of(const toml::source_region& region) { return static_cast<int>(region.begin.line); }
+
+/// Of a table that no file has, that of its name.
+const toml::source_region& source_of(const toml::table& table) {
+  const auto name = table.source().begin ? table.end() : table.find("name");
+  return name == table.end() ? table.source() : name->first.source();
+}
+
+/// The text with the names of a part as its file has them, without the part's name in front.
+std::string named_in_part(std::string text, const std::string& part) {
+  const std::string prefix = part + ".";
+  const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) {
+    if (at > 0 && is_of_name(text[at - 1]))
+      ++at;
+    else
+      text.erase(at, prefix.size());
+  }
+  return text;
+}
 
 std::string found(const toml::node& node) {
   switch (node.type()) {
@@ -43,8 +63,10 @@ void TomlPlace::fail(const std::string& message) const {
   std::string text(file);
   if (line > 0) text += ":" + std::to_string(line);
   if (!text.empty()) text += ": ";
-  if (!item.empty()) text += item + ": ";
-  throw InputError(text + message);
+  const std::string said = (item.empty() ? "" : item + ": ") + message;
+  if (part == nullptr) throw InputError(text + said);
+  throw InputError(text + named_in_part(said, part->name) + " (part \"" + part->name + "\" of " + part->within +
+                   (part->line > 0 ? ":" + std::to_string(part->line) : "") + ")");
 }
 
 std::size_t choose(const TomlText& text, const std::vector<std::string>& words) {
@@ -56,8 +78,35 @@ std::size_t choose(const TomlText& text, const std::vector<std::string>& words) 
   text.place.fail("expected one of " + shown + ", found \"" + text.value + "\"" + did_you_mean(text.value, words));
 }
 
-TomlTable::TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions)
-    : table_(&table), place_(std::move(place)), expressions_(expressions) {}
+void TomlParts::add(const toml::source_path_ptr& path, const TomlPart& part) {
+  uses_.emplace(path.get(), Use{&part, static_cast<int>(uses_.size())});
+}
+
+TomlParts::Use TomlParts::of(const toml::source_region& source) const {
+  const auto found = uses_.find(source.path.get());
+  return found != uses_.end() ? found->second : uses_.at(nullptr);
+}
+
+TomlTable::TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions, const TomlParts* parts)
+    : table_(&table), place_(std::move(place)), expressions_(expressions), parts_(parts) {}
+
+double TomlTable::unit(const Dimension& of) const {
+  return (place_.part != nullptr ? place_.part : parts_->of({}).part)->unit(of);
+}
+
+TomlPlace TomlTable::at(TomlPlace place, const toml::source_region& source) const {
+  if (!source.begin) return place;
+  place.line = line_of(source);
+  if (parts_ == nullptr) return place;
+  const TomlPart& part = *parts_->of(source).part;
+  place.file = part.file;
+  place.part = part.name.empty() ? nullptr : &part;
+  return place;
+}
+
+std::array<int, 3> TomlTable::order(const toml::source_region& source) const {
+  return {parts_ != nullptr ? parts_->of(source).order : 0, line_of(source), static_cast<int>(source.begin.column)};
+}
 
 double TomlTable::read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) const {
   double written = 0.0;
@@ -78,10 +127,12 @@ double TomlTable::read_number(const toml::node& node, const TomlPlace& place, do
   return value;
 }
 
-std::pair<int, int> TomlTable::position() const {
+std::array<int, 3> TomlTable::position() const {
   int column = std::numeric_limits<int>::max();
   for (auto&& [key, node] : *table_) column = std::min(column, static_cast<int>(key.source().begin.column));
-  return {place_.line, column};
+  std::array<int, 3> out = order(source_of(*table_));
+  out.back() = column;
+  return out;
 }
 
 bool TomlTable::holds_table(std::string_view key) const {
@@ -103,24 +154,18 @@ TomlPlace TomlTable::place_of(std::string_view key) const {
   TomlPlace place = place_;
   place.item += (place.item.empty() ? "" : ".") + std::string(key);
   const auto entry = table_->find(key);
-  if (entry != table_->end()) place.line = line_of(entry->first.source());
-  return place;
+  return entry != table_->end() ? at(std::move(place), entry->first.source()) : place;
 }
 
 TomlPlace TomlTable::place_of(const toml::node& node, std::string_view key) const {
-  TomlPlace place = place_of(key);
   // Tables implied by a dotted key have no line of their own.
-  if (!node.is_table()) place.line = line_of(node.source());
-  return place;
+  return node.is_table() ? place_of(key) : at(place_of(key), node.source());
 }
 
 std::vector<std::string> TomlTable::keys() const {
   std::vector<const toml::key*> ordered;
   for (auto&& [key, node] : *table_) ordered.push_back(&key);
-  const auto position = [](const toml::key* key) {
-    return std::pair(key->source().begin.line, key->source().begin.column);
-  };
-  std::sort(ordered.begin(), ordered.end(), [&](auto* a, auto* b) { return position(a) < position(b); });
+  std::sort(ordered.begin(), ordered.end(), [&](auto* a, auto* b) { return order(a->source()) < order(b->source()); });
   std::vector<std::string> result;
   for (const toml::key* key : ordered) result.emplace_back(key->str());
   return result;
@@ -248,8 +293,7 @@ std::vector<TomlText> TomlTable::texts(std::string_view key) const {
   const std::string expected = "expected a list of strings [\"...\", ...]";
   if (!node->is_array()) place_of(key).fail(expected);
   for (const toml::node& element : *node->as_array()) {
-    TomlPlace place = place_of(key);
-    place.line = line_of(element.source());
+    TomlPlace place = at(place_of(key), element.source());
     if (!element.is_string()) place.fail(expected);
     result.push_back({element.as_string()->get(), std::move(place)});
   }
@@ -261,7 +305,7 @@ std::optional<TomlTable> TomlTable::find_table(std::string_view key) const {
   if (node == nullptr) return std::nullopt;
   const toml::table* const table = node->as_table();
   if (table == nullptr) place_of(key).fail("expected a table" + found(*node));
-  return TomlTable(*table, place_of(key), expressions_);
+  return TomlTable(*table, place_of(key), expressions_, parts_);
 }
 
 std::vector<TomlItem> TomlTable::items(std::string_view key) const {
@@ -274,7 +318,7 @@ std::vector<TomlItem> TomlTable::items(std::string_view key) const {
     TomlPlace place = place_of(element, std::string(key) + " " + std::to_string(result.size() + 1));
     TomlItem item{{}, {}, &element, this, place};
     if (element.is_string()) item.text = TomlText{element.as_string()->get(), place, &element};
-    if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place, expressions_);
+    if (const toml::table* const table = element.as_table()) item.table.emplace(*table, place, expressions_, parts_);
     result.push_back(std::move(item));
   }
   return result;
@@ -297,22 +341,30 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   for (const toml::node& element : *list) {
     const toml::table* const table = element.as_table();
     if (table == nullptr) place_of(element, key).fail(expected + found(element));
-    TomlPlace place{place_.file, line_of(element.source()), place_.item + (place_.item.empty() ? "" : ".")};
-    place.item += std::string(key) + " ";
+    TomlPlace place = at(place_, source_of(*table));
+    place.item += (place.item.empty() ? "" : ".") + std::string(key) + " ";
     const auto* const name = table->get_as<std::string>("name");
     place.item += name == nullptr ? std::to_string(result.size() + 1) : "\"" + name->get() + "\"";
-    result.emplace_back(*table, std::move(place), expressions_);
+    result.emplace_back(*table, std::move(place), expressions_, parts_);
   }
   return result;
 }
 
-toml::table parse_toml(std::string_view text, const std::string& file) {
-  if (const auto deep = find_too_deep(text)) TomlPlace{file, deep->line, "TOML syntax"}.fail(deep->message);
+namespace {
+
+toml::table parse_at(std::string_view text, const std::string& file, const TomlPart* part) {
+  if (const auto deep = find_too_deep(text)) TomlPlace{file, deep->line, "TOML syntax", part}.fail(deep->message);
   try {
-    return toml::parse(text);
+    return part != nullptr ? toml::parse(text, file) : toml::parse(text);
   } catch (const toml::parse_error& error) {
-    TomlPlace{file, line_of(error.source()), "TOML syntax"}.fail(std::string(error.description()));
+    TomlPlace{file, line_of(error.source()), "TOML syntax", part}.fail(std::string(error.description()));
   }
 }
+
+}  // namespace
+
+toml::table parse_toml(std::string_view text, const std::string& file) { return parse_at(text, file, nullptr); }
+
+toml::table parse_toml(std::string_view text, const TomlPart& part) { return parse_at(text, part.file, &part); }
 
 }  // namespace poise

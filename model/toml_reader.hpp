@@ -9,25 +9,46 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <toml++/toml.h>
 
+#include "model/dimension.hpp"
 #include "model/planar.hpp"
 #include "model/scene.hpp"
 #include "model/value_range.hpp"
 
 namespace poise {
 
+/// One use of a file whose items are those of a part of a document, or the document itself (model/parts.hpp).
+struct TomlPart {
+  std::string file;      ///< its path; of the document the name that messages give it
+  std::string name{};    ///< "lift.stage_2", in front of the names of its items; empty of the document
+  int line = 0;          ///< of the document, where the part is named
+  std::string within{};  ///< the document's name
+  Units units{};         ///< of its numbers
+  double scale = 1.0;    ///< numbers that are lengths alone count so many times
+
+  /// SI value of one unit of a number.
+  double unit(const Dimension& dimension) const {
+    return dimension.unit(units) * (dimension == dimension::length ? scale : 1.0);
+  }
+};
+
 /// The place of a value in a file, for messages.
 struct TomlPlace {
-  std::string_view file;  ///< outlived by what it names: the reader keeps the string
-  int line = 0;           ///< 0: it is in no file
-  std::string item;       ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
+  std::string_view file;           ///< outlived by what it names: the reader keeps the string
+  int line = 0;                    ///< 0: it is in no file
+  std::string item;                ///< "body.crank.mass", `pin "hinge".points`, "spring 2"
+  const TomlPart* part = nullptr;  ///< in whose file it is; null of the document itself
 
-  /// Throws InputError "file:line: item: message"; without the line where there is none.
+  /// Throws InputError "file:line: item: message"; without the line where there is none. Of a part, names are those of
+  /// its file, and the message ends with where the document names it.
   [[noreturn]] void fail(const std::string& message) const;
+  /// The line in the document itself: of what is in a part, where the document names that.
+  int line_in_document() const { return part != nullptr ? part->line : line; }
 };
 
 /// Calls f; an InputError from f is thrown again with the place in front.
@@ -60,15 +81,35 @@ class ExpressionReader {
   virtual double value(const toml::value<std::string>& node, const TomlPlace& place) = 0;
 };
 
+/// The files of which a document is put together, told apart by the paths that its nodes have as their sources. Of a
+/// file that is used twice, each use has a path of its own.
+class TomlParts {
+ public:
+  struct Use {
+    const TomlPart* part;
+    int order;  ///< of the uses: 0 is the document itself
+  };
+  /// Outlived by what is added, in the order of the document.
+  void add(const toml::source_path_ptr& path, const TomlPart& part);
+  Use of(const toml::source_region& source) const;
+
+ private:
+  std::unordered_map<const std::string*, Use> uses_;
+};
+
 /// A table read key by key. Refers to a document that must outlive it.
 class TomlTable {
  public:
-  /// `expressions`: by which strings stand for numbers; none where they do not. Outlives this.
-  TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions = nullptr);
+  /// `expressions`: by which strings stand for numbers; none where they do not. `parts`: the files of the document;
+  /// none where it is one file whose numbers are read with units that are given. Both outlive this.
+  TomlTable(const toml::table& table, TomlPlace place, ExpressionReader* expressions = nullptr,
+            const TomlParts* parts = nullptr);
 
   const TomlPlace& place() const { return place_; }
-  /// Orders tables as the document does: line, then column of the first key.
-  std::pair<int, int> position() const;
+  /// SI value of one unit of a number in it, where there are parts.
+  double unit(const Dimension& of) const;
+  /// Orders tables as the document does: file, line, then column of the first key.
+  std::array<int, 3> position() const;
   bool has(std::string_view key) const { return table_->contains(key); }
   bool holds_table(std::string_view key) const;
   bool holds_list(std::string_view key) const;
@@ -128,11 +169,16 @@ class TomlTable {
   const toml::node& require(std::string_view key, const std::string& how) const;
   TomlPlace place_of(const toml::node& node, std::string_view key) const;
 
+  /// The place at a source, if it has one: nodes that no file has are where their table is.
+  TomlPlace at(TomlPlace place, const toml::source_region& source) const;
+  std::array<int, 3> order(const toml::source_region& source) const;
+
   double read_number(const toml::node& node, const TomlPlace& place, double unit, Range range) const;
 
   const toml::table* table_;
   TomlPlace place_;
   ExpressionReader* expressions_;
+  const TomlParts* parts_;
 };
 
 /// One item of a list of the table `of`, which outlives it: a string, a table or something else.
@@ -150,5 +196,7 @@ struct TomlItem {
 
 /// Parses a TOML text; throws InputError with file:line of a syntax error.
 toml::table parse_toml(std::string_view text, const std::string& file);
+/// The same of the file of a part, which is the path of all sources.
+toml::table parse_toml(std::string_view text, const TomlPart& part);
 
 }  // namespace poise

@@ -47,6 +47,7 @@ FEATURES: list[tuple[str, str, Callable[[dict[str, Any]], bool]]] = [
     ("functions of time", "scene-files.md#functions-of-time", lambda d: "time" in keys_of(d, "force")),
     ("drives", "scene-files.md#drives", lambda d: "body" in d and "drive" in d),
     ("expressions", "scene-files.md#expressions", lambda d: "numbers" in d),
+    ("parts", "scene-files.md#parts", lambda d: "part" in d),
     ("design files", "design-files.md", lambda d: "variables" in d),
     ("synthesis of four-bars", "synthesis.md", lambda d: d.get("synthesis", {}).get("kind") in ("poses", "function")),
     ("linkages through points", "path-synthesis.md", lambda d: bool(d.get("synthesis", {}).get("kind") == "path")),
@@ -229,9 +230,12 @@ class Gallery:
         if not moving:
             raise ReportError(f"{dataset.name}: nothing moves in the reports of {[run[-1] for run in dataset.runs]}")
         (folder / "picture.svg").write_text(picture_of(moving[0]), encoding="utf-8")
-        files = sorted(named_files("datasets/" + dataset.name) & set(dataset.file.parent.iterdir()))
+        beside = dataset.file.parent
+        files = sorted(file.relative_to(beside) for file in named_files("datasets/" + dataset.name)
+                       if beside in file.parents)
         for file in files:
-            shutil.copyfile(file, folder / file.name)
+            (folder / file).parent.mkdir(exist_ok=True)
+            shutil.copyfile(beside / file, folder / file)
         lines = ["---", f"title: {json.dumps(dataset.title)}", "hide: [navigation, toc]", "---", "",
                  f"# {commands.escaped(dataset.title)}", "", f"<p>{dataset.sentence()}</p>", ""]
         for run in dataset.runs:
@@ -242,7 +246,7 @@ class Gallery:
         if "case" in dataset.data:
             lines += cases_of(dataset)
         own = dataset.file.stem
-        links = ", ".join(f'<a href="{own}/{file.name}" download>{file.name}</a>' for file in files)
+        links = ", ".join(f'<a href="{own}/{file}" download>{file}</a>' for file in files)
         lines += ["## The file", "", as_html(first_comment(dataset.text)), "", f"<p>{links}</p>", "",
                   "See " + self.see_also(dataset) + ".", "",
                   "````toml", dataset.text.rstrip("\n"), "````", ""]

@@ -686,7 +686,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"NoBody", "title = 'a'\n[body]\n", "1: body: expected at least one body; add [body.NAME]"},
         BadScene{
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
-            "2: bdoy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
+            "2: bdoy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
             "friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, curved_slot, "
             "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, "
@@ -694,7 +694,8 @@ INSTANTIATE_TEST_SUITE_P(
             "stop, start, outputs; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
-                 "1: bo dy: expected one of the keys title, source, gravity, units, numbers, ground, body, pin, slide, "
+                 "1: bo dy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, "
+                 "slide, "
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, "
