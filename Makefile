@@ -13,7 +13,7 @@ JOBS ?= $(shell nproc)
 comma := ,
 BUILD := build$(addprefix -,$(filter daily debug clang,$(PRESET)))
 
-SOURCE_FOLDERS := model solvers studies statics comparison motion design identification app python
+SOURCE_FOLDERS := model solvers studies statics comparison motion design identification exchange app python
 sources_under = $(sort $(foreach folder,$(1),$(wildcard $(addprefix $(folder)/,*.[ch]pp */*.[ch]pp */*/*.[ch]pp))))
 
 .PHONY: run test python campaign sanitize fuzz arm64 mutants bench benchmarks figures docs site lint lint-all lint-setup \

@@ -62,3 +62,6 @@
 #include "identification/experiment/experiment.hpp"
 #include "identification/experiment/experiment_text.hpp"
 #include "identification/fit/fit.hpp"
+
+// Files of other programs
+#include "exchange/formats.hpp"

@@ -26,6 +26,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND CMAKE_CXX_COMPILER_ID MATCH
   find_library(SLEEF_LIBRARY sleef REQUIRED)                                        # apt: libsleef-dev
 endif()
 find_package(fmt 9 REQUIRED)                                                        # apt: libfmt-dev
+find_package(pugixml 1.13 REQUIRED)                                                 # apt: libpugixml-dev
 
 if(POISE_BUILD_PYTHON)
   # The first Python on the PATH that has NumPy: Debian's packages belong to Debian's own.

@@ -45,6 +45,8 @@ std::vector<CommandEntry> all_commands() {
       {identifiability_command(), "datasets/lift_experiment_empty.toml"},
       {plan_command(), "datasets/lift_plan.toml --experiment planned.toml"},
       {montecarlo_command(), "datasets/lift_experiment.toml --trials 300"},
+      {import_command(), "datasets/exchange/four_bar.txt --scene four_bar.toml"},
+      {export_command(), "datasets/six_bar.toml --dxf six_bar.dxf"},
       {stress_command(), "--methods virtual-work,energy --starts 100"},
   };
 }

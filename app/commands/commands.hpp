@@ -100,6 +100,14 @@ Command montecarlo_command();
 /// false claims and with virtual work converged from at least 99.9 % of the starts of every case that has an answer.
 Command stress_command();
 
+/// `poise import FILE`: a file of another program as a scene, printed or written, with what was decided. Exit code
+/// solved where the file could be read.
+Command import_command();
+
+/// `poise export SCENE --dxf FILE`: a scene in its start, or in its equilibrium, as files of other programs. Exit code
+/// solved where all were written.
+Command export_command();
+
 /// A command with what its help ends with: a line to try, from the folder of Poise.
 struct CommandEntry {
   Command command;

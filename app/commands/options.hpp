@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/commands/caller.hpp"
@@ -29,8 +30,9 @@ struct Request {
   std::string json, svg, html, csv, markdown;  ///< files to write, empty for none
   std::string written_scene;                   ///< the same: the scene that was designed or fitted
   std::string experiment;                      ///< the same: the experiment that plan made
-  bool quiet = false, verbose = false;         ///< what text shows: verdict and warnings alone; everything
-  Caller* caller = nullptr;                    ///< the program that asks in place of a person at a terminal
+  std::vector<std::pair<std::string, std::string>> exported;  ///< the same by their options, of other programs
+  bool quiet = false, verbose = false;  ///< what text shows: verdict and warnings alone; everything
+  Caller* caller = nullptr;             ///< the program that asks in place of a person at a terminal
 
   /// Raised where the work is to stop: by Ctrl-C, from here on, or by the caller.
   const std::atomic<bool>& interrupt() const;

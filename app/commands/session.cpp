@@ -50,16 +50,17 @@ Scene load_moving_scene(const Request& request) {
 }
 
 OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read)
-    : outputs_{{{"--json", request.json, {}},
-                {"--svg", request.svg, {}},
-                {"--html", request.html, {}},
-                {"--csv", request.csv, {}},
-                {"--markdown", request.markdown, {}},
-                {"--scene", request.written_scene, {}},
-                {"--experiment", request.experiment, {}}}},
-      origin_{request.command, request.line},
-      caller_(request.caller) {
+    : origin_{request.command, request.line}, caller_(request.caller) {
   if (request.quiet && request.verbose) throw InputError("--quiet: expected no --verbose beside it; leave one out");
+  const auto add = [&](const std::string& option, const std::string& path) { outputs_.push_back({option, path, {}}); };
+  add("--json", request.json);
+  add("--svg", request.svg);
+  add("--html", request.html);
+  add("--csv", request.csv);
+  add("--markdown", request.markdown);
+  add("--scene", request.written_scene);
+  add("--experiment", request.experiment);
+  for (const auto& [option, path] : request.exported) add(option, path);
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
     for (const std::string& other : read) expect_different(output.path, output.option, other, "a file that is read");
@@ -84,13 +85,14 @@ bool OutputFiles::wants_html() const {
 
 bool OutputFiles::wants_csv() const { return outputs_[Form::csv].file.has_value() || caller_ != nullptr; }
 
-std::string OutputFiles::write(const Result& result, const Pictures& pictures, const std::string& found) {
+std::string OutputFiles::write(const Result& result, const Pictures& pictures, const std::string& found,
+                               const std::vector<std::string>& exported) {
   if (caller_ != nullptr) {
     caller_->outcome.pictures = pictures;
     caller_->outcome.written = found;
   }
   std::vector<OutputFile*> prepared;
-  const auto prepare = [&](Form::Place form, auto&& text_of) {
+  const auto prepare = [&](std::size_t form, auto&& text_of) {
     std::optional<OutputFile>& file = outputs_[form].file;
     const std::string text = file ? text_of() : std::string();
     if (text.empty()) return;
@@ -104,6 +106,7 @@ std::string OutputFiles::write(const Result& result, const Pictures& pictures, c
   prepare(Form::markdown, [&] { return markdown_text(result); });
   prepare(Form::scene, [&] { return found; });
   prepare(Form::experiment, [&] { return found; });
+  for (std::size_t i = 0; i < exported.size(); ++i) prepare(Form::count + i, [&] { return exported[i]; });
   std::string lines;
   for (OutputFile* file : prepared) {
     file->commit();

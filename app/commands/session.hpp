@@ -2,7 +2,6 @@
 
 // What the commands have in common: the scene with its settings, and the files to write.
 
-#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -40,8 +39,9 @@ class OutputFiles {
   bool wants_csv() const;
   /// Writes the result in the forms asked for, with its pictures, and the scene or experiment that was found, or, where
   /// that fails, throws InputError. A text that is empty is not written. Returns one line for each file written. A
-  /// caller keeps the pictures and what was found.
-  std::string write(const Result& result, const Pictures& pictures, const std::string& found = "");
+  /// caller keeps the pictures and what was found. `exported` are the texts of Request::exported.
+  std::string write(const Result& result, const Pictures& pictures, const std::string& found = "",
+                    const std::vector<std::string>& exported = {});
 
  private:
   struct Form {
@@ -51,7 +51,7 @@ class OutputFiles {
     std::string option, path;
     std::optional<OutputFile> file;
   };
-  std::array<Output, Form::count> outputs_;
+  std::vector<Output> outputs_;  // by Form, then those of other programs
   PageOrigin origin_;
   Caller* caller_;
 };

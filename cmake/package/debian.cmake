@@ -42,7 +42,7 @@ poise_package(dev libpoise-dev libdevel "planar mechanisms - C++ library"
   "${about}\n.\nThis package contains the static libraries, the headers, and\nthe files for CMake and pkg-config."
   # What poiseConfig.cmake and poise.pc name.
   DEPENDS "coinor-libipopt-dev, libceres-dev, libeigen3-dev, libflint-arb-dev, libflint-dev, libfmt-dev, libgmp-dev, \
-libnlopt-cxx-dev, libnlopt-dev, libsleef-dev, libsuitesparse-dev, libtomlplusplus-dev, pkg-config")
+libnlopt-cxx-dev, libnlopt-dev, libpugixml-dev, libsleef-dev, libsuitesparse-dev, libtomlplusplus-dev, pkg-config")
 if(TARGET poise_python)
   math(EXPR next "${Python_VERSION_MINOR} + 1")
   poise_package(python_debian python3-poise python "planar mechanisms - Python module"

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "exchange/formats.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/static_model.hpp"
+
+namespace poise::app {
+
+/// What `poise import` shows: the mechanism that a file is, and what was decided or left out.
+Result import_result(const FileFormat& format, const Imported& imported, const StaticModel& model,
+                     const Mobility& mobility);
+
+/// What a scene loses in a format.
+struct ExportedFormat {
+  const FileFormat* format = nullptr;
+  std::vector<std::string> notes;
+};
+
+/// What `poise export` shows of files in the position `pose`, "start" or "equilibrium".
+Result export_result(const Scene& scene, const std::vector<std::string>& settings, const std::string& pose,
+                     const std::vector<ExportedFormat>& exported);
+
+}  // namespace poise::app
