@@ -2,33 +2,41 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "exchange/dxf.hpp"
+#include "exchange/linkage2.hpp"
+#include "exchange/pmks_address.hpp"
 #include "exchange/pmks_text.hpp"
+#include "exchange/private/reading.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise {
 namespace {
 
-constexpr std::array all_formats{FileFormat{.name = "pmks-text",
-                                            .ending = "txt",
-                                            .what = "list of joints, as PMKS has it: links, R, P or RP, x, y",
-                                            .read = import_pmks_text}};
-
-std::string lower(std::string text) {
-  for (char& letter : text) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return text;
-}
+constexpr std::array all_formats{
+    FileFormat{.name = "dxf",
+               .ending = "dxf",
+               .what = "drawing in DXF, each link on its layer",
+               .read = import_dxf,
+               .write = export_dxf},
+    FileFormat{.name = "pmks",
+               .ending = "url",
+               .what = "address of PMKS+",
+               .read = import_pmks_address,
+               .write = export_pmks_address},
+    FileFormat{.name = "pmks-text", .ending = "txt", .what = "list of joints of PMKS", .read = import_pmks_text},
+    FileFormat{.name = "linkage2", .ending = "linkage2", .what = "file of Linkage", .read = import_linkage2},
+};
 
 }  // namespace
 
 std::span<const FileFormat> formats() { return all_formats; }
 
 const FileFormat& readable_format(const std::string& file, const std::string& name) {
-  const std::string ending = lower(std::filesystem::path(file).extension().string());
+  const std::string ending = in_small_letters(std::filesystem::path(file).extension().string());
   std::vector<std::string> names, endings;
   for (const FileFormat& format : all_formats) {
     if (format.read == nullptr) continue;

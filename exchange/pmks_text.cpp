@@ -1,15 +1,12 @@
 #include "exchange/pmks_text.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "exchange/private/drawn_scene.hpp"
 #include "exchange/private/reading.hpp"
-#include "model/nearest_name.hpp"
+#include "model/named_number.hpp"
 #include "model/one_line.hpp"
 
 namespace poise {
@@ -32,66 +29,79 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return out;
 }
 
-bool is_kind(std::string_view word) {
-  const std::string kind = in_small_letters(word);
-  return kind == "r" || kind == "p" || kind == "rp" || kind == "g";
+/// The place of R, P, RP or G: the first that a number stands behind, for links may have such names too.
+std::size_t place_of_kind(const std::vector<std::string_view>& words) {
+  for (std::size_t k = 0; k + 1 < words.size(); ++k) {
+    const std::string kind = in_small_letters(words[k]);
+    if ((kind == "r" || kind == "p" || kind == "rp" || kind == "g") && read_number(words[k + 1])) return k;
+  }
+  return words.size();
 }
 
 JointLine read_joint_line(std::string_view text, const std::string& file, int line) {
   const std::string expected = "expected names of links, R, P or RP, and x, y: \"ground, crank, R, 0, 0\"";
   const std::vector<std::string_view> words = words_of(text);
-  const auto kind = std::find_if(words.begin(), words.end(), is_kind);
-  if (kind == words.end()) fail_at(file, line, "joint", expected + fmt::format(", found \"{}\"", one_line(text)));
+  const std::size_t kind = place_of_kind(words);
+  if (kind == words.size()) fail_at(file, line, "joint", expected + fmt::format(", found \"{}\"", one_line(text)));
   JointLine out;
-  for (auto word = words.begin(); word != kind; ++word) {
-    std::string name = one_line(*word);
+  for (std::size_t k = 0; k < kind; ++k) {
+    std::string name = one_line(words[k]);
     if (in_small_letters(name) == "ground") name = "ground";
     if (std::find(out.links.begin(), out.links.end(), name) != out.links.end()) {
       fail_at(file, line, "joint", fmt::format("expected links that differ, found \"{}\" twice", name));
     }
     out.links.push_back(std::move(name));
   }
-  out.kind = in_small_letters(*kind);
-  if (out.kind == "g") fail_at(file, line, "joint", "expected R, P or RP, found G: gears of PMKS are not taken");
+  out.kind = in_small_letters(words[kind]);
+  if (out.kind == "g") {
+    fail_at(file, line, "joint", "expected R, P or RP, found G: gears of PMKS name no ratio that could be taken");
+  }
   const bool slides = out.kind != "r";
-  if (out.links.size() < 2 || (slides && out.links.size() > 2)) {
+  if (out.links.empty() || (slides && out.links.size() != 2)) {
     fail_at(file, line, "joint",
-            fmt::format("expected two links before {}{}, found {}", one_line(*kind), slides ? "" : " or more",
+            fmt::format("expected {} in front of {}, found {}", slides ? "two links" : "a link", one_line(words[kind]),
                         out.links.size()));
   }
-  const std::size_t numbers = slides ? 3 : 2;
-  if (static_cast<std::size_t>(words.end() - kind) < 1 + numbers) {
+  if (words.size() - kind - 1 < (slides ? 3 : 2)) {
     fail_at(file, line, "joint", expected + (slides ? ", and the angle of the slide" : ""));
   }
-  out.at = {number_at(kind[1], file, line, "x"), number_at(kind[2], file, line, "y")};
-  if (slides) out.degrees = number_at(kind[3], file, line, "angle of the slide");
+  out.at = {number_at(words[kind + 1], file, line, "x"), number_at(words[kind + 2], file, line, "y")};
+  if (slides) out.degrees = number_at(words[kind + 3], file, line, "angle of the slide");
   return out;
+}
+
+Joint::Kind kind_of(const std::string& word) {
+  return word == "r" ? Joint::Kind::pin : word == "p" ? Joint::Kind::slide : Joint::Kind::pin_in_slot;
 }
 
 }  // namespace
 
 Imported import_pmks_text(std::string_view text, const std::string& file, const ImportOptions& options) {
-  DrawnScene scene(file, options);
+  std::vector<std::string> notes;
+  DrawnScene scene(file, {.length = length_unit(options, "mm", notes)});
+  for (std::string& note : notes) scene.add_note(std::move(note));
   const std::vector<std::string_view> lines = lines_of(text);
-  int joints = 0;
+  std::size_t joints = 0;
+  bool has_input = false, slides = false;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string_view line = trimmed(lines[i]);
-    if (line.empty()) continue;
-    const JointLine joint = read_joint_line(line, file, static_cast<int>(i) + 1);
-    if (++joints > static_cast<int>(most_items)) {
-      fail_at(file, static_cast<int>(i) + 1, "joint", fmt::format("expected at most {} joints", most_items));
+    if (trimmed(lines[i]).empty()) continue;
+    const int line = static_cast<int>(i) + 1;
+    const JointLine joint = read_joint_line(trimmed(lines[i]), file, line);
+    if (++joints > most_items) fail_at(file, line, "joint", fmt::format("expected at most {} joints", most_items));
+    const std::string point = point_name(joints - 1);
+    for (const std::string& link : joint.links) {
+      scene.add_point(link, point, joint.at);
+      has_input = has_input || link == "input";
     }
-    const std::string point = point_name(static_cast<std::size_t>(joints) - 1);
-    for (const std::string& link : joint.links) scene.add_point(link, point, joint.at);
-    const double angle = joint.degrees * std::numbers::pi / 180;
+    slides = slides || joint.kind != "r";
     for (std::size_t k = 1; k < joint.links.size(); ++k) {
-      const Joint::Kind kind = joint.kind == "r"   ? Joint::Kind::pin
-                               : joint.kind == "p" ? Joint::Kind::slide
-                                                   : Joint::Kind::pin_in_slot;
-      scene.add_joint(kind, joint.links[0], joint.links[k], point, {std::cos(angle), std::sin(angle)});
+      scene.add_joint({kind_of(joint.kind), {joint.links[0], point}, {joint.links[k], point}, axis_at(joint.degrees)});
     }
   }
   if (joints == 0) fail_at(file, 1, "joint", "expected a line for each joint, found none");
+  if (slides) scene.add_note("A slot belongs to the first link of its line, and its angle is in degrees.");
+  if (has_input) scene.add_note("The link input is driven in PMKS: here it is free, until an option --drive names it.");
+  scene.add_note("Points are named by the order of their lines, and no link has a mass.");
   return scene.finish();
 }
 

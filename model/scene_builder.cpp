@@ -274,9 +274,10 @@ SceneBuilder& SceneBuilder::body(const std::string& name, const BodyData& data) 
   for (const auto& [point, at] : data.points) document_->add(points, path + ".points", point, pair_of(at));
   toml::table body;
   document_->set(body, "points", std::move(points));
-  document_->set(body, "mass", data.mass);
-  document_->set(body, "center", pair_of(data.center));
-  document_->set(body, "inertia", data.inertia);
+  // What is the default is left out, as in a file that a person writes.
+  if (data.mass != 0.0) document_->set(body, "mass", data.mass);
+  if (!(data.center == Vec2{})) document_->set(body, "center", pair_of(data.center));
+  if (data.inertia != 0.0) document_->set(body, "inertia", data.inertia);
   document_->add(document_->part(document_->root, "body"), "body", name, std::move(body));
   return *this;
 }

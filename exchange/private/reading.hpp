@@ -11,8 +11,8 @@
 
 namespace poise {
 
-/// Bodies, joints and points that a file may have, of each.
-inline constexpr std::size_t most_items = 10'000;
+/// Joints and points that a file may have, of each; and its links, of which all are assembled.
+inline constexpr std::size_t most_items = 10'000, most_links = 1'000;
 
 /// Throws InputError "file:line: item: message"; line 0 is that of the whole file, and an empty item is left out.
 [[noreturn]] void fail_at(const std::string& file, int line, const std::string& item, const std::string& message);
