@@ -519,7 +519,8 @@ class PmksExport {
     link.y = middle.y / length_;
     rounded_mass_ =
         rounded_mass_ || !is_whole(link.mass) || !is_whole(link.inertia) || !is_whole(link.x) || !is_whole(link.y);
-    if (link.is_block && (middle.x != nodes_at_block(l).x || middle.y != nodes_at_block(l).y) && mass > 0.0) {
+    constexpr double rounding = 1e-6;  // of a unit of length
+    if (link.is_block && mass > 0.0 && norm(middle - nodes_at_block(l)) > rounding * length_) {
       left_out_.push_back(fmt::format("The mass of {} is in its pin: it is a block.", link.name));
     }
   }

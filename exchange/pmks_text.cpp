@@ -12,6 +12,8 @@
 namespace poise {
 namespace {
 
+constexpr std::size_t longest_name = 100;
+
 struct JointLine {
   std::vector<std::string> links;
   std::string kind;  // "r", "p", "rp"
@@ -46,6 +48,9 @@ JointLine read_joint_line(std::string_view text, const std::string& file, int li
   JointLine out;
   for (std::size_t k = 0; k < kind; ++k) {
     std::string name = one_line(words[k]);
+    if (name.size() > longest_name) {
+      fail_at(file, line, "joint", fmt::format("expected names of at most {} letters", longest_name));
+    }
     if (in_small_letters(name) == "ground") name = "ground";
     if (std::find(out.links.begin(), out.links.end(), name) != out.links.end()) {
       fail_at(file, line, "joint", fmt::format("expected links that differ, found \"{}\" twice", name));

@@ -94,7 +94,7 @@ def type_of(option: _poise.Option) -> str:
         return "float"
     if name == "EXPERIMENT":
         return "ExperimentFile | Sequence[ExperimentFile]" if kind == "list" else "ExperimentFile"
-    if name == "DESIGN":
+    if name in ("DESIGN", "FILE"):
         return "Path"
     plain = "Words" if kind == "list" else "str"
     return TYPES_OF_OPTIONS.get(f"{name} {value}", TYPES.get(value, plain))
@@ -112,6 +112,10 @@ class CommandCall:
         if self.ranged is not None:
             taken |= {"name", "low", "high"}
         self.parameters = [(parameter_of(o, taken if o["name"].startswith("-") else set()), o) for o in self.options]
+
+    @property
+    def name(self) -> str:
+        return self.entry["name"] + ("_" if keyword.iskeyword(self.entry["name"]) else "")
 
     @property
     def kind(self) -> str:
@@ -160,7 +164,7 @@ class CommandCall:
         outer = blanks[4:]
         scene = "self._core" if self.reads_scene else "None"
         ranged = "None" if self.ranged is None else f'("{self.ranged["name"]}", name, low, high)'
-        lines = [f"{outer}def {self.entry['name']}("]
+        lines = [f"{outer}def {self.name}("]
         lines += [f"{blanks}{parameter}," for parameter in self.signature()]
         lines.append(f"{outer}) -> {self.kind}:")
         lines += self.docstring(blanks)
@@ -179,7 +183,7 @@ def text() -> str:
             "    _core: _poise.Scene\n\n" + "\n".join(methods) + "\n\n" + "\n\n".join(functions))
     types = ("ExperimentFile", "Numbers", "Path", "Progress", "Ranges", "Settings", "Variants", "Words", "run")
     classes = sorted({"Found"} | {call.kind for call in calls})
-    names = "".join(f'    "{call.entry["name"]}",\n' for call in calls if not call.reads_scene)
+    names = "".join(f'    "{call.name}",\n' for call in calls if not call.reads_scene)
     end = f"\n\n#: The commands that are functions.\nFUNCTIONS = (\n{names})\n"
     return HEAD.format(classes=", ".join(classes), types=", ".join(types)) + "\n" + body + end
 

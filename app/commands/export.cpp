@@ -12,6 +12,8 @@
 #include "app/draw/mechanism.hpp"
 #include "app/results/exchange.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/static_model.hpp"
 
 namespace poise::app {
 namespace {
@@ -46,25 +48,26 @@ int run_export(const ExportRequest& words, const Palette& palette) {
   expect_a_file(request);
   Progress progress(request.listener());
   progress.now("reading the scene");
-  const StaticModel model(load_scene(request));
+  const Scene scene = load_scene(request);
   OutputFiles files(request);
-  std::vector<double> x;
+  std::vector<BodyPose<double>> poses;
   if (at_start) {
     progress.now("closing the loops");
-    x = close_loops(model);
+    const ScaledModel model(scene, Purpose::dynamics);  // which has what carries no load too
+    poses = model.poses(close_loops(model));
   } else {
+    const StaticModel model(scene);
     SolveOptions options;
     options.interrupt = &request.interrupt();
     const Answer answer = search(model, options, progress);
     const Equilibrium& found = answer.equilibrium;
     if (!found.found() && found.status != Status::checked) {
-      Result result = export_result(model.scene(), request.settings, words.pose, {});
+      Result result = export_result(scene, request.settings, words.pose, {});
       result.verdict = bad(fmt::format("Nothing was written, for no equilibrium was found: {}", found.why));
       return finish(request, result, nullptr, {}, false, progress, palette);
     }
-    x = found.x;
+    poses = model.poses(found.x);
   }
-  const std::vector<BodyPose<double>> poses = model.poses(x);
   std::vector<ExportedFormat> notes;
   std::vector<std::string> texts;
   const std::vector<const FileFormat*> known = written_formats();
@@ -73,14 +76,14 @@ int run_export(const ExportRequest& words, const Palette& palette) {
       texts.emplace_back();
       continue;
     }
-    Exported exported = known[i]->write(model.scene(), poses);
+    Exported exported = known[i]->write(scene, poses);
     texts.push_back(std::move(exported.text));
     notes.push_back({known[i], std::move(exported.notes)});
   }
-  const Result result = export_result(model.scene(), request.settings, words.pose, notes);
+  const Result result = export_result(scene, request.settings, words.pose, notes);
   Pictures pictures;
   if (files.wants_svg()) {
-    pictures.svg = draw_mechanism(model.scene(), {.poses = poses, .heading = result.verdict.text});
+    pictures.svg = draw_mechanism(scene, {.poses = poses, .heading = result.verdict.text});
   }
   progress.now("writing the files");
   const std::string written = files.write(result, pictures, "", texts);

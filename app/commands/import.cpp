@@ -1,6 +1,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include "app/results/exchange.hpp"
 #include "model/one_line.hpp"
 #include "model/text_file.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {
@@ -61,7 +63,9 @@ int run_import(const ImportRequest& request, const Palette& palette) {
   const std::string text = with_notes(imported);
   OutputFiles files(common);
   progress.now("analysing its mobility");
-  const StaticModel model(parse_scene(text, "the scene of " + one_line(common.scene)));
+  Scene scene = parse_scene(text, "the scene of " + one_line(common.scene));
+  scene.file = common.scene;
+  const ScaledModel model(std::move(scene), Purpose::dynamics);  // which has what carries no load too
   const Result result = import_result(format, imported, model, analyse_mobility(model));
   progress.now("writing the result");
   const std::string written = files.write(result, {}, text);

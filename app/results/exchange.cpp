@@ -8,7 +8,7 @@
 
 namespace poise::app {
 
-Result import_result(const FileFormat& format, const Imported& imported, const StaticModel& model,
+Result import_result(const FileFormat& format, const Imported& imported, const ScaledModel& model,
                      const Mobility& mobility) {
   Result out = scene_result(model.scene(), {});
   const std::string parts =

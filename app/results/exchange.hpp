@@ -6,12 +6,12 @@
 #include "app/result/result.hpp"
 #include "exchange/formats.hpp"
 #include "statics/model/mobility.hpp"
-#include "statics/model/static_model.hpp"
+#include "statics/model/scaled_model.hpp"
 
 namespace poise::app {
 
 /// What `poise import` shows: the mechanism that a file is, and what was decided or left out.
-Result import_result(const FileFormat& format, const Imported& imported, const StaticModel& model,
+Result import_result(const FileFormat& format, const Imported& imported, const ScaledModel& model,
                      const Mobility& mobility);
 
 /// What a scene loses in a format.

@@ -38,6 +38,8 @@ GUIDES = {
     "identifiability": ["tutorial-identification", "experiment-files"],
     "plan": ["planning"],
     "montecarlo": ["studies"],
+    "import": ["exchange"],
+    "export": ["exchange"],
     "stress": ["hard-cases", "stress", "safeguards"],
 }
 #: Options that every command with a result has.

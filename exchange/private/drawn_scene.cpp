@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -91,16 +92,18 @@ Imported DrawnScene::finish() const {
   }
   std::vector<std::pair<std::string, double>> travels;
   std::vector<std::string> names(joints_.size());
+  std::unordered_set<std::string> taken;
+  for (const Link& link : links_) taken.insert(link.name);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const DrawnJoint& joint = joints_[j];
     const std::string a = joint.a.first + "." + joint.a.second, b = joint.b.first + "." + joint.b.second;
     const Vec2 axis = short_pair(joint.axis);
     switch (joint.kind) {
       case Joint::Kind::slide:
-        builder.slide(a, b, axis, names[j] = fmt::format("slide {}", joint.b.second + std::to_string(j + 1)));
+        builder.slide(a, b, axis, names[j] = name_beside("slide " + joint.b.second, taken));
         break;
       case Joint::Kind::pin_in_slot:
-        builder.pin_in_slot(a, b, axis, names[j] = fmt::format("slot {}", joint.b.second + std::to_string(j + 1)));
+        builder.pin_in_slot(a, b, axis, names[j] = name_beside("slot " + joint.b.second, taken));
         break;
       case Joint::Kind::weld:
         builder.weld(a, b);

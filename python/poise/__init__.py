@@ -2,7 +2,7 @@
 
 from . import measures
 from ._builder import SceneBuilder
-from ._commands import design, identifiability, identify, montecarlo, plan, stress, validate
+from ._commands import design, identifiability, identify, import_, montecarlo, plan, stress, validate
 from ._examples import example, example_path, examples
 from ._experiment import Experiment
 from ._found import Found
@@ -14,5 +14,5 @@ from ._view import View
 
 __version__ = version
 __all__ = ["Certificate", "Experiment", "Found", "InputError", "Many", "ManyPaths", "Rest", "Scene", "SceneBuilder",
-           "System", "View", "design", "example", "example_path", "examples", "identifiability", "identify", "load",
-           "measures", "montecarlo", "plan", "stress", "validate"]
+           "System", "View", "design", "example", "example_path", "examples", "identifiability", "identify", "import_",
+           "load", "measures", "montecarlo", "plan", "stress", "validate"]

@@ -5,7 +5,8 @@ The rules, which ``python/generate_commands.py`` follows too:
 - a command that reads a scene is a method of Scene, every other one a function of the module; ``solve`` and ``view``
   are written by hand;
 - ``--proof-seconds`` is ``proof_seconds``. A name has an underscore at its end where Python has that word for itself
-  (``from_``, ``for_``, ``with_``), and where the file that is read has that name (``experiment_`` of plan);
+  (``from_``, ``for_``, ``with_``, and the command ``import_``), and where the file that is read has that name
+  (``experiment_`` of plan);
 - options that say where the result goes, ``--json`` to ``--html``, ``--quiet`` and ``--verbose``, are left out: a
   result has ``save()`` and ``text()``;
 - a range, ``--vary load.P=0..60``, may be given by the first three arguments, ``"load.P", 0, 60``.

@@ -82,6 +82,9 @@ std::vector<Words> every_command(const TempFolder& folder) {
           {"identifiability", experiment},
           {"plan", folder.write("plan.toml", plan)},
           {"montecarlo", experiment, "--trials", "3"},
+          {"import", std::string(POISE_SOURCE_DIR) + "/datasets/exchange/four_bar.txt", "--scene",
+           folder.path("four_bar.toml")},
+          {"export", clamp, "--dxf", folder.path("clamp.dxf")},
           {"stress", "toggle-1e-6", "--starts", "2"}};
 }
 

@@ -71,7 +71,7 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
           Words{"forces", "--verbose", "--svg", "o.svg"}, Words{"sensitivity", "--of", "energy", "--csv", "o.csv"},
           Words{"hold", "--vary", "loads"},
           Words{"find", "--vary", "loads=0.5..1", "--for", "energy = 0", "--csv", "o.csv"},
-          Words{"loads", "--svg", "o.svg", "--csv", "o.csv"}}) {
+          Words{"loads", "--svg", "o.svg", "--csv", "o.csv"}, Words{"export", "--dxf", "o.dxf", "--pmks", "o.url"}}) {
       out.push_back({words, {scene}});
       out.back().words.insert(out.back().words.begin() + 1, scene.name);
     }
@@ -222,6 +222,10 @@ std::vector<Command> all_commands() {
     out.push_back({{"motion", "arm.toml", "--duration", "0.02", "--csv", "o.csv"},
                    {{"arm.toml", std::string(sized) + "[[drive]]\nname = \"motor\"\npoints = [\"ground.B\", "
                                                       "\"arm.A\"]\nrate = 0.1\n"}}});
+    out.push_back({{"import", "four_bar.txt", "--units", "in", "--scene", "o.toml", "--json", "o.json"},
+                   {{"four_bar.txt", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.txt")}}});
+    out.push_back({{"import", "four_bar.dxf", "--tolerance", "0.01"},
+                   {{"four_bar.dxf", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.dxf")}}});
     out.push_back({{"compare", "pendulum.toml", "--tolerances", "1e-2..1e-4", "--repeat", "1", "--methods",
                     "virtual-work,energy"},
                    {{"pendulum.toml", pendulum}}});

@@ -844,6 +844,13 @@ TEST(JsonDocs, MonteCarlo) {
                                {{"montecarlo", folder.write("ratios.toml", ratios), "--trials", "3"}}});
 }
 
+TEST(JsonDocs, ImportAndExport) {
+  const TempFolder folder;
+  const std::string four_bar = std::string(POISE_SOURCE_DIR) + "/datasets/exchange/four_bar.txt";
+  check_section("import", {{{"import", four_bar, "--scene", folder.path("four_bar.toml")}}});
+  check_section("export", {{{"export", scene("toggle_clamp"), "--dxf", folder.path("clamp.dxf")}}});
+}
+
 TEST(JsonDocs, Stress) {
   check_section("stress", {{{"stress", "toggle-1e-6", "dead-centre-crank-0", "--starts", "2"}, with_csv},
                            {{"stress", "toggle-1e-6", "--safeguards", "--starts", "2"}},

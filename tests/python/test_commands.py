@@ -38,7 +38,7 @@ def example(command, folder):
         name, value = (word, True if kinds[word] == "flag" else next(words)) if word.startswith("-") else (file, word)
         if name in LEFT_OUT_OPTIONS:
             continue
-        if value in ("found.toml", "planned.toml"):
+        if value in ("found.toml", "planned.toml", "four_bar.toml", "six_bar.dxf"):
             value = str(folder / value)
         out[name] = value if kinds[name] != "list" else [*out.get(name, []), value]
     return {**out, **SHORTER.get(command, {})}
@@ -53,6 +53,10 @@ def by_command_line(command, options, folder):
     done = subprocess.run([os.environ["POISE_EXECUTABLE"], command, *words, "--quiet", "--json", str(file)],
                           capture_output=True, text=True, check=False)
     return done.returncode, json.loads(file.read_text()) if file.exists() else done.stderr
+
+
+def name_of(command):
+    return command + "_" if keyword.iskeyword(command) else command
 
 
 def from_python(command, options):
@@ -70,7 +74,7 @@ def from_python(command, options):
             settings = (setting.split("=") for setting in given.pop("set"))
             return scene.solve({path: float(value) for path, value in settings}, **given)
         return getattr(scene, command)(**given)
-    return getattr(poise, command)(**given)
+    return getattr(poise, name_of(command))(**given)
 
 
 def without_times(data, command=None):
@@ -107,7 +111,7 @@ def test_the_calls_are_those_that_the_table_gives():
 
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name not in ("solve", "view")])
 def test_each_option_is_a_keyword_with_its_help(command):
-    call = getattr(poise.Scene, command, None) or getattr(poise, command)
+    call = getattr(poise.Scene, command, None) or getattr(poise, name_of(command))
     parameters = inspect.signature(call).parameters
     for option in COMMANDS[command]["options"]:
         if option["name"] in (*LEFT_OUT_OPTIONS, "SCENE"):
