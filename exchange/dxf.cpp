@@ -13,6 +13,7 @@
 #include "exchange/private/dxf_entities.hpp"
 #include "exchange/private/posed_links.hpp"
 #include "exchange/private/reading.hpp"
+#include "model/one_line.hpp"
 
 namespace poise {
 namespace {
@@ -319,8 +320,8 @@ class DxfExport {
     if (is_renamed_) out.emplace_back("Layers are named by letters, digits, - and _, links that are not have others.");
     for (const Joint& joint : scene_.joints) {
       if (joint.has_travel()) {
-        out.push_back(
-            fmt::format("The {} {} is left out: of a drawing pins alone are read.", joint.traits().key, joint.name));
+        out.push_back(fmt::format("The {} {} is left out: of a drawing pins alone are read.",
+                                  words_of_key(joint.traits().key), joint.name));
       }
     }
     note_coincidences(out);

@@ -52,4 +52,12 @@ const FileFormat& readable_format(const std::string& file, const std::string& na
       fmt::format("{}: expected a file that ends with {}; say what it is by --format", file, fmt::join(endings, ", ")));
 }
 
+Scene with_masses(Scene scene) {
+  for (auto body = scene.bodies.begin() + 1; body != scene.bodies.end(); ++body) {
+    if (body->mass == 0.0) body->mass = 1.0;
+    if (body->inertia == 0.0) body->inertia = body->mass;
+  }
+  return scene;
+}
+
 }  // namespace poise

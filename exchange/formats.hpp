@@ -51,4 +51,8 @@ std::span<const FileFormat> formats();
 /// can be read.
 const FileFormat& readable_format(const std::string& file, const std::string& name);
 
+/// The scene with a mass for each body that has none, so that a model for dynamics keeps all of it: to see where its
+/// points are, and how many freedoms it has.
+Scene with_masses(Scene scene);
+
 }  // namespace poise

@@ -404,7 +404,7 @@ class PmksExport {
     slider.angle = std::atan2(along.y, along.x);
     if (slider.carrier != 0) {
       // Two joints of the carrier that say where the slot is; far enough apart for their rounding.
-      constexpr double apart = 100.0;
+      constexpr double apart = 10.0;
       const Vec2 at = nodes_[slider.node].at;
       slider.from = new_node(slider.carrier, at);
       slider.to = new_node(slider.carrier, at + apart * along);
@@ -545,7 +545,7 @@ class PmksExport {
       const Vec2 at = in_pmks(links_.place(force.at));
       const Vec2 along =
           force.follows < 0 ? (1 / size) * force.vector : links_.direction_in_world(force.follows, force.vector);
-      constexpr double arrow = 100.0;
+      constexpr double arrow = 10.0;
       PmksForce out;
       out.is_local = force.follows >= 0;
       out.id = fmt::format("F{}", f + 1);

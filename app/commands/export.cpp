@@ -53,7 +53,7 @@ int run_export(const ExportRequest& words, const Palette& palette) {
   std::vector<BodyPose<double>> poses;
   if (at_start) {
     progress.now("closing the loops");
-    const ScaledModel model(scene, Purpose::dynamics);  // which has what carries no load too
+    const ScaledModel model(with_masses(scene), Purpose::dynamics);
     poses = model.poses(close_loops(model));
   } else {
     const StaticModel model(scene);

@@ -65,7 +65,7 @@ int run_import(const ImportRequest& request, const Palette& palette) {
   progress.now("analysing its mobility");
   Scene scene = parse_scene(text, "the scene of " + one_line(common.scene));
   scene.file = common.scene;
-  const ScaledModel model(std::move(scene), Purpose::dynamics);  // which has what carries no load too
+  const ScaledModel model(with_masses(std::move(scene)), Purpose::dynamics);
   const Result result = import_result(format, imported, model, analyse_mobility(model));
   progress.now("writing the result");
   const std::string written = files.write(result, {}, text);

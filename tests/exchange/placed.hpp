@@ -56,7 +56,7 @@ inline Placed placed(const ScaledModel& model, const std::vector<double>& x) {
 
 /// With what carries no load.
 inline Placed placed(const Scene& scene) {
-  const ScaledModel model(scene, Purpose::dynamics);
+  const ScaledModel model(with_masses(scene), Purpose::dynamics);
   const Mobility mobility = analyse_mobility(model);
   Placed out = placed(model, mobility.x);
   out.freedoms = mobility.freedoms;

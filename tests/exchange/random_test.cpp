@@ -95,7 +95,8 @@ name = "P"
 at = "rod.C"
 vector = [0, -3]
 )",
-                                      "files.toml"));
+                                      "files.toml"),
+                          Purpose::dynamics);
   const std::vector<double> x = close_loops(model);
   std::vector<std::pair<std::string, std::string>> out;
   for (const FileFormat& format : formats()) {
