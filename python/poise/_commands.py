@@ -630,6 +630,36 @@ class SceneCommands:
             "--show": show,
         }, ("--drive", name, low, high), progress)
 
+    def export(
+        self,
+        *,
+        set: Settings | None = None,
+        pose: str | None = None,
+        dxf: Path | None = None,
+        pmks: Path | None = None,
+        progress: Progress | None = None,
+    ) -> Found:
+        """Write a scene as files of other programs.
+
+        As by the command line::
+
+            poise export datasets/six_bar.toml --dxf six_bar.dxf
+
+        set: Change a number of the scene, in its own units: load.P=40,
+            body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
+            can be given several times;
+            or a dictionary, {PATH: NUMBER}
+        pose: start (the default) or equilibrium: where the mechanism is written
+        dxf: Write to FILE: drawing in DXF, each link on its layer
+        pmks: Write to FILE: address of PMKS+
+        """
+        return run(Found, "export", self._core, {
+            "--set": set,
+            "--pose": pose,
+            "--dxf": dxf,
+            "--pmks": pmks,
+        }, None, progress)
+
 
 def design(
     design: Path,
@@ -886,6 +916,42 @@ def montecarlo(
     }, None, progress)
 
 
+def import_(
+    file: Path,
+    *,
+    format: str | None = None,
+    units: str | None = None,
+    tolerance: float | None = None,
+    scene: Path | None = None,
+    progress: Progress | None = None,
+) -> Found:
+    """Read a file of another program as a scene.
+
+    As by the command line::
+
+        poise import datasets/exchange/four_bar.txt --scene four_bar.toml
+
+    file: File of another program (docs/exchange.md)
+    format: What the file is; without it its ending says so
+        dxf (.dxf): drawing in DXF, each link on its layer
+        pmks (.url): address of PMKS+
+        pmks-text (.txt): list of joints of PMKS
+        linkage2 (.linkage2): file of Linkage
+    units: Unit of its lengths where the file names none: m, mm, in or ft
+        (docs/exchange.md has the default of each format)
+    tolerance: Distance at which two points of a drawing are one, in its unit (a
+        millionth of its size)
+    scene: Write the scene to FILE; without it the scene is printed
+    """
+    return run(Found, "import", None, {
+        "FILE": file,
+        "--format": format,
+        "--units": units,
+        "--tolerance": tolerance,
+        "--scene": scene,
+    }, None, progress)
+
+
 def stress(
     case: Words | None = None,
     *,
@@ -950,5 +1016,6 @@ FUNCTIONS = (
     "identifiability",
     "plan",
     "montecarlo",
+    "import_",
     "stress",
 )

@@ -304,7 +304,7 @@ def _words_of(option: _poise._Option, value: Any, files: _Files) -> list[str]:
         return [_number_word(name, value)]
     if isinstance(value, Mapping) and meta in _OF_DICTIONARY:
         return [_OF_DICTIONARY[meta](name, key, one) for key, one in value.items()]
-    if name == "EXPERIMENT" or kind == "text" and meta in ("FILE", "DIR") or meta == "OTHER" or name == "DESIGN":
+    if name in ("EXPERIMENT", "DESIGN", "FILE") or kind == "text" and meta in ("FILE", "DIR") or meta == "OTHER":
         several = kind == "list" and isinstance(value, (list, tuple))
         return [_given_file(name, one, files) for one in (value if several else [value])]
     if kind == "list":
