@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
 #include "model/named_number.hpp"
 #include "model/one_line.hpp"
-#include "model/value_range.hpp"
 
 namespace poise {
 
@@ -45,7 +46,11 @@ std::string in_small_letters(std::string_view text) {
 double number_at(std::string_view word, const std::string& file, int line, const std::string& item) {
   const std::optional<double> value = read_number(trimmed(word));
   if (!value) fail_at(file, line, item, fmt::format("expected a number, found \"{}\"", one_line(word)));
-  if (!contains(Range::finite, *value)) fail_at(file, line, item, out_of_range(Range::finite, *value));
+  // In any unit a scene can have these.
+  constexpr double least = 1e-40, most = 1e40;
+  if (!(*value == 0.0 || (std::abs(*value) >= least && std::abs(*value) <= most))) {
+    fail_at(file, line, item, fmt::format("expected 0 or a number of {:g} to {:g}, found {}", least, most, *value));
+  }
   return *value == 0.0 ? 0.0 : *value;  // of -0 the sign means nothing
 }
 

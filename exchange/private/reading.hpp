@@ -26,7 +26,7 @@ std::string_view trimmed(std::string_view text);
 /// In small letters, by ASCII.
 std::string in_small_letters(std::string_view text);
 
-/// A number as it is written, within the range of numbers of a scene. Throws InputError as fail_at().
+/// A number as it is written, of a size that a scene can have in any unit. Throws InputError as fail_at().
 double number_at(std::string_view word, const std::string& file, int line, const std::string& item);
 
 /// The name with what a name of a point may not hold replaced by an underscore, never empty, and none of those
