@@ -8,9 +8,11 @@
 
 #include "exchange/dxf.hpp"
 #include "exchange/linkage2.hpp"
+#include "exchange/mjcf.hpp"
 #include "exchange/pmks_address.hpp"
 #include "exchange/pmks_text.hpp"
 #include "exchange/private/reading.hpp"
+#include "exchange/urdf.hpp"
 #include "model/nearest_name.hpp"
 
 namespace poise {
@@ -29,6 +31,16 @@ constexpr std::array all_formats{
                .write = export_pmks_address},
     FileFormat{.name = "pmks-text", .ending = "txt", .what = "list of joints of PMKS", .read = import_pmks_text},
     FileFormat{.name = "linkage2", .ending = "linkage2", .what = "file of Linkage", .read = import_linkage2},
+    FileFormat{.name = "urdf",
+               .ending = "urdf",
+               .what = "URDF of ROS, in one plane",
+               .read = import_urdf,
+               .write = export_urdf},
+    FileFormat{.name = "mjcf",
+               .ending = "xml",
+               .what = "MJCF of MuJoCo, in one plane",
+               .read = import_mjcf,
+               .write = export_mjcf},
 };
 
 }  // namespace

@@ -54,16 +54,21 @@ double number_at(std::string_view word, const std::string& file, int line, const
   return *value == 0.0 ? 0.0 : *value;  // of -0 the sign means nothing
 }
 
-std::string name_beside(std::string_view name, std::unordered_set<std::string>& taken) {
+std::string own_name(std::string_view name, std::unordered_set<std::string>& taken) {
   constexpr std::size_t longest = 100;
   std::string base = one_line(trimmed(name.substr(0, longest)));
-  for (char& letter : base) {
-    if (letter == '.' || letter == '"' || letter == '\\') letter = '_';
-  }
   if (base.empty()) base = "unnamed";
   std::string out = base;
   for (int k = 2; !taken.insert(out).second; ++k) out = fmt::format("{} {}", base, k);
   return out;
+}
+
+std::string name_beside(std::string_view name, std::unordered_set<std::string>& taken) {
+  std::string allowed(name.substr(0, std::min<std::size_t>(name.size(), 1000)));
+  for (char& letter : allowed) {
+    if (letter == '.' || letter == '"' || letter == '\\') letter = '_';
+  }
+  return own_name(allowed, taken);
 }
 
 std::string point_name(std::size_t index) {

@@ -29,8 +29,11 @@ std::string in_small_letters(std::string_view text);
 /// A number as it is written, of a size that a scene can have in any unit. Throws InputError as fail_at().
 double number_at(std::string_view word, const std::string& file, int line, const std::string& item);
 
-/// The name with what a name of a point may not hold replaced by an underscore, never empty, and none of those
-/// `taken`: another of the same name gets a number. It is taken from then on.
+/// The name, bounded and never empty, and none of those `taken`: another of the same name gets a number. It is taken
+/// from then on.
+std::string own_name(std::string_view name, std::unordered_set<std::string>& taken);
+
+/// The same with what a name of a point may not hold replaced by an underscore.
 std::string name_beside(std::string_view name, std::unordered_set<std::string>& taken);
 
 /// A, B, ..., Z, A2, B2, ...: what points are called that have no names.

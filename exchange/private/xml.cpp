@@ -10,7 +10,7 @@
 namespace poise {
 namespace {
 
-constexpr int deepest = 100;
+constexpr int deepest = 400;
 constexpr int most_elements = 200'000;
 
 /// Whether no element is deeper and no more are there than are taken.
@@ -87,18 +87,44 @@ std::string Xml::word(pugi::xml_node node, const char* attribute, const std::str
 
 std::vector<double> Xml::numbers(pugi::xml_node node, const char* attribute, const std::string& item, std::size_t count,
                                  std::vector<double> otherwise) const {
+  return node.attribute(attribute) ? numbers_up_to(node, attribute, item, count, count) : otherwise;
+}
+
+std::vector<double> Xml::numbers_up_to(pugi::xml_node node, const char* attribute, const std::string& item,
+                                       std::size_t least, std::size_t most) const {
   const pugi::xml_attribute found = node.attribute(attribute);
-  if (!found) return otherwise;
   std::vector<double> out;
+  if (!found) return out;
   std::string_view rest = trimmed(found.value());
-  while (!rest.empty() && out.size() <= count) {
+  while (!rest.empty() && out.size() <= most) {
     const std::size_t end = rest.find_first_of(" \t\r\n");
     out.push_back(number_at(rest.substr(0, end), file_, line_of(node), item + "." + attribute));
     rest = end == std::string_view::npos ? std::string_view() : trimmed(rest.substr(end));
   }
-  if (out.size() != count) {
+  if (out.size() < least || out.size() > most) {
+    const std::string count = least == most ? fmt::to_string(least) : fmt::format("{} to {}", least, most);
     fail(node, item + "." + attribute,
          fmt::format("expected {} numbers, found \"{}\"", count, one_line(found.value())));
+  }
+  return out;
+}
+
+std::string xml_value(std::string_view text) {
+  std::string out;
+  for (const char letter : text) {
+    switch (letter) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += letter;
+    }
   }
   return out;
 }

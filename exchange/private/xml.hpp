@@ -30,11 +30,17 @@ class Xml {
   /// An attribute with so many numbers, blanks between them; `otherwise` where it is left out. Throws InputError.
   std::vector<double> numbers(pugi::xml_node node, const char* attribute, const std::string& item, std::size_t count,
                               std::vector<double> otherwise) const;
+  /// An attribute with `least` to `most` numbers, none where it is left out. Throws InputError.
+  std::vector<double> numbers_up_to(pugi::xml_node node, const char* attribute, const std::string& item,
+                                    std::size_t least, std::size_t most) const;
 
  private:
   std::string file_;
   pugi::xml_document document_;
   std::vector<std::size_t> line_begins_;
 };
+
+/// A text as the value of an attribute: characters that XML gives a meaning are entities.
+std::string xml_value(std::string_view text);
 
 }  // namespace poise
