@@ -63,13 +63,15 @@ if(POISE_BUILD_TESTS)
   # Looked for when tests run, which skip what it checks without it.                 # apt oracles: phcpack
   # The same: the browser that tests of pages run in.                                # apt browser: chromium chromium-driver
 endif()
+if(POISE_BUILD_BENCHMARKS OR POISE_BUILD_TESTS)
+  find_library(MUJOCO_LIBRARY mujoco)                                               # apt baselines: libmujoco-dev
+  find_path(MUJOCO_INCLUDE mujoco/mujoco.h)
+endif()
 if(POISE_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 REQUIRED)                                              # apt: libbenchmark-dev
   find_package(SUNDIALS 6.4)                                                        # apt: libsundials-dev
   # Alternatives to Poise for comparison; large, so installed by `cmake/setup.sh baselines` only.
   find_package(Simbody 3.7 QUIET)                                                   # apt baselines: libsimbody-dev
-  find_library(MUJOCO_LIBRARY mujoco)                                               # apt baselines: libmujoco-dev
-  find_path(MUJOCO_INCLUDE mujoco/mujoco.h)
   function(poise_has_scipy result python)
     execute_process(COMMAND "${python}" -c "import scipy.optimize" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
     if(failed)
