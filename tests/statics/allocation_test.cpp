@@ -27,7 +27,8 @@ extern "C" void __sanitizer_malloc_hook(const volatile void*, std::size_t) {
 #else
 extern "C" void* __libc_malloc(std::size_t size);
 
-extern "C" void* malloc(std::size_t size) {
+// Visible, although clang takes it for hidden as all else: libraries must call it too.
+extern "C" [[gnu::visibility("default")]] void* malloc(std::size_t size) {
   if (counting) allocations = allocations + 1;
   return __libc_malloc(size);
 }
