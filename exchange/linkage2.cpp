@@ -15,7 +15,6 @@ namespace poise {
 namespace {
 
 constexpr double units_per_inch = 96.0, mm_per_inch = 25.4;
-constexpr double degrees_per_second = 6.0;  // of one turn a minute
 constexpr const char* ground = "ground";
 
 bool is_true(pugi::xml_node node, const char* attribute) {

@@ -17,8 +17,7 @@
 namespace poise {
 namespace {
 
-constexpr double degrees_per_second = 6.0;  // of one turn a minute
-constexpr double g = 9.81;                  // m/s^2
+constexpr double weight_of_one = 9.81;  // m/s^2
 
 // Reading.
 
@@ -101,7 +100,7 @@ class PmksImport {
     }
     for (const PmksForce& force : pmks_.forces) add_force(force);
     if (pmks_.has_gravity) {
-      scene_.set_gravity({0.0, -g / units_.si});
+      scene_.set_gravity({0.0, -weight_of_one / units_.si});
       scene_.add_note("Gravity is on in the address: 9.81 m/s^2 downward.");
     }
     add_notes();
@@ -590,7 +589,7 @@ class PmksExport {
   void write_gravity() {
     constexpr double near = 0.02;
     if (scene_.gravity == Vec2{}) return;
-    out_.has_gravity = scene_.gravity.x == 0.0 && std::abs(scene_.gravity.y + g) < near;
+    out_.has_gravity = scene_.gravity.x == 0.0 && std::abs(scene_.gravity.y + weight_of_one) < near;
     if (!out_.has_gravity) left_out_.emplace_back("Gravity is left out: PMKS+ has 9.81 m/s^2 downward or none.");
   }
 

@@ -14,6 +14,9 @@ namespace poise {
 /// Joints and points that a file may have, of each; and its links, of which all are assembled.
 inline constexpr std::size_t most_items = 10'000, most_links = 1'000;
 
+/// Of one turn a minute.
+inline constexpr double degrees_per_second = 6.0;
+
 /// Throws InputError "file:line: item: message"; line 0 is that of the whole file, and an empty item is left out.
 [[noreturn]] void fail_at(const std::string& file, int line, const std::string& item, const std::string& message);
 
