@@ -16,6 +16,7 @@
 #include "model/parts.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_scene.hpp"
+#include "model/scene_names.hpp"
 #include "model/toml_edits.hpp"
 #include "model/toml_text.hpp"
 
@@ -90,7 +91,10 @@ class SceneText::Editing {
     // What the files of parts have is not in this text.
     for (const NameUse& use : named_) {
       if (use.source.path || !use.source.begin) continue;
-      if (const auto node = nodes_.find(place_of(use.source)); node != nodes_.end())
+      const auto node = nodes_.find(place_of(use.source));
+      // Some names are looked up more than once.
+      const auto is_known = [&](const Use& known) { return known.node == node->second; };
+      if (node != nodes_.end() && std::none_of(uses_.begin(), uses_.end(), is_known))
         uses_.push_back({use.of, use.text, node->second});
     }
   }
@@ -188,6 +192,11 @@ class SceneText::Editing {
     remove_tables(tables);
     remove_from_start(bodies);
     remove_from_start(joints);
+    for (const auto& [item, table] : all) {
+      if (item.owner != Owner::stop || !tables.contains(table)) continue;
+      const std::vector<std::string> derived = derived_names(item.own_name);
+      remove_from_start({derived.begin(), derived.end()});
+    }
     std::set<std::string> names = bodies;
     names.insert(points.begin(), points.end());
     for (const auto& [item, table] : all) {
@@ -198,6 +207,11 @@ class SceneText::Editing {
 
   void rename(const SceneItem& item, const std::string& name) {
     const std::string& old = item.own_name;
+    check_name(name, {file_, 0, "name"});
+    for (const SceneItem& other : items()) {
+      const bool is_twin = other.owner == item.owner && (item.owner != Owner::point || other.index == item.index);
+      if (is_twin && other.own_name == name) throw InputError("name: expected another one; " + other.name + " has it");
+    }
     switch (item.owner) {
       case Owner::body: {
         rename_key(*table_in(&document_, "body"), old, name, 1);
@@ -230,6 +244,10 @@ class SceneText::Editing {
       }
       default: {
         set(item, {{"name", toml_string(name)}});
+        if (item.owner == Owner::stop) {
+          for (const std::string& derived : derived_names(old))
+            rename_in_start(derived, name + derived.substr(old.size()));
+        }
         if (item.owner == Owner::joint) {
           for (const Use& use : uses_) {
             if (use.of == NameUse::Of::joint && use.text == old) edits_.replace(*use.node, toml_string(name));
@@ -242,6 +260,7 @@ class SceneText::Editing {
   }
 
   SceneItem item(const std::string& name) const {
+    if (name == scene_.bodies[0].name) throw InputError("the ground stays; expected another item");
     std::vector<std::string> names;
     for (const SceneItem& one : items()) {
       if (one.name == name) return one;
@@ -343,6 +362,22 @@ class SceneText::Editing {
         [](const Force& force) { return std::string(force.to ? "distributed load" : "load"); });
     add(scene_.torques, Owner::torque, [](const Torque&) { return std::string("torque"); });
     add(scene_.stops, Owner::stop, [](const Stop& stop) { return stop.family(); });
+    return out;
+  }
+
+  /// What [start] calls by the name of a slot, a rolling wheel or a chain: bodies and travels that come with it.
+  std::vector<std::string> derived_names(const std::string& name) const {
+    std::vector<std::string> out;
+    for (const char* const end : {"", " rider", " radius"}) {
+      const std::string derived = name + end;
+      const auto is_called = [&](const auto& item) { return item.name == derived; };
+      const auto body = std::find_if(scene_.bodies.begin(), scene_.bodies.end(), is_called);
+      const auto joint = std::find_if(scene_.joints.begin(), scene_.joints.end(), is_called);
+      const bool is_own = table_in(table_in(&document_, "body"), derived) != nullptr ||
+                          (joint != scene_.joints.end() &&
+                           own_table(Owner::joint, static_cast<int>(joint - scene_.joints.begin())) != nullptr);
+      if (!is_own && (body != scene_.bodies.end() || joint != scene_.joints.end())) out.push_back(derived);
+    }
     return out;
   }
 
@@ -500,6 +535,7 @@ void SceneText::add_item(const std::string& table, const TomlKeys& keys) {
 }
 
 void SceneText::set(const std::string& item, const TomlKeys& keys) {
+  if (keys.empty()) throw InputError("values: expected a key at least");
   Editing editing(text_, file_);
   editing.set(editing.item(item), keys);
   take(editing.made());
@@ -518,6 +554,7 @@ void SceneText::set_start_position(const std::string& body, const std::string& v
 }
 
 void SceneText::remove(const std::vector<std::string>& items) {
+  if (items.empty()) throw InputError("items: expected one at least");
   Editing editing(text_, file_);
   std::vector<SceneItem> gone;
   for (const std::string& item : items) gone.push_back(editing.item(item));

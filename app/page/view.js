@@ -23,6 +23,9 @@ const long_computing = 600;
 // A handle that is so far from where it was, px, has moved.
 const visible_move = 2;
 
+// Requests that change items.
+const edits = ['draw', 'place', 'remove', 'rename', 'keys'];
+
 const notes_of_requests = {
   undo: 'Undone: back to what was before the last change.',
   redo: 'Done again.',
@@ -170,7 +173,7 @@ class LiveView {
     if (this.state.draft) {
       this.bars.show(
         'draft',
-        'This was not saved when the program ended.',
+        'What is shown was not saved when the program ended.',
         button('Keep it', () => this.bars.hide('draft')),
         button('Back to the file', () => {
           this.bars.hide('draft');
@@ -278,6 +281,13 @@ class LiveView {
   /// Asks the program for something. Whatever is played is over then.
   ask(request, options = {}) {
     if (!options.gesture) this.moving.finish();
+    // An edit that cannot be applied must not be lost to a change elsewhere.
+    if (this.text?.has_edits && this.text.error && edits.includes(request.do)) {
+      this.say('Not done: mend the scene text first, or discard its edits.');
+      this.drawing.refuse('Mend the scene text first, or discard its edits.');
+      this.tabs.openNamed('text');
+      return;
+    }
     // Numbers in the text must not be lost to a change elsewhere.
     if (this.text?.has_edits && !this.text.error && !['text', 'drag', 'release', 'look'].includes(request.do))
       this.text.apply();
@@ -371,6 +381,7 @@ class LiveView {
       this.drawing.update(state.sheet);
       // The next poll may already tell of another change.
       if (['save', 'reload'].includes(wish?.request.do)) this.file_state = 'same';
+      if (!state.draft) this.bars.hide('draft');
       if (state.saved || ['save', 'reload'].includes(wish?.request.do)) this.file_text = state.text;
       this.text.update(state.text, wish?.request.do === 'text');
       this.showSaved();
@@ -467,6 +478,7 @@ class LiveView {
     const {request} = wish;
     const is_seen = request.do === 'text' && this.tabs.name === 'text';
     if (!is_seen) this.say(this.shortened(error.text));
+    if (edits.includes(request.do)) this.drawing.refuse(this.shortened(error.text));
     if (request.do === 'set') {
       this.numbers.refuse(request.path, error.text);
     } else if (request.do === 'switch') {
@@ -633,7 +645,7 @@ class LiveView {
       if (!this.program.gone) this.save();
       return;
     }
-    const types = event.target.closest('textarea, input[type="number"], input[type="search"]');
+    const types = event.target.closest('textarea, input[type="number"], input[type="search"], input[type="text"]');
     if (types || !['z', 'y'].includes(key)) return;
     event.preventDefault();
     const what = key === 'y' || event.shiftKey ? 'redo' : 'undo';

@@ -26,10 +26,11 @@ function tidy(value, grain) {
 export function typedPlace(text, before, degrees) {
   const number = '([-+]?(?:\\d+\\.?\\d*|\\.\\d+)(?:e[-+]?\\d+)?)';
   const pair = text.trim().match(new RegExp(`^${number}\\s*[,;\\s]\\s*${number}$`, 'i'));
-  if (pair) return [Number(pair[1]), Number(pair[2])];
+  if (pair) return pair.slice(1, 3).every((one) => Number.isFinite(Number(one))) ? pair.slice(1, 3).map(Number) : null;
   const polar = text.trim().match(new RegExp(`^${number}\\s*<\\s*${number}$`, 'i'));
   if (!polar || !before) return null;
   const angle = Number(polar[2]) * (degrees ? Math.PI / 180 : 1);
+  if (![polar[1], polar[2]].every((text) => Number.isFinite(Number(text)))) return null;
   return [before[0] + Number(polar[1]) * Math.cos(angle), before[1] + Number(polar[1]) * Math.sin(angle)];
 }
 
@@ -71,7 +72,12 @@ export class DrawingTools {
     this.typed_line = element('label', {class: 'draw-exact', hidden: true}, 'Exactly ', this.typed);
     this.buttons = new Map();
     const make = (name, title, hint) => {
-      const one = button(title, () => this.choose(name), {title: hint, 'data-tool': name, 'aria-pressed': 'false'});
+      const choose = (event) => {
+        this.choose(name);
+        // Whoever has no pointer goes on typing.
+        if (event.detail === 0 && !this.typed_line.hidden) this.typed.focus();
+      };
+      const one = button(title, choose, {title: hint, 'data-tool': name, 'aria-pressed': 'false'});
       this.buttons.set(name, one);
       return one;
     };
@@ -102,12 +108,15 @@ export class DrawingTools {
   }
 
   choose(name) {
+    // What has all its places is drawn: a tool is often left without a word.
+    if (this.tool && this.picked.length >= this.tool.picks) this.end();
     this.drop();
     this.tool = own_tools[name] ?? this.tools.find((tool) => tool.name === name) ?? null;
     this.item = '';
     this.moving.stage.classList.toggle('selecting', name === 'select');
     this.picked = [];
     this.pressed = [];
+    this.typed_places = [];
     for (const [known, one] of this.buttons) one.setAttribute('aria-pressed', known === name);
     for (const box of this.element.querySelectorAll('.menu')) {
       box.open = false;
@@ -115,7 +124,7 @@ export class DrawingTools {
     }
     this.cover.hidden = this.tool === null;
     this.typed_line.hidden = this.tool === null || Object.hasOwn(own_tools, name);
-    this.hint.textContent = this.tool ? `${this.tool.title}: ${this.tool.hint}` : '';
+    this.tell();
     this.draw();
   }
 
@@ -123,7 +132,8 @@ export class DrawingTools {
     if (this.tool === null || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === 'Escape') {
       event.preventDefault();
-      if (this.picked.length > 0) this.forget();
+      if (this.held) this.giveUp();
+      else if (this.picked.length > 0) this.forget();
       else this.choose('');
     } else if (['Delete', 'Backspace'].includes(event.key) && this.item && !event.target.closest('input, textarea')) {
       event.preventDefault();
@@ -145,9 +155,26 @@ export class DrawingTools {
     }
     const place = typedPlace(this.typed.value, this.picked.at(-1), this.sheet.angle === 'deg');
     this.typed.setAttribute('aria-invalid', place === null);
-    if (place === null) return;
+    if (place === null) {
+      this.refuse('Expected a place, "120, 45", or a length and an angle from the place before, "100 < 60".');
+      return;
+    }
     this.typed.value = '';
+    this.tell();
+    this.typed_places.push(this.picked.length);
     this.pick(place);
+  }
+
+  // What the tool asks for.
+  tell() {
+    this.hint.classList.remove('refused');
+    this.hint.textContent = this.tool ? `${this.tool.title}: ${this.tool.hint}` : '';
+  }
+
+  /// Says why something was not drawn, where the hand is.
+  refuse(text) {
+    this.hint.classList.add('refused');
+    this.hint.textContent = text;
   }
 
   // px of the screen for a unit of length.
@@ -248,6 +275,13 @@ export class DrawingTools {
     this.held = null;
   }
 
+  // The point goes back to where it was.
+  giveUp() {
+    const {moved} = this.held;
+    this.up();
+    if (moved) this.ask({do: 'undo'});
+  }
+
   placeHeld(goes_on) {
     const {point} = this.held;
     const request = {do: 'place', point, at: this.at.at, grain: this.grain};
@@ -272,14 +306,16 @@ export class DrawingTools {
 
   end() {
     if (!this.tool || this.picked.length < this.tool.picks) return;
-    const [at, pressed] = [this.picked, this.pressed];
+    const [at, pressed, typed] = [this.picked, this.pressed, this.typed_places];
     this.forget();
-    this.ask({do: 'draw', tool: this.tool.name, at, pressed, within: near_point / this.density, grain: this.grain});
+    this.tell();
+    this.ask({do: 'draw', tool: this.tool.name, at, pressed, typed, within: near_point / this.density, grain: this.grain});
   }
 
   forget() {
     this.picked = [];
     this.pressed = [];
+    this.typed_places = [];
     this.draw();
   }
 
@@ -346,7 +382,7 @@ export class ItemsPanel {
     this.key = key;
     this.none.hidden = items.length > 0;
     this.list.replaceChildren(
-      ...items.map(({item, name}) => {
+      ...items.map(({item, name, point}) => {
         const field = element('input', {
           type: 'text',
           'aria-label': `Name of ${item}`,
@@ -355,11 +391,11 @@ export class ItemsPanel {
           },
         });
         field.value = name;
-        const kind = item.endsWith(` ${name}`) ? item.slice(0, -name.length - 1) : item.includes('.') ? 'point' : 'link';
+        const kind = item.endsWith(` ${name}`) ? item.slice(0, -name.length - 1) : 'link';
         return element(
           'div',
           {class: 'item-row', 'data-item': item},
-          element('span', {class: 'item-kind'}, kind === 'point' ? `point of ${item.slice(0, item.lastIndexOf('.'))}` : kind),
+          element('span', {class: 'item-kind'}, point ? `point of ${item.slice(0, -name.length - 1)}` : kind),
           field,
           button('Delete', () => this.ask({do: 'remove', items: [item]}), {
             class: 'quiet',

@@ -20,6 +20,8 @@ using Poses = std::vector<BodyPose<double>>;
 
 /// A number without digits that mean nothing: to a multiple of `grain`, which is a power of ten.
 std::string rounded(double value, double grain) {
+  constexpr double longest = 1e15;
+  if (std::abs(value) >= longest) return toml_number(value);
   const int digits = std::clamp(static_cast<int>(std::lround(-std::log10(grain))), 0, 15);
   const double scale = std::pow(10.0, digits);
   double near = std::round(value * scale) / scale;
@@ -107,9 +109,17 @@ class Sketcher {
     return std::any_of(points.begin(), points.end(), [&](const NamedPoint& one) { return one.name == name; });
   }
 
+  double within(std::size_t k) const { return drawn_.is_typed[k] ? 0.5 * drawn_.grain : drawn_.within; }
+
+  /// The points that are meant by the k-th place: near where the hand was, or exactly where the grid took it.
+  std::vector<PointRef> points_of(std::size_t k) const {
+    std::vector<PointRef> out = points_at(drawn_.pressed[k], within(k));
+    return out.empty() ? points_at(drawn_.places[k], 0.5 * drawn_.grain) : out;
+  }
+
   /// The points at a place, one of each body: those of the nearest place that has any.
-  std::vector<PointRef> points_at(Vec2 place) const {
-    double nearest = drawn_.within;
+  std::vector<PointRef> points_at(Vec2 place, double far) const {
+    double nearest = far;
     Vec2 there = place;
     const auto each = [&](auto visit) {
       for (int b = 0; b < static_cast<int>(text_.scene().bodies.size()); ++b) {
@@ -126,9 +136,9 @@ class Sketcher {
     std::vector<PointRef> out;
     each([&](PointRef p) {
       const bool is_new = out.empty() || out.back().body != p.body;
-      if (is_new && norm(world(p) - there) <= 0.1 * drawn_.within) out.push_back(p);
+      if (is_new && norm(world(p) - there) <= std::min(0.1 * drawn_.within, far)) out.push_back(p);
     });
-    if (norm(there - place) > drawn_.within) out.clear();
+    if (norm(there - place) > far) out.clear();
     return out;
   }
 
@@ -140,8 +150,8 @@ class Sketcher {
   }
 
   /// The moving body whose drawing is at a place; 0 where there is none.
-  int body_at(Vec2 place, const std::set<int>& but) const {
-    double nearest = drawn_.within;
+  int body_at(Vec2 place, const std::set<int>& but, double far) const {
+    double nearest = far;
     int out = 0;
     for (int b = 1; b < static_cast<int>(scene().bodies.size()); ++b) {
       if (but.contains(b) || !is_drawn(b)) continue;
@@ -164,20 +174,30 @@ class Sketcher {
     return {body, static_cast<int>(scene().bodies[static_cast<std::size_t>(body)].points.size()) - 1};
   }
 
+  /// Whether a pin or weld keeps two of these points together.
+  bool is_joined_at_place(const std::vector<PointRef>& there, PointRef one) const {
+    return std::any_of(scene().joints.begin(), scene().joints.end(), [&](const Joint& joint) {
+      if (joint.has_travel() || joint.keeps_length()) return false;
+      const auto is_there = [&](PointRef p) { return std::find(there.begin(), there.end(), p) != there.end(); };
+      return (joint.a == one && is_there(joint.b)) || (joint.b == one && is_there(joint.a));
+    });
+  }
+
   PointRef point_at(std::size_t k, Pick kind, const std::set<int>& but) {
     const Vec2 place = drawn_.pressed[k];
-    const std::vector<PointRef> there = points_at(place);
-    // A joint has a point of each of its bodies, of which one that moves is rather meant; of the ground it is held.
+    const std::vector<PointRef> there = points_of(k);
+    // Where a pin keeps points together each of them does; otherwise one that moves is rather meant.
     std::optional<PointRef> found;
     for (const PointRef& one : there) {
       if (but.contains(one.body) || (kind == Pick::moving && one.body == 0)) continue;
-      if (!found || (found->body == 0 && kind == Pick::moving)) found = one;
+      const bool replaces_ground = found && found->body == 0 && !is_joined_at_place(there, *found);
+      if (!found || replaces_ground) found = one;
     }
     if (found) return *found;
-    const int body = body_at(there.empty() ? place : world(there[0]), but);
+    const int body = body_at(there.empty() ? place : world(there[0]), but, within(k));
     if (body == 0 && (kind == Pick::moving || but.contains(0)))
-      throw InputError(but.contains(0) || but.empty() ? "expected a place on a moving body"
-                                                      : "expected a place on another body");
+      throw InputError(fmt::format("place {}: expected one on {} body", k + 1,
+                                   but.contains(0) || but.empty() ? "a moving" : "another"));
     const std::string name = there.empty() ? ""
                                            : text_.scene()
                                                  .bodies[static_cast<std::size_t>(there[0].body)]
@@ -205,7 +225,7 @@ class Sketcher {
   }
 
   std::string ground_point() {
-    for (const PointRef& there : points_at(drawn_.pressed[0])) {
+    for (const PointRef& there : points_of(0)) {
       if (there.body == 0) throw InputError("the ground has point \"" + scene().name_of(there) + "\" there already");
     }
     const std::string name = given_name(free_letter());
@@ -226,11 +246,11 @@ class Sketcher {
     std::vector<Vec2> places;
     std::vector<std::optional<PointRef>> joined;
     for (std::size_t k = 0; k < drawn_.places.size(); ++k) {
-      const std::vector<PointRef> there = points_at(drawn_.pressed[k]);
+      const std::vector<PointRef> there = points_of(k);
       std::optional<PointRef> at;
       if (!there.empty())
         at = there.front();
-      else if (const int body = body_at(drawn_.pressed[k], {}); body > 0)
+      else if (const int body = body_at(drawn_.pressed[k], {}, within(k)); body > 0)
         at = new_point(body, new_place(body, k));
       const Vec2 exact = at ? world(*at) : drawn_.places[k];
       if (!places.empty() && norm(exact - places.back()) < drawn_.grain) continue;  // a double click
@@ -303,9 +323,8 @@ class Sketcher {
 
   /// A pin or weld of two bodies where both are, or of one and the ground.
   std::string joint_at_place() {
-    const Vec2 place = drawn_.pressed[0];
-    std::vector<PointRef> there = points_at(place);
-    const int first = body_at(place, {});
+    std::vector<PointRef> there = points_of(0);
+    const int first = body_at(drawn_.pressed[0], {}, within(0));
     const Vec2 exact = there.empty() ? new_place(first, 0) : world(there[0]);
     const std::string letter = there.empty() ? free_letter()
                                              : scene()
@@ -314,7 +333,7 @@ class Sketcher {
                                                    .name;
     std::set<int> bodies;
     for (const PointRef& one : there) bodies.insert(one.body);
-    for (int body = body_at(exact, bodies); body > 0; body = body_at(exact, bodies)) {
+    for (int body = body_at(exact, bodies, within(0)); body > 0; body = body_at(exact, bodies, within(0))) {
       bodies.insert(body);
       there.push_back(new_point(body, exact, letter));
     }
@@ -338,7 +357,7 @@ class Sketcher {
 
   /// Mass, centre and inertia of a link: of a bar, or of the polygon of its points.
   std::string mass() {
-    const int body = body_at(drawn_.pressed[0], {});
+    const int body = body_at(drawn_.pressed[0], {}, within(0));
     if (body == 0) throw InputError("expected a place on a moving body");
     const std::vector<NamedPoint>& points = scene().bodies[static_cast<std::size_t>(body)].points;
     const auto given = drawn_.values.find("mass");
@@ -381,17 +400,18 @@ class Sketcher {
   }
 
   /// All moving bodies at a place, with a point or their drawing.
-  std::set<int> bodies_at(Vec2 place) const {
+  std::set<int> bodies_at(std::size_t k) const {
     std::set<int> out;
-    for (const PointRef& one : points_at(place)) out.insert(one.body);
-    for (int body = body_at(place, out); body > 0; body = body_at(place, out)) out.insert(body);
+    for (const PointRef& one : points_of(k)) out.insert(one.body);
+    const auto next = [&] { return body_at(drawn_.pressed[k], out, within(k)); };
+    for (int body = next(); body > 0; body = next()) out.insert(body);
     out.erase(0);
     return out;
   }
 
   /// The moving body at both places.
   int common_body() const {
-    const std::set<int> first = bodies_at(drawn_.pressed[0]), second = bodies_at(drawn_.pressed[1]);
+    const std::set<int> first = bodies_at(0), second = bodies_at(1);
     for (const int body : first) {
       if (second.contains(body)) return body;
     }
@@ -445,7 +465,7 @@ class Sketcher {
         }
         case Pick::body:
         case Pick::link: {
-          const int body = body_at(place, used);
+          const int body = body_at(place, used, within(k));
           if (kind == Pick::link && body == 0) throw InputError("expected a place on a moving body");
           bodies.push_back(body);
           used.insert(body);
@@ -455,7 +475,7 @@ class Sketcher {
           direction = drawn_.places[k] - drawn_.places[k - 1];
           if (norm(direction) < drawn_.grain) throw InputError("expected another place, which gives the direction");
           direction = (1.0 / norm(direction)) * direction;
-          direction_of = body_at(place, used);
+          direction_of = body_at(place, used, within(k));
           break;
         }
         case Pick::slide:
@@ -470,7 +490,7 @@ class Sketcher {
         tool_.name == "rolling_profile") {
       const PointRef on = points.front();
       const Vec2 at = world(on);
-      const std::vector<PointRef> there = points_at(at);
+      const std::vector<PointRef> there = points_at(at, drawn_.within);
       const auto other = std::find_if(there.begin(), there.end(), [&](PointRef p) { return p.body == direction_of; });
       const PointRef base = other != there.end() ? *other : new_point(direction_of, at);
       points = {base, on};
@@ -614,7 +634,7 @@ std::span<const DrawingTool> drawing_tools() {
        {moving, direction},
        false,
        "points = {points}\naxis = {axis}\nangle = {turn}",
-       "Click a point of what slides, then along its line."},
+       "Click a point of what slides, then along its line. It keeps its angle; a pin that slides is a pin in a slot."},
       {"pin_in_slot",
        "Pin in a slot",
        "Joints",

@@ -45,6 +45,7 @@ struct Drawn {
   std::string tool;
   std::vector<Vec2> places;                     ///< m, in the world: where something new comes, on a grid perhaps
   std::vector<Vec2> pressed;                    ///< m: where the hand was, by which points and bodies are meant
+  std::vector<bool> is_typed;                   ///< exactly there: points and bodies near a place are not meant
   double within = 0.0;                          ///< m: as far from a place a point or a body is meant
   double grain = 0.0;                           ///< m: numbers are rounded to multiples of it
   std::map<std::string, std::string> values{};  ///< by key, as TOML, in place of first numbers; "name" of the new item

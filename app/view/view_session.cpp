@@ -53,8 +53,8 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
 
 /// Whether undo takes a request back: dragging about with the hand changes no number.
 bool changes_scene(const std::string& what) {
-  constexpr std::array<std::string_view, 11> changing = {"ground", "load",  "set",    "switch", "text", "reload",
-                                                         "draw",   "place", "remove", "rename", "keys"};
+  constexpr std::array<std::string_view, 12> changing = {"ground", "load",  "set",    "switch", "text", "reload",
+                                                         "draw",   "place", "remove", "rename", "keys", "go"};
   return std::find(changing.begin(), changing.end(), what) != changing.end();
 }
 
@@ -251,21 +251,36 @@ void ViewSession::begin() {
   look_for_others();
 }
 
-std::filesystem::path ViewSession::draft_file() const { return file_.string() + ".draft"; }
+/// Where drafts of the file stand: of two programs that show it each has its own.
+std::vector<std::filesystem::path> ViewSession::draft_files() const {
+  constexpr int most = 9;
+  std::vector<std::filesystem::path> out{file_.string() + ".draft"};
+  for (int k = 2; k <= most; ++k) out.emplace_back(fmt::format("{}.draft{}", file_.string(), k));
+  return out;
+}
 
 /// Shows what was drawn when the program ended without saving it, as a change of the file that can be undone.
 void ViewSession::take_draft() {
   std::error_code unknown;
-  if (!has_file_ || !std::filesystem::is_regular_file(draft_file(), unknown)) return;
-  const State before = now_;
-  try {
-    draft_ = read_text_file(draft_file());
-    if (draft_ == now_.saved_text) return;
-    remember(snapshot());
-    do_text(draft_);
-    has_draft_ = true;
-  } catch (const InputError&) {
-    now_ = before;  // no scene: it stays as it is until something else is drawn
+  if (!has_file_) return;
+  for (const std::filesystem::path& draft : draft_files()) {
+    if (!std::filesystem::is_regular_file(draft, unknown)) continue;
+    const State before = now_;
+    try {
+      const std::string text = read_text_file(draft);
+      if (text.empty() || text == now_.saved_text) continue;
+      remember(snapshot());
+      do_text(text);
+      draft_ = text;
+      draft_file_ = draft;
+      has_draft_ = true;
+      // A file that others have changed since is not saved over without a question.
+      if (std::filesystem::last_write_time(file_, unknown) > std::filesystem::last_write_time(draft, unknown))
+        now_.on_disk = "";
+      return;
+    } catch (const InputError&) {
+      now_ = before;  // no scene: it stays as it is
+    }
   }
 }
 
@@ -274,14 +289,20 @@ void ViewSession::keep_draft(const std::string& text, bool is_saved) {
   if (!has_file_) return;
   std::error_code ignored;
   if (is_saved) {
-    if (!draft_.empty()) std::filesystem::remove(draft_file(), ignored);
+    if (!draft_.empty()) std::filesystem::remove(draft_file_, ignored);
     draft_.clear();
     has_draft_ = false;
     return;
   }
   if (text == draft_) return;
+  if (draft_.empty()) {
+    const std::vector<std::filesystem::path> files = draft_files();
+    const auto is_free = [&](const std::filesystem::path& file) { return !std::filesystem::exists(file, ignored); };
+    const auto free = std::find_if(files.begin(), files.end(), is_free);
+    draft_file_ = free != files.end() ? *free : files.front();
+  }
   try {
-    OutputFile out(draft_file(), "draft");
+    OutputFile out(draft_file_, "draft");
     out.prepare(text);
     out.commit();
     draft_ = text;
@@ -368,7 +389,7 @@ void ViewSession::expect_present(const json& request) const {
 }
 
 std::shared_ptr<const ViewSession::Snapshot> ViewSession::snapshot() const {
-  return std::make_shared<const Snapshot>(Snapshot{now_.text, now_.scene, now_.off});
+  return std::make_shared<const Snapshot>(Snapshot{now_.text, now_.scene, now_.off, now_.shown.poses()});
 }
 
 /// Without the items that are switched off.
@@ -415,11 +436,10 @@ void ViewSession::go_back(const std::string& what, Snapshots& from, Snapshots& t
   const std::shared_ptr<const Snapshot> last = from.back();
   from.pop_back();
   to.push_back(snapshot());
-  now_.shown.restore(without_items(last->scene, last->off));
   now_.text = last->text;
   now_.scene = last->scene;
   now_.off = last->off;
-  sync();
+  return_to(last->poses);
 }
 
 /// Takes over a scene with all items, whose numbers or items may have changed.
@@ -520,7 +540,7 @@ Transition ViewSession::do_text(const std::string& text) {
 /// Takes over a text whose items were changed here. What stands already stays where it is.
 Transition ViewSession::take_edited(const SceneText& edited) {
   Scene scene = edited.scene();
-  const Scene& before = now_.shown.scene();
+  const Scene& before = now_.scene;
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
     const auto known = std::find_if(before.bodies.begin() + 1, before.bodies.end(),
                                     [&](const Body& body) { return body.name == scene.bodies[b].name; });
@@ -544,6 +564,36 @@ Transition ViewSession::take_edited(const SceneText& edited) {
   return take(std::move(scene));
 }
 
+/// Takes over a text in which an item has another name: all stays where it is.
+Transition ViewSession::take_renamed(const SceneText& renamed) {
+  Scene scene = renamed.scene();
+  scene.start = now_.scene.start;
+  std::set<std::string> off;
+  const std::vector<SwitchedItem> before = items_of(now_.scene), after = items_of(scene);
+  for (std::size_t k = 0; k < std::min(before.size(), after.size()); ++k) {
+    if (now_.off.contains(before[k].item)) off.insert(after[k].item);
+  }
+  now_.off = std::move(off);
+  now_.text = renamed.text();
+  const BodyPoses poses = now_.shown.poses();
+  now_.scene = std::move(scene);
+  return_to(poses);
+  return {};
+}
+
+/// Takes the mechanism of the scene to where it stood, stable or not.
+void ViewSession::return_to(const BodyPoses& poses) {
+  now_.shown.restore(effective(now_.scene));
+  if (now_.shown.tracked() != nullptr && now_.shown.poses().size() == poses.size()) {
+    try {
+      now_.shown.stay_at(poses);
+    } catch (const InputError&) {
+      // It rested nowhere there either.
+    }
+  }
+  sync();
+}
+
 /// The text with all items, also those that are switched off.
 SceneText ViewSession::whole_text() const {
   return {rewritten_scene(now_.text, file_.string(), now_.scene), file_.string()};
@@ -561,9 +611,15 @@ Transition ViewSession::do_draw(const json& request) {
   drawn.places = places(request.at("at"));
   drawn.pressed = request.contains("pressed") ? places(request.at("pressed")) : drawn.places;
   if (drawn.pressed.size() != drawn.places.size()) throw InputError("pressed: expected as many places as in \"at\"");
+  drawn.is_typed.assign(drawn.places.size(), false);
+  for (const json& typed : request.value("typed", json::array())) {
+    const auto at = typed.get<std::size_t>();
+    if (at < drawn.is_typed.size()) drawn.is_typed[at] = true;
+  }
   drawn.within = unit * request.at("within").get<double>();
   drawn.grain = unit * request.at("grain").get<double>();
-  if (!(drawn.within >= 0.0) || !(drawn.grain > 0.0)) throw InputError("grain: expected a number above 0");
+  if (!(drawn.within >= 0.0)) throw InputError("within: expected a length of 0 or more");
+  if (!(drawn.grain > 0.0)) throw InputError("grain: expected a length above 0");
   if (request.contains("values")) drawn.values = toml_values(request.at("values"));
   SceneText text = whole_text();
   draw(text, now_.shown.poses(), drawn);
@@ -576,8 +632,7 @@ Transition ViewSession::do_items(const std::string& what, const json& request) {
     text.remove(request.at("items").get<std::vector<std::string>>());
   } else if (what == "rename") {
     text.rename(request.at("item").get<std::string>(), request.at("name").get<std::string>());
-    // Those that stand keep their places under their new names.
-    return do_text(text.text());
+    return take_renamed(text);
   } else {
     const std::map<std::string, std::string> values = toml_values(request.at("values"));
     text.set(request.at("item").get<std::string>(), {values.begin(), values.end()});
@@ -917,7 +972,8 @@ json ViewSession::handles() const {
   // Of the ground those points on which something rests or pulls.
   for (const PointRef& point : used_of_ground(scene))
     add("ground", scene.bodies[0].points[static_cast<std::size_t>(point.point)].name, point);
-  for (int b = 1; b < static_cast<int>(scene.bodies.size()); ++b) {
+  // Of a sketch nothing follows the hand.
+  for (int b = 1; now_.shown.tracked() != nullptr && b < static_cast<int>(scene.bodies.size()); ++b) {
     for (int p = 0; p < static_cast<int>(scene.bodies[static_cast<std::size_t>(b)].points.size()); ++p) {
       add("point", scene.name_of({b, p}), {b, p});
     }

@@ -59,6 +59,7 @@ class ViewSession {
     std::string text;
     Scene scene;
     std::set<std::string> off;
+    BodyPoses poses;
   };
   using Snapshots = std::vector<std::shared_ptr<const Snapshot>>;
   /// All that a request may change.
@@ -79,7 +80,7 @@ class ViewSession {
 
   State opened(const std::string& text, std::optional<Scene> scene);
   void begin();
-  std::filesystem::path draft_file() const;
+  std::vector<std::filesystem::path> draft_files() const;
   void take_draft();
   void keep_draft(const std::string& text, bool is_saved);
   void expect_file() const;
@@ -122,6 +123,8 @@ class ViewSession {
   Transition do_switch(const nlohmann::json& request);
   Transition do_text(const std::string& text);
   Transition take_edited(const SceneText& edited);
+  Transition take_renamed(const SceneText& renamed);
+  void return_to(const BodyPoses& poses);
   SceneText whole_text() const;
   Transition do_draw(const nlohmann::json& request);
   Transition do_place(const nlohmann::json& request);
@@ -132,6 +135,7 @@ class ViewSession {
   std::filesystem::path file_;
   bool has_file_ = true;                 ///< otherwise file_ is a name alone
   std::string draft_;                    ///< what stands beside the file; empty where nothing does
+  std::filesystem::path draft_file_;     ///< where that is
   bool has_draft_ = false;               ///< what is shown began with it
   std::set<std::string> allowed_files_;  ///< that the scene on disk names, as it names them
   const std::atomic<bool>* interrupt_;
