@@ -112,6 +112,7 @@ TEST(Completion, OfAnotherShellIsRefused) {
 }
 
 TEST(Completion, BehindTheShellNothingIsRead) {
+  using Words = std::vector<std::string>;
   for (const Words& words : {Words{"--completion", "bash", "zsh"}, Words{"--completion=bash", "zsh"}}) {
     const ProgramRun more = run_poise(words);
     EXPECT_EQ(more.exit_code, 2);

@@ -146,8 +146,8 @@ void expect_same_mechanics(const Scene& alone, const Scene& placed, const Placem
     for (const Force& force : alone.forces) {
       const Force* const other = named(placed.forces, "P." + force.name);
       ASSERT_NE(other, nullptr);
-      const auto in_world = [](const Force& one, const Poses& poses) {
-        return one.follows < 0 ? one.vector : one.vector * unit(poses[static_cast<std::size_t>(one.follows)].angle);
+      const auto in_world = [](const Force& of, const Poses& poses) {
+        return of.follows < 0 ? of.vector : of.vector * unit(poses[static_cast<std::size_t>(of.follows)].angle);
       };
       expect_near(norm(in_world(*other, there) - place.turned(in_world(force, own))) / (1 + norm(force.vector)), 0.0,
                   what + ": " + force.name);

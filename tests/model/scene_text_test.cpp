@@ -276,7 +276,9 @@ TEST(SceneText, RenamesAndTakesAwayAllItemsOfAllScenes) {
         EXPECT_EQ(now[i].own_name, "renamed_now");
         after.rename(now[i].name, item.own_name);
         const bool had_name = text.size() == after.text().size();
-        if (item.owner == Owner::body || item.owner == Owner::point || had_name) EXPECT_EQ(after.text(), text);
+        if (item.owner == Owner::body || item.owner == Owner::point || had_name) {
+          EXPECT_EQ(after.text(), text);
+        }
       } else {
         ++refused;
         EXPECT_EQ(after.text(), text);
