@@ -454,6 +454,13 @@ class PartExpander {
   }
 
   void add(Level& level, const Group& group, int k, const std::vector<fs::path>& chain) {
+    // The weld that holds the part is in the units of the document, in front of all joints of the part.
+    PartUse& holding = out_.uses_.emplace_back();
+    static_cast<TomlPart&>(holding) = level.place.part != nullptr ? *level.place.part : out_.own_;
+    holding.units = level.units;
+    const auto path = std::make_shared<const std::string>(holding.file);
+    out_.paths_.push_back(path);
+    out_.files_.add(path, holding);
     PartUse& use = out_.uses_.emplace_back();
     use.file = group.shown.string();
     use.name = in_front(level.name, group.instances.back());
@@ -470,15 +477,24 @@ class PartExpander {
     for (PartUse* const one : part.uses) {
       one->scale *= group.scale;
     }
-    Placing(*this, level, part, group, k, use).run();
+    const toml::source_position begin = group.written->source().begin;
+    Placing(*this, level, part, group, k, use, {begin, begin, path}).run();
     level.uses.insert(level.uses.end(), part.uses.begin(), part.uses.end());
   }
 
   /// Brings one part, whose own parts are in their places, into the document that has it.
   class Placing {
    public:
-    Placing(PartExpander& all, Level& level, Level& part, const Group& group, int k, PartUse& use)
-        : all_(all), level_(level), part_(part), group_(group), k_(k), use_(use), name_(group.instances.back()) {}
+    Placing(PartExpander& all, Level& level, Level& part, const Group& group, int k, PartUse& use,
+            toml::source_region held_at)
+        : all_(all),
+          level_(level),
+          part_(part),
+          group_(group),
+          k_(k),
+          use_(use),
+          name_(group.instances.back()),
+          held_at_(std::move(held_at)) {}
 
     void run() {
       const TomlTable root(part_.document, part_.place, nullptr, &all_.out_.files_);
@@ -971,14 +987,13 @@ class PartExpander {
       if (bodies == nullptr) return;
       place_on(*bodies);
       toml::table weld;
-      weld.insert_or_assign(toml::key("name", source_), name_);
+      weld.insert_or_assign(toml::key("name", held_at_), name_);
       weld.insert_or_assign("points", toml::array{group_.on + "." + name_, frame() + "." + origin_});
       const toml::source_region source = key_source(*group_.written, "angle");
-      const Amount unit{level_.units.angle / use_.units.angle};
-      if (k_ == 1 && unit.is(1.0) && group_.written->contains("angle")) {
+      if (k_ == 1 && group_.written->contains("angle")) {
         weld.insert_or_assign(toml::key("angle", source), std::move(*group_.written->get("angle")));
       } else {
-        (unit * angle_).put([&](const auto& angle) { weld.insert_or_assign(toml::key("angle", source), angle); });
+        angle_.put([&](const auto& angle) { weld.insert_or_assign(toml::key("angle", source), angle); });
       }
       append("weld", std::move(weld));
       bodies->insert_or_assign(toml::key(frame(), source_), std::move(frame_body));
@@ -1057,6 +1072,7 @@ class PartExpander {
     int k_;
     PartUse& use_;
     std::string name_, origin_{};
+    toml::source_region held_at_;
     toml::source_region source_{};  // of what the part brings that its file does not have
     Place at_{};
     Amount angle_{};
@@ -1074,15 +1090,15 @@ class PartExpander {
   std::size_t items_ = 0;
 };
 
-PartedDocument::PartedDocument(toml::table document, const TomlPlace& place)
-    : document_(std::move(document)), own_{.file = std::string(place.file)} {
+PartedDocument::PartedDocument(toml::table document, const TomlPlace& place) : document_(std::move(document)) {
+  own_.file = place.file;
   files_.add(nullptr, own_);
   if (document_.contains("part")) PartExpander(*this, place).run();
 }
 
 const PartUse* PartedDocument::use_of(const toml::node& node) const {
-  const TomlPart* const part = files_.of(node.source()).part;
-  return part == &own_ ? nullptr : static_cast<const PartUse*>(part);
+  const auto* const use = static_cast<const PartUse*>(files_.of(node.source()).part);
+  return use->file_stem.empty() ? nullptr : use;
 }
 
 std::string_view PartedDocument::key_in_file(const toml::node& number, std::string_view key) const {

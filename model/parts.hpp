@@ -25,10 +25,11 @@ namespace poise {
 
 /// A use of a part's file.
 struct PartUse : TomlPart {
-  std::string file_stem;  ///< in front of the names of the numbers that all uses of the file share: "stage"
+  /// In front of the names of the numbers that all uses of the file share: "stage". Empty of what no such file has.
+  std::string file_stem{};
   /// A number of the file whose place another one has: its path in the file, as a name in expressions, and that one's
   /// name in [numbers].
-  std::map<std::string, std::string> replaced;
+  std::map<std::string, std::string> replaced{};
 };
 
 /// A number of [numbers] that a table [[part]] gives: "lift.k", or in the place of another one "lift.body.left.mass".
@@ -73,7 +74,7 @@ class PartedDocument {
   friend class PartExpander;
 
   toml::table document_;
-  TomlPart own_;
+  PartUse own_;  // the scene's own file
   TomlParts files_;
   std::deque<PartUse> uses_;
   std::vector<toml::source_path_ptr> paths_;  // kept, so that each use has an address of its own
