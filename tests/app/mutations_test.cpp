@@ -78,6 +78,41 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
   }
 }
 
+/// A scene of two parts, and their file.
+const char* const parted = R"([ground]
+points = { O = [0, 0] }
+[[part]]
+name = "left"
+file = "strut.toml"
+repeat = 2
+step = [1, 0]
+[[part]]
+name = "right"
+file = "strut.toml"
+mirror = true
+at = ["K", 0]
+angle = 1
+join = { A = "left_2.rod.B" }
+numbers = { k = "2*K", "body.rod.mass" = 3 }
+[numbers]
+K = 4
+)";
+const char* const strut = R"([numbers]
+k = 40
+[ground]
+points = { A = [0, 0] }
+[body.rod]
+points = { A = [0, 0], B = [0, 1] }
+mass = 2
+[[pin]]
+points = ["ground.A", "rod.A"]
+[[torsion_spring]]
+bodies = ["ground", "rod"]
+stiffness = "k"
+[start]
+rod = 0.1
+)";
+
 /// An arm on a spring and a shock absorber, with a force of zero along a direction.
 const char* const sized = R"([ground]
 points = { O = [0, 0], B = [0, 1] }
@@ -233,6 +268,9 @@ std::vector<Command> all_commands() {
          {"load.P=2", "body.rod.mass=1", "point.rod.tip.x=2", "start.rod=-1", "gravity.y=-9"}) {
       out.push_back({{"solve", "pendulum.toml", "--set", setting}, {{"pendulum.toml", pendulum}}});
     }
+  }
+  for (const char* const word : {"check", "solve"}) {
+    out.push_back({{word, "parted.toml"}, {{"parted.toml", parted}, {"strut.toml", strut}}});
   }
   const std::string odd_name = "o\xFF\x1b[31m \xC2\xB5.toml";
   for (const Words& words :

@@ -20,7 +20,7 @@ namespace {
 
 /// Reading the text gives the numbers of `wanted`, to the rounding of units.
 void expect_reads_back(const std::string& text, const Scene& wanted) {
-  const Scene back = parse_scene(text, "back.toml");
+  const Scene back = parse_scene(text, wanted.file);
   for (const ParameterRow& row : parameter_table(wanted)) {
     const std::optional<double> expected = value_at(wanted, row.place), found = value_at(back, row.place);
     ASSERT_EQ(expected.has_value(), found.has_value()) << row.path.text();
