@@ -6,7 +6,7 @@
 
 namespace poise {
 
-/// A file that a scene reads, of points of a curve or of a function of time.
+/// A file that a scene reads, of points of a curve, of a function of time or of a part.
 struct NamedFile {
   std::string name;  ///< as it is written: it counts from the scene's folder
   int line = 0;      ///< where it is named

@@ -25,7 +25,8 @@ std::string named_in_part(std::string text, const std::string& part) {
   const std::string prefix = part + ".";
   const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
   for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) {
-    if (at > 0 && is_of_name(text[at - 1]))
+    const bool is_file = text.compare(at + prefix.size(), 4, "toml") == 0;
+    if (is_file || (at > 0 && is_of_name(text[at - 1])))
       ++at;
     else
       text.erase(at, prefix.size());
