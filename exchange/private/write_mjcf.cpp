@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -159,6 +160,11 @@ class MjcfWriter {
       equalities += joint_equality(line);
       return;
     }
+    // A negative length at rest means the length as it is drawn, in MuJoCo before 2.3.1.
+    if (line.points.empty() && line.slack_from == line.slack_to && line.slack_from < 0.0) {
+      add_line(reversed(line), tendons, equalities);
+      return;
+    }
     const std::string name = own_name(line.name, tendon_names_);
     std::string out = line.points.empty() ? "    <fixed" : "    <spatial";
     out += attribute("name", name) + unless("stiffness", line.stiffness, 0.0);
@@ -186,6 +192,15 @@ class MjcfWriter {
       equalities += fmt::format("    <tendon{}{}{}/>\n", attribute("name", line.name), attribute("tendon1", name),
                                 attribute("polycoef", shortest(*line.held - drawn) + " 0 0 0 0"));
     }
+  }
+
+  // The same on the negative sum.
+  static LineEffects reversed(LineEffects line) {
+    for (auto& [coordinate, factor] : line.sum.terms) factor = -factor;
+    line.slack_from = line.slack_to = -line.slack_from;
+    line.lower = -std::exchange(line.upper, -line.lower);
+    if (line.held) line.held = -*line.held;
+    return line;
   }
 
   Vec2 place(PointRef point) const { return poses_[static_cast<std::size_t>(point.body)].world(scene_.local(point)); }
