@@ -31,7 +31,9 @@ std::vector<std::vector<std::string>> commands_on(const std::string& scene, cons
           {"modes", scene, "--json", json, "--svg", svg},
           {"motion", scene, "--duration", "0.1", "--csv", csv, "--json", json},
           {"forces", scene, "--verbose", "--json", json, "--svg", svg},
-          {"export", scene, "--dxf", folder.path("o.dxf"), "--pmks", folder.path("o.url"), "--svg", svg}};
+          {"export", scene, "--dxf", folder.path("o.dxf"), "--pmks", folder.path("o.url"), "--svg", svg},
+          {"export", scene, "--urdf", folder.path("o.urdf")},
+          {"export", scene, "--mjcf", folder.path("o.xml")}};
 }
 
 // What sanitizers would say is looked for, and so is any end but the three that a command may have.

@@ -71,7 +71,8 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
           Words{"forces", "--verbose", "--svg", "o.svg"}, Words{"sensitivity", "--of", "energy", "--csv", "o.csv"},
           Words{"hold", "--vary", "loads"},
           Words{"find", "--vary", "loads=0.5..1", "--for", "energy = 0", "--csv", "o.csv"},
-          Words{"loads", "--svg", "o.svg", "--csv", "o.csv"}, Words{"export", "--dxf", "o.dxf", "--pmks", "o.url"}}) {
+          Words{"loads", "--svg", "o.svg", "--csv", "o.csv"}, Words{"export", "--dxf", "o.dxf", "--pmks", "o.url"},
+          Words{"export", "--mjcf", "o.xml"}}) {
       out.push_back({words, {scene}});
       out.back().words.insert(out.back().words.begin() + 1, scene.name);
     }
@@ -259,6 +260,10 @@ std::vector<Command> all_commands() {
                                                       "\"arm.A\"]\nrate = 0.1\n"}}});
     out.push_back({{"import", "four_bar.txt", "--units", "in", "--scene", "o.toml", "--json", "o.json"},
                    {{"four_bar.txt", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.txt")}}});
+    for (const char* const robot : {"arm.urdf", "four_bar.xml"}) {
+      out.push_back({{"import", robot, "--scene", "o.toml"},
+                     {{robot, contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange" / robot)}}});
+    }
     out.push_back({{"import", "four_bar.dxf", "--tolerance", "0.01"},
                    {{"four_bar.dxf", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.dxf")}}});
     out.push_back({{"compare", "pendulum.toml", "--tolerances", "1e-2..1e-4", "--repeat", "1", "--methods",
