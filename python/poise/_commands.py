@@ -637,6 +637,8 @@ class SceneCommands:
         pose: str | None = None,
         dxf: Path | None = None,
         pmks: Path | None = None,
+        urdf: Path | None = None,
+        mjcf: Path | None = None,
         progress: Progress | None = None,
     ) -> Found:
         """Write a scene as files of other programs.
@@ -652,12 +654,16 @@ class SceneCommands:
         pose: start (the default) or equilibrium: where the mechanism is written
         dxf: Write to FILE: drawing in DXF, each link on its layer
         pmks: Write to FILE: address of PMKS+
+        urdf: Write to FILE: URDF of ROS, in one plane
+        mjcf: Write to FILE: MJCF of MuJoCo, in one plane
         """
         return run(Found, "export", self._core, {
             "--set": set,
             "--pose": pose,
             "--dxf": dxf,
             "--pmks": pmks,
+            "--urdf": urdf,
+            "--mjcf": mjcf,
         }, None, progress)
 
 
@@ -937,6 +943,8 @@ def import_(
         pmks (.url): address of PMKS+
         pmks-text (.txt): list of joints of PMKS
         linkage2 (.linkage2): file of Linkage
+        urdf (.urdf): URDF of ROS, in one plane
+        mjcf (.xml): MJCF of MuJoCo, in one plane
     units: Unit of its lengths where the file names none: m, mm, in or ft
         (docs/exchange.md has the default of each format)
     tolerance: Distance at which two points of a drawing are one, in its unit (a
