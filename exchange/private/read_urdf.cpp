@@ -243,9 +243,10 @@ class UrdfReader {
     const xml_node tensor = inertial.child("inertia");
     if (!tensor) return;
     const auto part = [&](const char* name) { return xml_.number(tensor, name, item + ".inertia", 0.0); };
+    const double xx = part("ixx"), yy = part("iyy"), zz = part("izz");
     const double xy = part("ixy"), xz = part("ixz"), yz = part("iyz");
     Matrix3d inertia;
-    inertia << part("ixx"), xy, xz, xy, part("iyy"), yz, xz, yz, part("izz");
+    inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     body.inertia = own.linear() * inertia * own.linear().transpose();
   }
 

@@ -278,6 +278,12 @@ TEST(RobotFiles, BadInputIsOneLine) {
   EXPECT_EQ(urdf("<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>\n<joint name=\"j\" type=\"revolute\">"
                  "<parent link=\"a\"/><child link=\"b\"/></joint></robot>"),
             "r.urdf:2: joint \"j\": expected a <limit> of a revolute joint, found none");
+  // A matrix that is filled by halves would end the program, where assertions are on.
+  EXPECT_EQ(
+      urdf("<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"1\"/>\n<inertia ixx=\"1\" "
+           "iyy=\"z\"/></inertial></link><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/>"
+           "<child link=\"b\"/></joint></robot>"),
+      "r.urdf:2: link \"b\".inertial.inertia.iyy: expected a number, found \"z\"");
   EXPECT_EQ(message_of([] { import_urdf("<robot/>", "r.urdf", {.length = "mm"}); }),
             "--units: expected no unit of URDF, which is in metres");
 }
