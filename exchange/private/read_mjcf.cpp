@@ -208,8 +208,7 @@ class MjcfReader {
   }
 
   void read_option(xml_node node) {
-    const std::vector<double> g = xml_.numbers(node, "gravity", "option", 3, {});
-    if (!g.empty()) model_.gravity = Vector3d(g[0], g[1], g[2]);
+    model_.gravity = vector_of(node, "gravity", model_.gravity);
     if (xml_.number(node, "density", "option", 0.0) > 0.0 || xml_.number(node, "viscosity", "option", 0.0) > 0.0) {
       left_out_.insert("forces of the medium");
     }

@@ -142,8 +142,8 @@ class PlanarScene {
     for (const SpatialJoint& joint : model_.joints) size_ = std::max(size_, joint.at.cwiseAbs().maxCoeff());
     builder_.source("imported from " + one_line(std::filesystem::path(model_.file).filename().string()));
     const Vec2 gravity = plane_.seen(model_.gravity);
-    const double g = norm(gravity);
-    if (g > 0.0) builder_.gravity({tidy(gravity.x, g), tidy(gravity.y, g)});
+    const double strength = norm(gravity);
+    if (strength > 0.0) builder_.gravity({tidy(gravity.x, strength), tidy(gravity.y, strength)});
     joints_.resize(model_.joints.size());
     is_used_.resize(model_.joints.size(), false);
     for (const SpatialTendon& tendon : model_.tendons) {

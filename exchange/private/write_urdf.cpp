@@ -102,9 +102,9 @@ class UrdfWriter {
 
   // A link in whose frame gravity is along -z carries the ground where it is not along -y of the scene.
   std::string upright() {
-    const Vec2& g = scene_.gravity;
-    const double turn = norm(g) > 0.0 ? -std::numbers::pi / 2 - std::atan2(g.y, g.x) : 0.0;
-    if (g.x == 0.0 && g.y <= 0.0) return "";
+    const Vec2& gravity = scene_.gravity;
+    const double turn = norm(gravity) > 0.0 ? -std::numbers::pi / 2 - std::atan2(gravity.y, gravity.x) : 0.0;
+    if (gravity.x == 0.0 && gravity.y <= 0.0) return "";
     const std::string base = own_name("world", links_);
     return fmt::format("  <link{}/>\n", attribute("name", base)) +
            joint_element("upright", "fixed", base, "ground", {}, turn, "");
@@ -195,8 +195,8 @@ class UrdfWriter {
 
   std::vector<std::string> notes() const {
     std::vector<std::string> out;
-    if (const double g = norm(scene_.gravity); std::abs(g - assumed_gravity) > 1e-12) {
-      out.push_back(fmt::format("URDF has no gravity; that of the scene is {} m/s^2 along -z.", shortest(g)));
+    if (const double strength = norm(scene_.gravity); std::abs(strength - assumed_gravity) > 1e-12) {
+      out.push_back(fmt::format("URDF has no gravity; that of the scene is {} m/s^2 along -z.", shortest(strength)));
     }
     if (has_springs_) out.emplace_back("Springs are in <gazebo>, which some readers leave out.");
     if (std::any_of(scene_.bodies.begin(), scene_.bodies.end(), [](const Body& body) { return body.section; })) {
