@@ -389,7 +389,7 @@ class SceneText::Editing {
     for (auto&& [key, node] : document_) {
       const int of_key = rank_of(key.str());
       const auto add = [&](const toml::table& table) {
-        if (edits_.is_header(table)) headers.emplace_back(&table, of_key);
+        if (edits_.has_header(table)) headers.emplace_back(&table, of_key);
         for (const toml::table* const below : edits_.headers_below(table)) headers.emplace_back(below, of_key);
       };
       if (const toml::table* const table = node.as_table()) add(*table);
@@ -465,9 +465,9 @@ class SceneText::Editing {
     for (auto&& [key, node] : table) {
       if (key.str() != old) continue;
       const toml::table* const below = node.as_table();
-      if (below == nullptr || (!edits_.is_header(node) && edits_.headers_below(*below).empty()))
+      if (below == nullptr || (!edits_.has_header(*below) && edits_.headers_below(*below).empty()))
         return edits_.replace_key(key, name);
-      if (edits_.is_header(node)) edits_.replace_in_header(*below, parts_before, name);
+      if (edits_.has_header(*below)) edits_.replace_in_header(*below, parts_before, name);
       for (const toml::table* const one : edits_.headers_below(*below))
         edits_.replace_in_header(*one, parts_before, name);
     }

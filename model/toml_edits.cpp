@@ -14,7 +14,7 @@ namespace {
 void find_headers(const TomlEdits& edits, const toml::table& table, std::vector<const toml::table*>& out) {
   for (auto&& [key, node] : table) {
     if (const toml::table* const below = node.as_table()) {
-      if (edits.is_header(node)) out.push_back(below);
+      if (edits.has_header(*below)) out.push_back(below);
       if (!below->is_inline()) find_headers(edits, *below, out);
     } else if (edits.is_header(node)) {
       for (const toml::node& one : *node.as_array()) {
@@ -155,7 +155,7 @@ void TomlEdits::add_element(const toml::array& array, const std::string& value) 
 }
 
 bool TomlEdits::remove_table(const toml::table& table) {
-  if (!is_header(table)) return false;
+  if (!has_header(table)) return false;
   const std::vector<const toml::table*> headers = headers_below(document_);
   std::vector<const toml::table*> within = headers_below(table);
   within.push_back(&table);
@@ -222,13 +222,16 @@ std::size_t TomlEdits::offset(const toml::source_position& position) const {
 
 bool TomlEdits::is_header(const toml::node& node) const {
   if (const toml::table* const table = node.as_table()) {
-    // One that only the headers of tables in it imply begins where the first of these does.
-    const auto implies = [&](const auto& entry) { return entry.second.source().begin == node.source().begin; };
-    return !table->is_inline() && text_.at(offset(node.source().begin)) == '[' &&
-           std::none_of(table->begin(), table->end(), implies);
+    return !table->is_inline() && text_.at(offset(node.source().begin)) == '[';
   }
   const toml::array* const list = node.as_array();
   return list != nullptr && !list->empty() && list->front().is_table() && !list->front().as_table()->is_inline();
+}
+
+bool TomlEdits::has_header(const toml::table& table) const {
+  // One that only the headers of tables in it imply begins where the first of these does.
+  const auto implies = [&](const auto& entry) { return entry.second.source().begin == table.source().begin; };
+  return is_header(table) && std::none_of(table.begin(), table.end(), implies);
 }
 
 /// Of a table that dotted keys make, where the last of its values ends.

@@ -47,6 +47,8 @@ class TomlEdits {
 
   /// All tables below this one that are written under headers, in the order of the text.
   std::vector<const toml::table*> headers_below(const toml::table& table) const;
+  /// Whether a table has a header of its own, and is not only implied by those of tables in it.
+  bool has_header(const toml::table& table) const;
   /// Whether a node is a table, or a list of tables, that is written under headers.
   bool is_header(const toml::node& node) const;
   bool is_empty() const { return text_.empty(); }

@@ -139,7 +139,7 @@ class LiveView {
     this.handles = new Handles(this.moving, ask);
     this.numbers = new NumbersPanel(ask);
     this.switches = new SwitchesPanel(ask);
-    this.drawing = new DrawingTools(this.moving, page.tools, ask, (name) => this.selected(name));
+    this.drawing = new DrawingTools(this.moving, page.view.tools, ask, (name) => this.selected(name));
     this.items = new ItemsPanel(ask);
     this.text = new TextPanel(ask, () => this.showSaved());
     this.others = new OthersPanel(this.moving.picture, palette, ask);

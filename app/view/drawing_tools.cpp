@@ -862,7 +862,7 @@ std::string draw(SceneText& text, const Poses& poses, const Drawn& drawn) {
     if (drawn.places.size() < count || (drawn.places.size() > count && !tool.more))
       throw InputError(fmt::format("{}: expected {} places, found {}", tool.name, count, drawn.places.size()));
     SceneText changed = text;
-    const std::string item = Sketcher(changed, poses, drawn, tool).run();
+    std::string item = Sketcher(changed, poses, drawn, tool).run();
     text = std::move(changed);
     return item;
   }

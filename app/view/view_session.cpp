@@ -813,17 +813,18 @@ json ViewSession::page() {
   nothing.source = now_.scene.source;
   json out = page_document(nothing, {.command = "view", .line = line()}, {});
   out["result"] = nullptr;
-  out["tools"] = json::array();
+  json tools = json::array();
   for (const DrawingTool& tool : drawing_tools()) {
-    out["tools"].push_back({{"name", tool.name},
-                            {"title", tool.title},
-                            {"group", tool.group},
-                            {"picks", tool.picks.size()},
-                            {"more", tool.more},
-                            {"direction", tool.picks.back() == Pick::direction},
-                            {"hint", tool.hint}});
+    tools.push_back({{"name", tool.name},
+                     {"title", tool.title},
+                     {"group", tool.group},
+                     {"picks", tool.picks.size()},
+                     {"more", tool.more},
+                     {"direction", tool.picks.back() == Pick::direction},
+                     {"hint", tool.hint}});
   }
   json& view = out["view"] = shown({}, Parts::all);
+  view["tools"] = std::move(tools);
   view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.shown, {}, false)));
   view["handles"] = handles();
   return out;

@@ -35,7 +35,7 @@ std::string error_of(const json& answer) { return answer.contains("error") ? ans
 
 /// Greatest difference of the angles shown from those that the scene's text gives to `solve`.
 double apart_from_solve(ViewSession& session, const std::string& text) {
-  const NamedEquilibrium found = solve(parse_scene(text, "shown.toml"));
+  const NamedEquilibrium found = solve(parse_scene(text, session.tracked().scene().file));
   if (!found.found()) return INFINITY;
   const TrackedEquilibrium& tracked = session.tracked();
   double most = 0.0;
