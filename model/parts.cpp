@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <set>
-#include <span>
 #include <string_view>
-#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -176,6 +173,15 @@ std::vector<std::string_view> item_tables() {
   return keys;
 }
 
+/// The path without links and dots.
+fs::path resolved(const fs::path& path) {
+  std::error_code failed;
+  const fs::path whole = fs::absolute(path, failed);
+  const fs::path out = failed ? fs::path() : fs::weakly_canonical(whole, failed);
+  if (failed) throw InputError("expected the name of a file, found \"" + path.string() + "\": " + failed.message());
+  return out;
+}
+
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -242,7 +248,9 @@ class PartExpander {
 
  public:
   PartExpander(PartedDocument& out, const TomlPlace& place) : out_(out), place_(place) {
-    folder_ = fs::weakly_canonical(fs::absolute(fs::path(place.file)).parent_path());
+    // A scene that is built in code has no folder.
+    if (place.line > 0) file_ = place.file;
+    folder_ = resolved(file_.has_parent_path() ? file_.parent_path() : ".");
   }
 
   void run() {
@@ -342,8 +350,8 @@ class PartExpander {
       Group group = read_group(level, table, *written.front());
       written.erase(written.begin());
       const auto in_chain = std::find(chain.begin(), chain.end(), group.file);
-      if (in_chain != chain.end() || group.file == fs::weakly_canonical(fs::absolute(fs::path(place_.file)))) {
-        std::string names = fs::path(place_.file).filename().string();
+      if (in_chain != chain.end() || group.file == folder_ / file_.filename()) {
+        std::string names = file_.filename().string();
         for (const fs::path& one : chain) names += " -> " + one.filename().string();
         table.place_of("file").fail("expected files that do not contain themselves, found " + names + " -> " +
                                     group.file.filename().string());
@@ -372,7 +380,7 @@ class PartExpander {
     const TomlText file = table.text("file");
     const fs::path from = file.place.line > 0 ? fs::path(file.place.file) : fs::path();
     group.shown = from.parent_path() / file.value;
-    group.file = fs::weakly_canonical(fs::absolute(group.shown));
+    group.file = located(file.place, [&] { return resolved(group.shown); });
     if (std::mismatch(folder_.begin(), folder_.end(), group.file.begin(), group.file.end()).first != folder_.end()) {
       file.place.fail("expected a file in the folder of the scene or below it, found \"" + file.value +
                       "\"; copy it there");
@@ -1083,7 +1091,7 @@ class PartExpander {
 
   PartedDocument& out_;
   TomlPlace place_;
-  fs::path folder_;
+  fs::path file_, folder_;
   std::map<fs::path, std::string> texts_;
   std::map<std::string, fs::path> stems_;
   toml::table globals_;

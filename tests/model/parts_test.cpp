@@ -442,7 +442,11 @@ TEST_F(PartsOfAFrame, WhatCannotBeAPartIsRefused) {
   EXPECT_NE(refused("file = \"../strut.toml\"\n").find("in the folder of the scene or below it"), std::string::npos);
   EXPECT_NE(refused("file = \"/etc/passwd\"\n").find("in the folder of the scene or below it"), std::string::npos);
   EXPECT_NE(refused("file = \"a.toml\"\n").find("found frame.toml -> a.toml -> b.toml -> a.toml"), std::string::npos);
-  EXPECT_NE(refused("file = \"frame.toml\"\n"), "");
+  folder_.write("frame.toml", frame);
+  EXPECT_NE(refused("file = \"frame.toml\"\n").find("found frame.toml -> frame.toml"), std::string::npos);
+  EXPECT_NE(refused("file = \"" + std::string(5000, 'x') + "\"\n").find("expected the name of a file"),
+            std::string::npos);
+  EXPECT_NE(refused("file = \"\"\n"), "");
   EXPECT_NE(refused("file = \"strut.toml\"\nangel = 3\n").find("did you mean \"angle\"?"), std::string::npos);
   EXPECT_NE(refused("file = \"strut.toml\"\nrepeat = 0\n").find("whole number from 1"), std::string::npos);
   EXPECT_NE(refused("file = \"strut.toml\"\nrepeat = 1001\n").find("at most 1000 parts"), std::string::npos);
