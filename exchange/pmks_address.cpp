@@ -315,8 +315,7 @@ class PmksExport {
 
   Exported text() {
     find_nodes();
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-      const Joint& joint = scene_.joints[j];
+    for (const Joint& joint : scene_.joints) {
       if (joint.has_travel() && links_.link_of(joint.a.body) != links_.link_of(joint.b.body)) add_slider(joint);
     }
     write_joints();

@@ -100,7 +100,7 @@ Transition ShownMechanism::change(Scene wanted) {
     const bool has_others = has_other_items(tracked_->scene(), wanted);
     try {
       TrackedEquilibrium changed = *tracked_;
-      const Transition way = changed.change(wanted);
+      Transition way = changed.change(wanted);
       // Where nothing is loaded any more nothing is left that could rest.
       if (!has_others || !changed.equilibrium().x.empty()) {
         tracked_ = std::move(changed);
