@@ -278,7 +278,7 @@ class MjcfReader {
     const auto given = std::count_if(turns.begin(), turns.end(), [&](const char* key) { return node.attribute(key); });
     if (given > 1) xml_.fail(node, item, "expected one of quat, axisangle, xyaxes, zaxis, euler, found two");
     const auto has = [&](const char* key) { return static_cast<bool>(node.attribute(key)); };
-    const auto direction = [&](const char* key, Vector3d v) {
+    const auto direction = [&](const char* key, const Vector3d& v) {
       if (!(v.stableNorm() > 0.0)) xml_.fail(node, item + "." + key, "expected a direction, found 0 0 0");
       return Vector3d(v.stableNormalized());
     };
