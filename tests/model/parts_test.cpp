@@ -18,6 +18,9 @@
 #include "model/rewritten_scene.hpp"
 #include "model/scene.hpp"
 #include "model/text_file.hpp"
+#include "motion/equilibrium_pose.hpp"
+#include "motion/modes.hpp"
+#include "motion/motion_model.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 #include "statics/sensitivity/sensitivity.hpp"
 #include "tests/app/run_poise.hpp"
@@ -211,6 +214,32 @@ TEST(Parts, EquilibriaForcesAndPlacesAreThoseOfTheSceneAlone) {
       const Reaction& other = test::reaction_of(found.check, "P." + reaction.name);
       EXPECT_NEAR(norm(other.force), norm(reaction.force), 1e-6 * (1 + norm(reaction.force))) << name << reaction.name;
     }
+  }
+}
+
+std::vector<double> frequencies(const Scene& scene) {
+  const StaticModel statics(scene);
+  const MotionModel motion(scene);
+  std::vector<double> out;
+  for (const Vibration& one : modes_of(motion, motion_coordinates(motion, statics, solve(statics).x)).vibrations) {
+    out.push_back(one.frequency);
+  }
+  return out;
+}
+
+TEST(Parts, FrequenciesAreThoseOfTheSceneAlone) {
+  std::mt19937_64 random(3);
+  for (const std::string name : {"planetary_gear.toml", "eccentric_chain.toml", "offset_cam.toml", "rolling_wheel.toml",
+                                 "curved_slot.toml", "double_pendulum.toml", "lift.toml"}) {
+    const Scene alone = read_scene(test::dataset(name));
+    Placement place = random_placement(random);
+    place.mirrored = true;
+    const std::vector<double> own = frequencies(alone);
+    const std::vector<double> there =
+        frequencies(parse_scene(assembly_of(name, alone, place), test::dataset("main.toml").string()));
+    ASSERT_FALSE(own.empty());
+    ASSERT_EQ(there.size(), own.size()) << name;
+    for (std::size_t k = 0; k < own.size(); ++k) EXPECT_NEAR(there[k], own[k], 1e-8 * own[k]) << name;
   }
 }
 
