@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -81,7 +82,11 @@ int body_named(const Scene& scene, const std::string& name) {
   return -1;
 }
 
+// At some places ropes have no length: their pulleys are too near each other.
+bool have_no_value(double a, double b) { return std::isnan(a) && std::isnan(b); }
+
 void expect_near(double a, double b, const std::string& what) {
+  if (have_no_value(a, b)) return;
   EXPECT_NEAR(a, b, 1e-9 * std::max({1.0, std::abs(a), std::abs(b)})) << what;
 }
 
@@ -90,7 +95,7 @@ void expect_near(double a, double b, const std::string& what) {
 void expect_same_mechanics(const Scene& alone, const Scene& placed, const Placement& place, std::mt19937_64& random,
                            const std::string& what) {
   std::uniform_real_distribution<double> one(-1.0, 1.0);
-  double constant = 0.0;
+  std::optional<double> constant;
   for (int sample = 0; sample < 3; ++sample) {
     Poses own(alone.bodies.size()), there(placed.bodies.size());
     for (std::size_t b = 1; b < own.size(); ++b) own[b] = {{2 * one(random), 2 * one(random)}, 3 * one(random)};
@@ -102,9 +107,11 @@ void expect_same_mechanics(const Scene& alone, const Scene& placed, const Placem
       there[static_cast<std::size_t>(body)] = place.of(own[b]);
     }
     const double difference = test::potential_energy(placed, there) - test::potential_energy(alone, own);
-    if (sample == 0) constant = difference;
-    const double size = std::abs(test::potential_energy(alone, own)) + std::abs(constant) + 1.0;
-    EXPECT_NEAR(difference, constant, 1e-9 * size) << what << ": energy";
+    if (!constant && !std::isnan(difference)) constant = difference;
+    if (constant && !std::isnan(difference)) {
+      const double size = std::abs(test::potential_energy(alone, own)) + std::abs(*constant) + 1.0;
+      EXPECT_NEAR(difference, *constant, 1e-9 * size) << what << ": energy";
+    }
     for (std::size_t j = 0; j < alone.joints.size(); ++j) {
       const Joint& joint = alone.joints[j];
       const Joint* const other = named(placed.joints, "P." + joint.name);
@@ -139,7 +146,7 @@ void expect_same_mechanics(const Scene& alone, const Scene& placed, const Placem
       const double below = g - stop.min, above = stop.max - g;
       const double below_there = g_there - other->min, above_there = other->max - g_there;
       const auto near = [](double a, double b) {
-        return a == b || std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)});
+        return a == b || have_no_value(a, b) || std::abs(a - b) <= 1e-9 * std::max({1.0, std::abs(a), std::abs(b)});
       };
       EXPECT_TRUE((near(below, below_there) && near(above, above_there)) ||
                   (near(below, above_there) && near(above, below_there)))
