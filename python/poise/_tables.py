@@ -78,8 +78,8 @@ def si_unit(unit: str) -> tuple[str, float]:
 def refuse_mask(place: str, given: Any, depth: int = 4) -> None:
     """Raises InputError where NumPy masks some of the numbers: what a mask hides would be read as a number."""
     if isinstance(given, dict):
-        for name, one in given.items():
-            refuse_mask(name if isinstance(name, str) else place, one, depth)
+        for name, one in given.items() if depth > 0 else ():
+            refuse_mask(name if isinstance(name, str) else place, one, depth - 1)
     elif isinstance(given, (list, tuple)):
         for one in given if depth > 0 else ():
             refuse_mask(place, one, depth - 1)

@@ -867,7 +867,7 @@ TEST(JsonDocs, View) {
   };
   const TempFolder folder;
   check(Json::parse(app::ViewSession(folder.write("plate.toml", plate)).page().dump())["view"]);
-  app::ViewSession session(scene("toggle_clamp"));
+  app::ViewSession session(folder.write("clamp.toml", contents(scene("toggle_clamp"))));
   Json state = Json::parse(session.page().dump())["view"];
   check(state);
   for (const char* request : {R"({"do": "set", "path": "load.P", "value": 40, "goes_on": true})", R"({"do": "look"})",

@@ -79,4 +79,4 @@ def test_notebooks_can_be_run_elsewhere(written):
 def test_every_tutorial_is_on_the_site():
     contents = (SOURCE / "docs" / "site" / "contents.yml").read_text()
     for page in (SOURCE / "docs").glob("python-*.md"):
-        assert f": {page.name}\n" in contents
+        assert f"- {page.name}\n" in contents
