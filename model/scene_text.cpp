@@ -171,7 +171,9 @@ class SceneText::Editing {
     const std::vector<std::pair<SceneItem, const toml::table*>> all = items_of_lists();
     for (bool more = true; more;) {
       more = false;
-      for (const auto& [item, table] : all) {
+      for (const auto& one : all) {
+        const SceneItem& item = one.first;
+        const toml::table* const table = one.second;
         if (tables.contains(table)) continue;
         if (std::none_of(uses_.begin(), uses_.end(),
                          [&](const Use& use) { return is_gone(use) && holds(*table, use.node); }))
@@ -229,9 +231,9 @@ class SceneText::Editing {
         const std::string body = scene_.bodies[static_cast<std::size_t>(item.index)].name;
         const toml::table* const owner = table_of_body(body);
         rename_key(*table_in(owner, "points"), old, name, body == scene_.bodies[0].name ? 2 : 3);
+        const std::string renamed = body + "." + name;
         for (const Use& use : uses_) {
-          if (use.of == NameUse::Of::point && use.text == item.name)
-            edits_.replace(*use.node, toml_string(body + "." + name));
+          if (use.of == NameUse::Of::point && use.text == item.name) edits_.replace(*use.node, toml_string(renamed));
         }
         const toml::table* const section = table_in(owner, "section");
         const toml::node* const line = section != nullptr ? section->get("line") : nullptr;
@@ -239,7 +241,7 @@ class SceneText::Editing {
           const toml::node& one = *line->as_array()->get(k);
           if (one.is_string() && one.as_string()->get() == old) edits_.replace(one, toml_string(name));
         }
-        rename_in_outputs(item.name, body + "." + name);
+        rename_in_outputs(item.name, renamed);
         return;
       }
       default: {

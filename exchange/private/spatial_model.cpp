@@ -254,7 +254,7 @@ class PlanarScene {
     }
     const int child = add_station(name, body.at, angle);
     if (angle != 0.0) start(name, angle);
-    add_starts_.push_back([this, name, at = tidied(stations_.back().origin)] { builder_.start_position(name, at); });
+    add_starts_.emplace_back([this, name, at = tidied(stations_.back().origin)] { builder_.start_position(name, at); });
     return child;
   }
 
@@ -291,7 +291,7 @@ class PlanarScene {
     if (angle != 0.0) start(stations_[static_cast<std::size_t>(child)].name, angle);
     if (!first.slides) {
       const std::string a = point(parent, place.name, first.at), b = point(child, place.name, first.at);
-      add_joints_.push_back([=, this, friction = first.friction] {
+      add_joints_.emplace_back([=, this, friction = first.friction] {
         builder_.pin(a, b, place.name);
         if (friction > 0.0) builder_.friction({{"torque", friction}});
       });
@@ -300,7 +300,7 @@ class PlanarScene {
     const Vec2 axis = axis_in(parent, first);
     const std::string a = point(parent, place.name, last.at - first.reference * first.axis);
     const std::string b = point(child, place.name, last.at);
-    add_joints_.push_back([=, this, friction = first.friction] {
+    add_joints_.emplace_back([=, this, friction = first.friction] {
       if (is_slot)
         builder_.pin_in_slot(a, b, axis, place.name);
       else
@@ -308,7 +308,7 @@ class PlanarScene {
       if (friction > 0.0) builder_.friction({{"force", friction}});
     });
     if (is_slot && last.friction > 0.0) {
-      add_elements_.push_back([this, place, friction = last.friction] {
+      add_elements_.emplace_back([this, place, friction = last.friction] {
         builder_.element("friction", place.name, turn_of(place), {{"torque", friction}, {"width", 0.0}});
       });
     }
@@ -322,12 +322,12 @@ class PlanarScene {
     if (angle != 0.0) start(name, angle);
     const std::string joint = name_of(name + " weld", "weld");
     const std::string a = point(parent, name, body.at), b = point(child, name, body.at);
-    add_joints_.push_back([=, this] { builder_.weld(a, b, 0.0, joint); });
+    add_joints_.emplace_back([=, this] { builder_.weld(a, b, 0.0, joint); });
     return child;
   }
 
   void start(const std::string& name, double value) {
-    add_starts_.push_back([this, name, value] { builder_.start(name, value); });
+    add_starts_.emplace_back([this, name, value] { builder_.start(name, value); });
   }
 
   void add_closure(const SpatialClosure& closure) {
@@ -335,7 +335,7 @@ class PlanarScene {
     const std::string name = name_of(closure.name, closure.is_fixed ? "weld" : "pin");
     const std::string at_a = point(a, name, closure.at_a), at_b = point(b, name, closure.at_b);
     if (!closure.is_fixed) {
-      add_joints_.push_back([=, this] { builder_.pin(at_a, at_b, name); });
+      add_joints_.emplace_back([=, this] { builder_.pin(at_a, at_b, name); });
       return;
     }
     const Vector3d normal = closure.turn * plane_.normal;
@@ -346,7 +346,7 @@ class PlanarScene {
     const Vec2 turned = plane_.seen(closure.turn * plane_.x);
     const double angle = stations_[static_cast<std::size_t>(b)].angle - stations_[static_cast<std::size_t>(a)].angle +
                          tidy(std::atan2(turned.y, turned.x), 1.0);
-    add_joints_.push_back([=, this] { builder_.weld(at_a, at_b, angle, name); });
+    add_joints_.emplace_back([=, this] { builder_.weld(at_a, at_b, angle, name); });
   }
 
   MeasureByName turn_of(const JointPlace& place) const {
@@ -364,7 +364,7 @@ class PlanarScene {
                   double to) {
     const std::string free = is_angle ? "free_angle" : "free_length";
     if (stiffness == 0.0) return;
-    add_elements_.push_back([=, this] {
+    add_elements_.emplace_back([=, this] {
       if (from == to) {
         builder_.element("spring", name, on, {{"stiffness", stiffness}, {free, from}});
         return;
@@ -380,7 +380,7 @@ class PlanarScene {
 
   void add_damper(const std::string& name, const MeasureByName& on, double coefficient) {
     if (coefficient == 0.0) return;
-    add_elements_.push_back([=, this] { builder_.element("damper", name, on, {{"coefficient", coefficient}}); });
+    add_elements_.emplace_back([=, this] { builder_.element("damper", name, on, {{"coefficient", coefficient}}); });
   }
 
   void add_stop(const std::string& name, const MeasureByName& on, double lower, double upper) {
@@ -388,7 +388,7 @@ class PlanarScene {
     if (lower > -no_limit) keys.emplace_back("min", lower);
     if (upper < no_limit) keys.emplace_back("max", upper);
     if (keys.empty()) return;
-    add_elements_.push_back([=, this] { builder_.stop(name, on, keys); });
+    add_elements_.emplace_back([=, this] { builder_.stop(name, on, keys); });
   }
 
   void add_effects(std::size_t index) {
@@ -414,8 +414,8 @@ class PlanarScene {
     const std::string coupling = name_of(name + " coupling", "coupling");
     const std::string a = point(0, shaft, joint.at), b = point(rotor, shaft, joint.at);
     if (joint.reference != 0.0) start(name, joint.reference);
-    add_joints_.push_back([=, this] { builder_.pin(a, b, shaft); });
-    add_elements_.push_back([=, this] {
+    add_joints_.emplace_back([=, this] { builder_.pin(a, b, shaft); });
+    add_elements_.emplace_back([=, this] {
       builder_.coupling(measures::sum({{1.0, measures::angle("ground", name)}, {-1.0, on}}), {{"value", 0.0}},
                         coupling);
     });
@@ -436,7 +436,7 @@ class PlanarScene {
       if (points.size() != 2) return add_rope(tendon, name, points);
       on = measures::distance(points.front(), points.back());
       if (tendon.lower == tendon.upper) {
-        add_joints_.push_back(
+        add_joints_.emplace_back(
             [=, this, length = tendon.lower] { builder_.bar(on.names.front(), on.names.back(), length, name); });
       }
     } else {
@@ -457,13 +457,15 @@ class PlanarScene {
       on = terms.size() == 1 && terms.front().factor == 1.0 ? terms.front().measure : measures::sum(std::move(terms));
       if (tendon.lower == tendon.upper) {
         const MeasureByName sum = on.key == "sum" ? on : measures::sum({{1.0, on}});
-        add_elements_.push_back([=, this, value = tendon.lower] { builder_.coupling(sum, {{"value", value}}, name); });
+        add_elements_.emplace_back([=, this, value = tendon.lower] {
+          builder_.coupling(sum, {{"value", value}}, name);
+        });
       }
     }
     add_spring(name, on, is_angle, tendon.stiffness, tendon.slack_from, tendon.slack_to);
     add_damper(name, on, tendon.damping);
     if (tendon.friction > 0.0) {
-      add_elements_.push_back([=, this, friction = tendon.friction] {
+      add_elements_.emplace_back([=, this, friction = tendon.friction] {
         builder_.element("friction", name, on, {{is_angle ? "torque" : "force", friction}, {"width", 0.0}});
       });
     }
@@ -495,7 +497,7 @@ class PlanarScene {
                           points.size()));
     }
     const std::vector<SceneBuilder::RopePoint> over(points.begin(), points.end());
-    add_elements_.push_back([=, this, stiffness = tendon.stiffness, free = tendon.slack_to, longest = tendon.upper] {
+    add_elements_.emplace_back([=, this, stiffness = tendon.stiffness, free = tendon.slack_to, longest = tendon.upper] {
       if (longest < no_limit) builder_.rope(over, {{"length", longest}}, name);
       if (stiffness > 0.0) {
         builder_.rope(over, {{"stiffness", stiffness}, {"free_length", free}},

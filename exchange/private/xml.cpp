@@ -1,6 +1,7 @@
 #include "exchange/private/xml.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -87,7 +88,7 @@ std::string Xml::word(pugi::xml_node node, const char* attribute, const std::str
 
 std::vector<double> Xml::numbers(pugi::xml_node node, const char* attribute, const std::string& item, std::size_t count,
                                  std::vector<double> otherwise) const {
-  return node.attribute(attribute) ? numbers_up_to(node, attribute, item, count, count) : otherwise;
+  return node.attribute(attribute) ? numbers_up_to(node, attribute, item, count, count) : std::move(otherwise);
 }
 
 std::vector<double> Xml::numbers_up_to(pugi::xml_node node, const char* attribute, const std::string& item,
