@@ -296,7 +296,7 @@ class EffectReader {
     std::vector<PointRef> points = points_of(on);
     if (points.empty()) {
       refuse(family, name, line,
-             "no such measure: only angles, travels, distances of points, and sums of angles and travels");
+             "no such measure; expected an angle, a travel, a distance of points, or a sum of angles and travels");
     }
     LineEffects& effects = add_line(family, name, line);
     effects.points = std::move(points);
@@ -352,7 +352,8 @@ class EffectReader {
     } else if (friction != nullptr) {
       refuse(family, element.name, element.line, "friction that sticks only; set its width to 0");
     } else {
-      refuse(family, element.name, element.line, "no such law: only linear springs, dampers and constant friction");
+      refuse(family, element.name, element.line,
+             "no such law; expected a linear spring, a damper or constant friction");
     }
   }
 

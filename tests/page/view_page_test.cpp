@@ -368,7 +368,7 @@ TEST_F(ViewPage, FitsATelephoneAndTheKeyboard) {
   show("toggle_clamp");
   EXPECT_EQ(browser().run("return document.documentElement.dataset.theme"), "dark");
   EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the window";
-  for (const char* panel : {"switches", "forces", "others", "text", "numbers"}) {
+  for (const char* panel : {"switches", "items", "forces", "others", "text", "numbers"}) {
     browser().run("document.querySelector('[role=tab][aria-selected=true]').focus()");
     browser().type({"ArrowRight"});
     EXPECT_EQ(browser().run("return document.activeElement.id"), std::string("tab-") + panel);
