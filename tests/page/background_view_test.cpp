@@ -151,7 +151,7 @@ TEST(BackgroundView, NamesBadInput) {
   EXPECT_TRUE(message(clamp, {.port = port}).starts_with("--port: cannot listen"));
   EXPECT_TRUE(message(clamp, {.port = 70000}).starts_with("--port: expected a number from 0 to 65535, found 70000"));
   EXPECT_TRUE(message(clamp, {.frame_origin = "*"}).starts_with("--frame-origin: expected"));
-  EXPECT_NE(message(std::filesystem::path("none.toml"), {}).find("none.toml"), std::string::npos);
+  EXPECT_NE(message(std::filesystem::path("no_such_folder/none.toml"), {}).find("none.toml"), std::string::npos);
 }
 
 /// A chain of so many links between two pivots, which hangs through under its weight.
