@@ -60,7 +60,12 @@ class ViewPage : public testing::Test {
     browser().console();
   }
 
-  void show(const std::string& name) { show_file(folder_.write(name + ".toml", contents(dataset(name)))); }
+  void show(const std::string& name) {
+    // Scenes of parts name files of this folder.
+    const std::filesystem::path parts = std::filesystem::path(dataset(name)).parent_path() / "parts";
+    if (!std::filesystem::exists(folder_.path("parts"))) std::filesystem::copy(parts, folder_.path("parts"));
+    show_file(folder_.write(name + ".toml", contents(dataset(name))));
+  }
 
   /// Of a file that is not there an empty sheet.
   void show_file(const std::string& file) {
