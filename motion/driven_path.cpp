@@ -10,6 +10,7 @@
 #include "solvers/root.hpp"
 #include "statics/model/curvature.hpp"
 #include "statics/model/held_rows.hpp"
+#include "statics/model/rounding.hpp"
 
 namespace poise {
 namespace {

@@ -9,7 +9,7 @@
 #include "model/joint_friction.hpp"
 #include "motion/motion_input_impl.hpp"
 #include "motion/reduced_motion.hpp"
-#include "statics/model/held_rows.hpp"
+#include "statics/model/rounding.hpp"
 
 namespace poise {
 

@@ -17,10 +17,6 @@ namespace poise {
 /// hold their measure.
 std::vector<int> permanent_rows(const Mechanism<double>& mechanism);
 
-/// Derivatives of a closure by rad and mechanism sizes that are not larger are rounding of its lengths, as of a pin
-/// that was written twice: the closure says nothing.
-inline constexpr double rounding_of_closures = 1e-15;
-
 /// Gives what is left open of these rows, from all constraints.
 Eigen::VectorXd gaps_of(const Mechanism<double>& mechanism, const std::vector<int>& rows,
                         const std::vector<double>& constraint);

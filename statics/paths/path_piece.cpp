@@ -5,8 +5,8 @@
 
 #include "solvers/linear_algebra.hpp"
 #include "statics/model/curvature.hpp"
-#include "statics/model/held_rows.hpp"
 #include "statics/model/readings.hpp"
+#include "statics/model/rounding.hpp"
 #include "statics/paths/varied_mechanism.hpp"
 
 namespace poise {
