@@ -43,8 +43,8 @@ PAGES = [
           "_found.PathPoint", "_found.Branch", "_found.Equilibria", "_found.Position", "_found.Motion",
           "_found.Tolerance", "_found.Band", "_tables.Table", "_tables.Record"]),
     Page("commands", "Commands as calls", "Every command of `poise --help` as a call; those that read a scene are "
-         "methods of `Scene`.", ["Scene=_commands.SceneCommands", "_commands.design", "_commands.stress",
-          "_commands.import_"]),
+         "methods of `Scene`.",
+         ["Scene=_commands.SceneCommands", "_commands.design", "_commands.stress", "_commands.import_"]),
     Page("identification", "Identification", "Parameters from measured motion.",
          ["_experiment.Experiment", "_commands.identify", "_commands.identifiability", "_commands.validate",
           "_commands.plan", "_commands.montecarlo", "_found.Fit", "_found.Estimate", "_tables.Matrix"]),
