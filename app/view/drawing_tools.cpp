@@ -291,9 +291,7 @@ class Sketcher {
       add_joint("pin", *joined[k], name + "." + own[k], {});
     }
     text_.set_start(name, angle(direction));
-    if (!is_held || places[0].x != 0.0 || places[0].y != 0.0) {
-      if (!is_held) text_.set_start_position(name, pair(places[0]));
-    }
+    if (!is_held) text_.set_start_position(name, pair(places[0]));
     return name;
   }
 
