@@ -973,7 +973,7 @@ json ViewSession::handles() const {
   // Of the ground those points on which something rests or pulls.
   for (const PointRef& point : used_of_ground(scene))
     add("ground", scene.bodies[0].points[static_cast<std::size_t>(point.point)].name, point);
-  // Of a sketch nothing follows the hand.
+  // Nothing of a sketch follows the hand.
   for (int b = 1; now_.shown.tracked() != nullptr && b < static_cast<int>(scene.bodies.size()); ++b) {
     for (int p = 0; p < static_cast<int>(scene.bodies[static_cast<std::size_t>(b)].points.size()); ++p) {
       add("point", scene.name_of({b, p}), {b, p});

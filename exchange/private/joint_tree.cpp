@@ -245,7 +245,7 @@ class EffectReader {
     }
   }
 
-  // Of a joint with constant friction, its measure and the bound.
+  // A joint with constant friction acts on its measure, up to the bound.
   void add_joint(int index) {
     const Joint& joint = scene_.joints[static_cast<std::size_t>(index)];
     if (joint.keeps_length()) {

@@ -651,7 +651,7 @@ class MjcfReader {
         a.linear() * Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]).toRotationMatrix() * b.linear().transpose();
   }
 
-  // Of a polynomial its constant and its slope, if it is a straight line.
+  // The result is the constant and the slope of a polynomial that is a straight line.
   std::array<double, 2> line_of_polynomial(xml_node node) const {
     std::vector<double> c = xml_.numbers_up_to(node, "polycoef", item_of(node), 1, 5);
     if (c.empty()) c = {0.0, 1.0};

@@ -230,7 +230,7 @@ class PlanarScene {
       last_.push_back(at);
       set_mass(body, stations_[static_cast<std::size_t>(at)]);
     }
-    // Those that joints are at keep the names of the file.
+    // Points at which joints are keep the names of the file.
     for (const auto& [name, place] : body.points) point(last_.back(), name, place);
   }
 
@@ -271,8 +271,8 @@ class PlanarScene {
     station.data.inertia = std::max(0.0, tidy(inertia, largest));
   }
 
-  // Of body.joints[k], and of the hinge behind a slide, which are a pin in a slot together. Returns the station behind
-  // it, and moves k on.
+  // Adds body.joints[k], and with it the hinge behind a slide, which are a pin in a slot together. Returns the station
+  // behind it, and moves k on.
   int add_joint(const SpatialBody& body, const std::string& name, std::size_t& k, int parent) {
     const auto index = static_cast<std::size_t>(body.joints[k]);
     const SpatialJoint& first = model_.joints[index];

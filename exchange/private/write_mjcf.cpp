@@ -58,7 +58,7 @@ class MjcfWriter {
     return body == 0 ? "world" : scene_.bodies[static_cast<std::size_t>(body)].name;
   }
 
-  // Of the rods that bodies are drawn as: a fiftieth of the typical one.
+  // Bodies are drawn as rods, whose thickness is a fiftieth of the typical length.
   double thickness() const {
     double sum = 0.0;
     int count = 0;
@@ -194,7 +194,7 @@ class MjcfWriter {
     }
   }
 
-  // The same on the negative sum.
+  // The effects are those on the negative sum.
   static LineEffects reversed(LineEffects line) {
     for (auto& [coordinate, factor] : line.sum.terms) factor = -factor;
     line.slack_from = line.slack_to = -line.slack_from;

@@ -146,7 +146,7 @@ vector = [0, 1]
   EXPECT_EQ(hinge["least"], 0.0);
   EXPECT_NEAR(hinge["least_at"], 3, 1e-6);
   EXPECT_EQ(hinge["largest_at"], 8.0);
-  // By its tension: -5 N and 3 N times what the three directions give.
+  // Its tension gives -5 N and 3 N times what the three directions give.
   EXPECT_EQ(stay["least_at"], 8.0);
   EXPECT_EQ(stay["largest_at"], 0.0);
   EXPECT_NEAR(stay["largest"].get<double>() / stay["least"].get<double>(), -3.0 / 5, 1e-12);

@@ -274,7 +274,7 @@ TEST(MujocoAsJudge, FilesMoveAsInMujoco) {
     const VectorXd a = mujoco.accelerations();
     const Scene scene = parse_scene(import_mjcf(text, "m.xml", {}).text, "m");
     const std::vector<BodyMotion> found = test::released(scene);
-    // Which way the scene looks at the plane is its own affair.
+    // The scene may look at the plane from either side.
     double size = 1.0;
     Vector3d axis = Vector3d::Zero();
     for (std::size_t body = 1; body < scene.bodies.size(); ++body) {

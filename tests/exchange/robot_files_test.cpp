@@ -201,7 +201,7 @@ TEST(Mjcf, AnArmatureIsInertiaOfTheJoint) {
   };
   EXPECT_NEAR(2 * M_PI * rate(0), std::sqrt(50.0 / 2), 1e-9);
   EXPECT_NEAR(2 * M_PI * rate(0.5), std::sqrt(50.0 / 2.5), 1e-9);
-  // Of a slide it is a mass without weight.
+  // The armature of a slide is a mass without weight.
   const Scene slide =
       from_mjcf(body("<joint type=\"slide\" axis=\"0 0 1\" armature=\"3\" stiffness=\"50\"/>"
                      "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 2 3\"/>"));

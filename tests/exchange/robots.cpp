@@ -120,7 +120,7 @@ class RobotMaker {
     free_point_ = body.add(vector(0.5));
   }
 
-  // By a pin at a place of two bodies, or a bar; a pin takes two freedoms.
+  // A pin at a place of two bodies, or a bar, closes it; a pin takes two freedoms.
   void close() {
     const std::size_t count = bodies_.size() - (wish_.free_body ? 1 : 0);
     Drawn& last = bodies_[count - 1];

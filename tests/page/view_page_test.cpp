@@ -67,7 +67,7 @@ class ViewPage : public testing::Test {
     show_file(folder_.write(name + ".toml", contents(dataset(name))));
   }
 
-  /// Of a file that is not there an empty sheet.
+  /// A file that is not there shows an empty sheet.
   void show_file(const std::string& file) {
     file_ = file;
     int ends[2];
