@@ -14,7 +14,10 @@ namespace poise::app {
 namespace {
 
 constexpr Vec2 page_room{720.0, 460.0};
-constexpr std::size_t most_passed = 40;
+/// How many positions of a course are drawn: of large mechanisms fewer, since somebody waits for them.
+std::size_t most_passed(const Scene& scene) {
+  return std::clamp<std::size_t>(1600 / (scene.bodies.size() + scene.joints.size() + scene.elements.size()), 8, 40);
+}
 
 /// The scene without the hand, its force as a load.
 Scene drawn_scene(const ShownMechanism& shown) {
@@ -80,7 +83,7 @@ Drawing Screen::drawing(const ShownMechanism& shown, const Transition& transitio
   picture.largest_force = largest_force_;
   std::vector<Frame> frames;
   for (const Transition::Course& course : transition.courses) {
-    for (const std::size_t k : evenly(course.poses.size(), most_passed)) {
+    for (const std::size_t k : evenly(course.poses.size(), most_passed(scene_))) {
       const MechanismPicture passed{.poses = course.poses[k], .confirmed = false, .largest_force = largest_force_};
       frames.push_back({drawer_.draw(passed), "moving: " + course.why, Tone::doubtful, false});
     }

@@ -14,6 +14,7 @@
 #include "model/named_item.hpp"
 #include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
+#include "model/parameter_values.hpp"
 #include "statics/bodies/body_measures.hpp"
 #include "statics/model/static_numbers.hpp"
 
@@ -176,9 +177,11 @@ VariedScene::VariedScene(Scene from, Scene to) : scene_(std::move(from)), name_(
     return out;
   };
   if (!alike || expressions(scene_) != expressions(to)) fail("expected two scenes that differ in numbers only");
-  for (const ParameterRow& row : rows) {
+  const std::vector<std::optional<double>> before = parameter_values(scene_), after = parameter_values(to);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const ParameterRow& row = rows[i];
     if (!counts_in_statics(row.place.owner)) continue;
-    const std::optional<double> a = poise::value_at(scene_, row.place), b = poise::value_at(to, row.place);
+    const std::optional<double>&a = before[i], &b = after[i];
     const bool has_other_vector =
         row.place.owner == Owner::force && !(scene_.forces[row.place.item].vector == to.forces[row.place.item].vector);
     if (a == b && !has_other_vector) continue;
