@@ -18,6 +18,8 @@ constexpr double expected_place = 1e-6;  // the same: a search ended where it wa
 constexpr double near_place = 0.1;       // the same: near a position that is asked for
 constexpr double cosine_of_turn = 0.95;  // of a way along which a hand holds in one direction
 
+constexpr int few_tries = 6;             // of steps, before it is known whether a place can be reached
+
 constexpr const char* no_further = "it can go no further that way";
 
 std::string unused_name(const Scene& scene, std::string name) {
@@ -424,15 +426,22 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
     return arrived;
   };
-  // Where it can be held just there no walk has to say how near it comes.
-  if (along.size() == 2 && now.is_stable) {
-    if (const auto there =
-            follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops, options_.interrupt)) {
-      if (auto arrived = arrival_at(*there)) return std::move(*arrived);
-    }
+  const auto arrival_by_steps = [&](int tries) -> std::optional<Found> {
+    const auto there =
+        follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops, options_.interrupt, tries);
+    return there ? arrival_at(*there) : std::nullopt;
+  };
+  // Where it can be held just there no walk has to say how near it comes; where it is out of reach no number of steps
+  // leads there.
+  const bool may_go_straight = along.size() == 2 && now.is_stable;
+  if (may_go_straight) {
+    if (auto arrived = arrival_by_steps(few_tries)) return std::move(*arrived);
   }
   walk->go_to(place);
   Transition way = way_of(*walk);
+  if (may_go_straight && way.kind == Transition::Kind::followed) {
+    if (auto arrived = arrival_by_steps(most_tries)) return std::move(*arrived);
+  }
   // A stop that holds the walk up need not be in the way of those in equilibrium.
   if (along.size() == 2 && now.is_stable && !walk->held_up_by().empty()) {
     FollowedChange direct = follow_change(now.scene, with_hand_at(place), now.poses, now.active_stops, options_);

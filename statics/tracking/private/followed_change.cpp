@@ -18,7 +18,6 @@ namespace poise {
 namespace {
 
 constexpr double shortest_part = 1e-7;                // of a change; next to a singular pose steps are short
-constexpr int most_tries = 200;                       // of steps in a change
 constexpr int most_points = 500;                      // of a section, so that no change takes long
 constexpr double usual_step = 0.1, fine_step = 0.02;  // of a section: parts of it, rad, mechanism sizes
 constexpr int most_sections = 12;
@@ -249,9 +248,9 @@ std::optional<Section> section_between(const Scene& from, const Scene& to, const
 }  // namespace
 
 std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt) {
-  int tries_left = most_tries;
-  const Stepped way(before, after, poses, active_stops, tries_left, interrupt);
+                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
+                                         int tries) {
+  const Stepped way(before, after, poses, active_stops, tries, interrupt);
   return way.part == 1.0 ? std::optional(way.poses) : std::nullopt;
 }
 

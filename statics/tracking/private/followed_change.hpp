@@ -22,10 +22,14 @@ struct FollowedChange {
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
                              const std::vector<int>& active_stops, const TrackedOptions& options);
 
-/// The same by proved steps alone; empty where they do not lead there (statics/tracking/private/small_step.hpp), or are
-/// interrupted.
+/// Steps that a change is tried with at most.
+inline constexpr int most_tries = 200;
+
+/// The same by proved steps alone, `tries` of them at most; empty where they do not lead there
+/// (statics/tracking/private/small_step.hpp), or are interrupted.
 std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt);
+                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
+                                         int tries = most_tries);
 
 /// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
 /// `poses` on. Throws InputError where they cannot be closed.
