@@ -12,15 +12,6 @@
 namespace poise::app {
 namespace {
 
-const Option& option_named(const Command& command, const std::string& name) {
-  std::vector<std::string> names;
-  for (const Option& option : command.options) {
-    if (option.name == name) return option;
-    names.push_back(option.name);
-  }
-  throw InputError(no_such_option(command.name, name, names));
-}
-
 bool is_list(const Option& option) { return std::holds_alternative<std::vector<std::string>*>(option.target); }
 
 void read_options(const Command& command, const std::vector<GivenOption>& options, bool has_scene) {
@@ -42,6 +33,15 @@ void read_options(const Command& command, const std::vector<GivenOption>& option
 
 }  // namespace
 
+std::string line_of(const std::string& command, const std::vector<GivenOption>& options) {
+  std::vector<std::string> words = {command};
+  for (const auto& [name, word] : options) {
+    if (name.starts_with('-')) words.push_back(name);
+    if (!word.empty()) words.push_back(word);
+  }
+  return line_of(words);
+}
+
 void call(const std::string& command, const std::vector<GivenOption>& options, Caller& caller) {
   const std::vector<CommandEntry> commands = all_commands();
   const Command& called = command_named(commands, command);
@@ -49,12 +49,7 @@ void call(const std::string& command, const std::vector<GivenOption>& options, C
     throw InputError(fmt::format("poise: {} has no result that a program could take", command));
   }
   read_options(called, options, caller.scene != nullptr);
-  std::vector<std::string> words = {command};
-  for (const auto& [name, word] : options) {
-    if (name.starts_with('-')) words.push_back(name);
-    if (!word.empty()) words.push_back(word);
-  }
-  called.request->line = line_of(words);
+  called.request->line = line_of(command, options);
   called.request->caller = &caller;
   caller.outcome = {};
   caller.outcome.origin = {called.request->command, called.request->line};

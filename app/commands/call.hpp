@@ -12,6 +12,9 @@ namespace poise::app {
 /// out.
 using GivenOption = std::pair<std::string, std::string>;
 
+/// The command line with these options, as a shell reads it.
+std::string line_of(const std::string& command, const std::vector<GivenOption>& options);
+
 /// Runs a command of `poise` for a program, as the command line would with these options in their order, and leaves in
 /// the caller's outcome what it found. Where a mechanism cannot be assembled the verdict says so. Nothing is printed;
 /// files are written that options name. Throws InputError for bad input, with the line that `poise` prints.

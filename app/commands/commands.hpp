@@ -108,10 +108,15 @@ Command import_command();
 /// solved where all were written.
 Command export_command();
 
+/// Whether a person can run a command in the page of `poise view`: of the scene that is shown, or of an experiment
+/// beside its file.
+enum class InPage { undecided, of_scene, of_experiment, no };
+
 /// A command with what its help ends with: a line to try, from the folder of Poise.
 struct CommandEntry {
   Command command;
   std::string example;
+  InPage in_page = InPage::undecided;
 };
 
 /// All of them, in the order of --help, each time with options that nothing has been read into.
@@ -121,6 +126,8 @@ std::vector<CommandEntry> all_commands();
 std::string expected_commands(const std::vector<CommandEntry>& commands);
 /// Throws InputError naming all commands, with the nearest, where none has this name.
 const Command& command_named(const std::vector<CommandEntry>& commands, const std::string& name);
+/// The option of a command. Throws InputError with the nearest where it has none of this name.
+const Option& option_named(const Command& command, const std::string& name);
 /// What to say of an option that a command does not have; `options` are those it has.
 std::string no_such_option(const std::string& command, const std::string& option,
                            const std::vector<std::string>& options);

@@ -96,14 +96,14 @@ Command design_command() {
   const auto request = std::make_shared<DesignRequest>();
   request->common.kind = "design";
   Command command{"design", "Find numbers that meet the goals of a design file"};
-  command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required}).ending = "toml";
+  command.add({"DESIGN", &request->common.scene, "", "Design file (TOML)", Presence::required}).reads("toml");
   command.add({"--seed", &request->seed, "N", "Of the random starts (1)"});
   command.add({"--starts", &request->starts, "N", "Searches before it gives up (300; of [[goal]] 100)"});
   command.add({"--method", &request->method_word, "NAME", "Of aims: slsqp (the default), mma or auglag"}).choices =
       program_methods;
   command.add({"--trade-off", &request->trade_off, "N", "So many points of the trade-off of two aims"});
-  command.add({"--scene", &request->common.written_scene, "FILE", "Write what was found to FILE, as a scene"}).ending =
-      "toml";
+  command.add({"--scene", &request->common.written_scene, "FILE", "Write what was found to FILE, as a scene"})
+      .writes("toml");
   add_jobs_option(command, request->jobs, "Threads of the search; the answer is the same for any number");
   add_output_options(command, request->common,
                      {.svg = "Draw the quantities over their ranges, before and after, into FILE"});

@@ -105,7 +105,8 @@ Command export_command() {
   for (std::size_t i = 0; i < known.size(); ++i) {
     auto& [option, path] = request->common.exported[i];
     option = fmt::format("--{}", known[i]->name);
-    command.add({option, &path, "FILE", fmt::format("Write to FILE: {}", known[i]->what)}).ending = known[i]->ending;
+    command.add({option, &path, "FILE", fmt::format("Write to FILE: {}", known[i]->what)})
+        .writes(std::string(known[i]->ending));
   }
   add_output_options(command, request->common, {.svg = "Draw the mechanism in that pose into FILE"});
   command.run = [request](const Palette& palette) { return run_export(*request, palette); };

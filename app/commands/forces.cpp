@@ -160,7 +160,7 @@ Command forces_command() {
       .add({"--motion", &request->motion, "FILE",
             "Take the motion from FILE, a CSV with the columns time, NAME\nand perhaps NAME.rate, as poise motion "
             "writes it"})
-      .ending = "csv";
+      .reads("csv");
   add_show_option(command, request->show);
   add_output_options(
       command, request->common,

@@ -149,7 +149,7 @@ Command identify_command() {
   command
       .add({"--scene", &request->experiment.common.written_scene, "FILE",
             "Write the scene with the estimates in place to FILE"})
-      .ending = "toml";
+      .writes("toml");
   add_jobs_option(command, request->jobs,
                   "Threads for the motions of the runs and for profiles (0,\nthe default: all cores)");
   add_output_options(command, request->experiment.common,

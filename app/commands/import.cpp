@@ -98,7 +98,7 @@ Command import_command() {
   command
       .add({"--scene", &request->common.written_scene, "FILE",
             "Write the scene to FILE; without it the scene is printed"})
-      .ending = "toml";
+      .writes("toml");
   add_output_options(command, request->common, {});
   command.run = [request](const Palette& palette) { return run_import(*request, palette); };
   return command;

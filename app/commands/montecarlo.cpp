@@ -113,11 +113,13 @@ Command montecarlo_command() {
       .choices = start_words();
   add_jobs_option(command, request->jobs, "Threads, of each rank under mpirun (0, the default: all\ncores)");
   command.add({"--output", &request->output, "DIR", "Keep every trial in files of this new folder (docs/studies.md)"})
-      .ending = "/";
-  command.add({"--resume", &request->resume, "", "Go on with what --output DIR has"});
-  command.add({"--shard", &request->shard, "i/N",
-               "Only part i = 1 .. N of the trials, into --output DIR: for job\narrays; --resume without it then "
-               "completes and merges all parts"});
+      .writes("/");
+  command.add({"--resume", &request->resume, "", "Go on with what --output DIR has"}).use = Use::output;
+  command
+      .add({"--shard", &request->shard, "i/N",
+            "Only part i = 1 .. N of the trials, into --output DIR: for job\narrays; --resume without it then "
+            "completes and merges all parts"})
+      .use = Use::output;
   add_output_options(command, request->experiment.common, {});
   command.run = [request](const Palette& palette) { return run_montecarlo(*request, palette); };
   return command;

@@ -94,7 +94,7 @@ std::function<void(const std::string&)> Request::listener() const {
 }
 
 void add_scene_options(Command& command, Request& request) {
-  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required}).ending = "toml";
+  command.add({"SCENE", &request.scene, "", "Scene file (TOML)", Presence::required}).reads("toml");
   add_settings(command, request);
 }
 
@@ -108,15 +108,15 @@ void add_settings(Command& command, Request& request) {
 void add_output_options(Command& command, Request& request, const FileHelp& help) {
   request.command = command.name;
   command.request = &request;
-  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"}).ending =
-      "json";
-  if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv}).ending = "csv";
-  command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"}).ending = "md";
-  if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg}).ending = "svg";
+  command.add({"--json", &request.json, "FILE", "Write the result to FILE as JSON (keys: docs/json.md)"})
+      .writes("json");
+  if (!help.csv.empty()) command.add({"--csv", &request.csv, "FILE", help.csv}).writes("csv");
+  command.add({"--markdown", &request.markdown, "FILE", "Write the result to FILE as Markdown"}).writes("md");
+  if (!help.svg.empty()) command.add({"--svg", &request.svg, "FILE", help.svg}).writes("svg");
   command.add({"--html", &request.html, "FILE", "Write a page for the browser to FILE: one file, no network needed"})
-      .ending = "html";
-  command.add({"--quiet", &request.quiet, "", "Print the verdict and warnings only"});
-  command.add({"--verbose", &request.verbose, "", "Print all details"});
+      .writes("html");
+  command.add({"--quiet", &request.quiet, "", "Print the verdict and warnings only"}).use = Use::output;
+  command.add({"--verbose", &request.verbose, "", "Print all details"}).use = Use::output;
 }
 
 void add_seek_option(Command& command, std::string& seek) {
@@ -401,15 +401,14 @@ void add_experiment_options(Command& command, ExperimentRequest& request, std::v
     command
         .add({"EXPERIMENT", several, "",
               "Experiment file (TOML); of several, models of the same readings are\ncompared", Presence::required})
-        .ending = "toml";
+        .reads("toml");
   } else {
-    command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required}).ending =
-        "toml";
+    command.add({"EXPERIMENT", &request.common.scene, "", "Experiment file (TOML)", Presence::required}).reads("toml");
   }
   command
       .add({"--data", &request.data, "FILE",
             "Read this CSV file in place of the one that the experiment's\nruns name (all the same)"})
-      .ending = "csv";
+      .reads("csv");
   add_settings(command, request.common);
 }
 

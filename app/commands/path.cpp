@@ -337,7 +337,7 @@ Command path_command() {
       .add({"--beside", &request->beside, "OTHER",
             "Follow the same number in this scene file too: one chart, and the\ndifferences at the values of --at; "
             "several times"})
-      .ending = "toml";
+      .reads("toml");
   command.add({"--variant", &request->variants, "LABEL: SETTINGS",
                "The same with the scene changed: \"A: load.P=3, spring.S.stiffness=2\";\nseveral times"});
   add_proof_option(command, request->proof_seconds);

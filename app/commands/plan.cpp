@@ -69,7 +69,7 @@ Command plan_command() {
   command
       .add({"--experiment", &request->experiment.common.experiment, "FILE",
             "Write the experiment with the planned runs to FILE"})
-      .ending = "toml";
+      .writes("toml");
   add_output_options(command, request->experiment.common, {});
   command.run = [request](const Palette& palette) { return run_plan(*request, palette); };
   return command;

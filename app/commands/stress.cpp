@@ -168,7 +168,7 @@ Command stress_command() {
   command
       .add({"--catalogue", &request->catalogue, "DIR",
             "Folder of the catalogue (datasets/hard, or Poise's own); its\nformat: docs/hard-cases.md"})
-      .ending = "/";
+      .reads("/");
   command
       .add({"--methods", &request->methods, "NAMES",
             "all (the default), or names with commas between\n" + method_help()})

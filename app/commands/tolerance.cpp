@@ -68,7 +68,7 @@ Command tolerance_command() {
   command
       .add({"--tolerances", &request->tolerances, "FILE",
             "Half widths of numbers: [tolerances] with lines like \"point.*\" = 0.1", Presence::required})
-      .ending = "toml";
+      .reads("toml");
   add_quantities_option(command, request->of);
   command.add({"--samples", &request->samples, "N", "Draw N samples (100000); 0: first and second order only"});
   command.add({"--seed", &request->seed, "N", "Seed of the samples (1)"});

@@ -74,7 +74,7 @@ Command validate_command() {
             "Result of poise identify --json FILE: its estimates are taken as\nthey "
             "are, by the names of the unknowns",
             Presence::required})
-      .ending = "json";
+      .reads("json");
   command
       .add({"--starts", &request->starts, "WHAT",
             "fitted: start and equilibrium of every run are fitted to its record\n(the default); measured: starts "

@@ -48,7 +48,7 @@ Command view_command() {
   command
       .add(
           {"SCENE", &request->scene, "", "Scene file (TOML); one that is not there yet, or none, opens an empty sheet"})
-      .ending = "toml";
+      .reads("toml");
   command.add({"--port", &request->port, "N", "Port of 127.0.0.1 to listen on (0, the default: any that is free)"});
   command.add({"--frame-origin", &request->frame_origin, "ORIGIN",
                "Let pages of this origin, \"http://localhost:8888\", say, show the scene in a frame\n"

@@ -101,27 +101,12 @@ std::shared_ptr<CalledOutcome> call_command(const std::string& command, const st
   return std::make_shared<CalledOutcome>(CalledOutcome{std::move(caller.outcome), caller.interrupt});
 }
 
-const char* kind_of(const app::Option& option) {
-  struct Kinds {
-    const char* operator()(const bool*) const { return "flag"; }
-    const char* operator()(const int*) const { return "whole number"; }
-    const char* operator()(const std::uint64_t*) const { return "whole number"; }
-    const char* operator()(const double*) const { return "number"; }
-    const char* operator()(const std::string*) const { return "text"; }
-    const char* operator()(const std::vector<std::string>*) const { return "list"; }
-    const char* operator()(const std::optional<int>*) const { return "whole number"; }
-    const char* operator()(const std::optional<double>*) const { return "number"; }
-    const char* operator()(const std::optional<std::string>*) const { return "text"; }
-  };
-  return std::visit(Kinds{}, option.target);
-}
-
 py::list table_of_commands() {
   py::list out;
   for (const app::CommandEntry& entry : app::all_commands()) {
     py::list options;
     for (const app::Option& option : entry.command.options) {
-      options.append(py::dict(py::arg("name") = option.name, py::arg("kind") = kind_of(option),
+      options.append(py::dict(py::arg("name") = option.name, py::arg("kind") = app::kind_of(option),
                               py::arg("value") = option.value, py::arg("help") = option.help,
                               py::arg("required") = option.presence == app::Presence::required));
     }
