@@ -142,8 +142,9 @@ export class Picture {
     this.fitSlots(drawing.slots);
     this.keys = [];
     this.state = null;
-    if (resized) this.look({x: 0, y: 0, width: drawing.width, height: drawing.height});
+    // First the frame: until then the texts are those of the drawing before, in styles of this one.
     this.frame(k);
+    if (resized) this.look({x: 0, y: 0, width: drawing.width, height: drawing.height});
   }
 
   /// Shows frame k.
