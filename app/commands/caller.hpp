@@ -33,6 +33,7 @@ struct Outcome {
 struct Caller {
   std::shared_ptr<const Scene> scene{};                      ///< in place of the file SCENE; null: that is read
   bool wants_pictures = false;                               ///< they may take longer than the work
+  bool wants_svg = true;                                     ///< of these also the one for files
   std::function<void(const std::string& doing)> listener{};  ///< told what is being done, by any thread
   std::atomic<bool> interrupt = false;                       ///< raised by the caller to stop the work
   Outcome outcome{};

@@ -76,7 +76,8 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
 }
 
 bool OutputFiles::wants_svg() const {
-  return outputs_[Form::svg].file.has_value() || (caller_ != nullptr && caller_->wants_pictures && has_plotter());
+  return outputs_[Form::svg].file.has_value() ||
+         (caller_ != nullptr && caller_->wants_pictures && caller_->wants_svg && has_plotter());
 }
 
 bool OutputFiles::wants_html() const {

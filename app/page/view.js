@@ -12,6 +12,7 @@ import {NumbersPanel, SwitchesPanel} from './view_numbers.js';
 import {TextPanel} from './view_text.js';
 import {OthersPanel} from './view_others.js';
 import {DrawingTools, ItemsPanel} from './view_draw.js';
+import {RunPanel} from './view_run.js';
 
 const times_kept = 1000;
 // How long a note stays, ms, after what it tells of.
@@ -143,6 +144,13 @@ class LiveView {
     this.items = new ItemsPanel(ask);
     this.text = new TextPanel(ask, () => this.showSaved());
     this.others = new OthersPanel(this.moving.picture, palette, ask);
+    const look = (request) => this.program.aside(request);
+    this.run = new RunPanel(palette, {
+      tell: (request) => this.program.aside(request, true),
+      look,
+      shown: () => this.state,
+      prepare: () => this.applyText(),
+    });
     this.forces = element('div', {class: 'forces'});
     this.bars = new Bars();
     this.footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`, (this.speed = element('span')));
@@ -154,6 +162,7 @@ class LiveView {
         {name: 'items', title: 'Items', content: this.items.element},
         {name: 'forces', title: 'Forces', content: this.forces},
         {name: 'others', title: 'Other equilibria', content: this.others.element},
+        {name: 'run', title: 'Run', content: this.run.element},
         {name: 'text', title: 'Scene text', content: this.text.element},
       ],
       (name) => this.opened(name)
@@ -378,6 +387,7 @@ class LiveView {
       this.numbers.update(state.numbers);
       this.switches.update(state.switches);
       this.items.update(state.items);
+      this.run.update(state);
       this.drawing.update(state.sheet);
       // The next poll may already tell of another change.
       if (['save', 'reload'].includes(wish?.request.do)) this.file_state = 'same';
@@ -447,6 +457,7 @@ class LiveView {
 
   opened(name) {
     if (name === 'forces') this.fillForces();
+    if (name === 'run') this.run.open();
     if (name === 'text') requestAnimationFrame(() => this.text.scrolled());
   }
 
@@ -533,6 +544,13 @@ class LiveView {
       return;
     }
     this.ask({do: 'save'});
+  }
+
+  /// Sends edits of the text to the program; false where it cannot be read.
+  applyText() {
+    if (this.text.error) return false;
+    this.text.apply();
+    return true;
   }
 
   saveAnyway() {

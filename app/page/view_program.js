@@ -84,6 +84,13 @@ export class Program {
     }
   }
 
+  /// Asks for something that leaves the mechanism as it is, and returns the answer: at once, or after what was asked
+  /// before.
+  async aside(request, after = false) {
+    while (after && this.busy) await new Promise((done) => setTimeout(done, least_pause));
+    return this.fetched({...request, revision: this.revision});
+  }
+
   /// The present state as one page, for others.
   async shared() {
     const response = await fetch('page');

@@ -739,6 +739,19 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   return out;
 }
 
+/// The answer to a request that leaves the mechanism alone, in JSON; empty where it is none of these.
+std::string ViewSession::answer_beside(const json& request, const std::string& what) {
+  if (!PageCommands::takes(what)) return "";
+  ShownScene shown{.text = {}, .file = file_, .has_file = has_file_, .is_saved = true, .revision = now_.revision};
+  if (what == "run") {
+    expect_present(request);
+    shown.text = present_text();
+    shown.is_saved = has_file_ && shown.text == now_.saved_text && text_on_disk() == now_.on_disk;
+    read(shown.text);  // names no file that the page may not read
+  }
+  return commands_.answer(request, shown);
+}
+
 /// The state in JSON with its drawing.
 std::string ViewSession::answered(const std::string& what, const json& request, json& out) {
   if (what != "look") expect_present(request);
@@ -783,6 +796,7 @@ std::string ViewSession::act(const json& request) {
   };
   try {
     what = request.value("do", "");
+    if (const std::string beside = answer_beside(request, what); !beside.empty()) return beside;
     drawing = answered(what, request, out);
   } catch (const InputError& error) {
     refuse(error.what(), line_in(error.what(), file_.string()));

@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "app/view/other_equilibria.hpp"
+#include "app/view/page_commands.hpp"
 #include "app/view/screen.hpp"
 #include "app/view/shown_mechanism.hpp"
 #include "model/parameters.hpp"
@@ -89,6 +90,7 @@ class ViewSession {
   void allow_files_of(const std::string& text);
   Scene read(const std::string& text) const;
   void expect_present(const nlohmann::json& request) const;
+  std::string answer_beside(const nlohmann::json& request, const std::string& what);
   std::string answered(const std::string& what, const nlohmann::json& request, nlohmann::json& out);
   Transition carry_out(const std::string& what, const nlohmann::json& request);
   Scene effective(Scene scene) const;
@@ -142,6 +144,7 @@ class ViewSession {
   State now_;
   long searched_ = 0;  ///< revision whose other equilibria are looked for
   OtherEquilibria others_;
+  PageCommands commands_;
 };
 
 }  // namespace poise::app

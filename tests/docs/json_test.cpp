@@ -877,6 +877,19 @@ TEST(JsonDocs, View) {
     state = Json::parse(session.act(asked));
     check(state);
   }
+  const auto answer = [&](nlohmann::json asked) {
+    asked["revision"] = state["revision"].get<long>();
+    Json out = Json::parse(session.act(asked));
+    Json shown = out;
+    if (shown["run"].is_object() && shown["run"].contains("page")) shown["run"]["page"] = nullptr;  // as in ThePage
+    Checker(keys).check(shown, {});
+    return out;
+  };
+  answer({{"do", "commands"}});
+  const auto sought = nlohmann::json::array({{"--method", "energy"}});
+  Json run = answer({{"do", "run"}, {"command", "solve"}, {"options", sought}});
+  while (run["run"]["state"] == "running") run = answer({{"do", "result"}});
+  answer({{"do", "result"}, {"html", true}});
   expect_all_written(keys, Shared::some);
 }
 

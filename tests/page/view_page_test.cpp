@@ -373,7 +373,8 @@ TEST_F(ViewPage, FitsATelephoneAndTheKeyboard) {
   show("toggle_clamp");
   EXPECT_EQ(browser().run("return document.documentElement.dataset.theme"), "dark");
   EXPECT_LE(browser().run("return document.documentElement.scrollWidth - innerWidth"), 0) << "wider than the window";
-  for (const char* panel : {"switches", "items", "forces", "others", "text", "numbers"}) {
+  for (const char* panel : {"switches", "items", "forces", "others", "run", "text", "numbers"}) {
+    if (std::string(panel) == "text") browser().wait_for("document.querySelector('.run form')");
     browser().run("document.querySelector('[role=tab][aria-selected=true]').focus()");
     browser().type({"ArrowRight"});
     EXPECT_EQ(browser().run("return document.activeElement.id"), std::string("tab-") + panel);
@@ -530,6 +531,78 @@ TEST_F(ViewPage, SaysThatTheProgramHasEnded) {
   end();
   EXPECT_EQ(exit_code_, 0);
   EXPECT_TRUE(browser().wait_for("/program has ended/i.test(document.body.innerText)"));
+}
+
+/// Numbers of the page's result and of a file of --json at places in both.
+void expect_equal_at(const json& page, const json& file, const std::vector<std::string>& places) {
+  for (const std::string& place : places) {
+    const json::json_pointer at(place);
+    const double value = file.at(at);
+    // A page has nine digits.
+    EXPECT_NEAR(page.at(at).get<double>(), value, 1e-8 * std::abs(value)) << place;
+  }
+}
+
+TEST_F(ViewPage, CommandsRunBesideTheDrawing) {
+  show("toggle_clamp");
+  browser().run("document.querySelector('#tab-run').click()");
+  ASSERT_TRUE(browser().wait_for("document.querySelector('#run-command').value === 'path'"));
+  const auto ran = [&](const std::string& command) {
+    EXPECT_TRUE(browser().wait_for("document.querySelector('.run-result h3')?.textContent === 'Result of " + command +
+                                   "' && document.querySelector('.run').dataset.state === 'done'"));
+    return ask({{"do", "result"}})["run"];
+  };
+  // Filled in by the page: the load of the scene over a range about its value.
+  EXPECT_EQ(browser().run("return document.querySelector('[data-option=\"--vary\"] input').value"), "load.P=0..50");
+  browser().run("document.querySelector('[data-option=\"--vary\"] input').value = 'load.P=0..60'");
+  browser().run("document.querySelector('.run-start').click()");
+  const json path = ran("path");
+  EXPECT_EQ(path["line"], "poise path " + file_ + " --vary load.P=0..60");
+  const std::string out = folder_.path("out.json").string();
+  EXPECT_EQ(run_poise({"path", file_, "--vary", "load.P=0..60", "--json", out}).exit_code,
+            path["page"]["verdict"]["tone"] == "good" ? 0 : 1);
+  const json of_path = json::parse(contents(out));
+  ASSERT_EQ(path["page"]["result"]["points"].size(), of_path["points"].size());
+  std::vector<std::string> places;
+  for (std::size_t k = 0; k < of_path["points"].size(); ++k)
+    places.push_back("/points/" + std::to_string(k) + "/angles/handle");
+  for (std::size_t k = 0; k < of_path["events"].size(); ++k)
+    places.push_back("/events/" + std::to_string(k) + "/parameter");
+  expect_equal_at(path["page"]["result"], of_path, places);
+  EXPECT_EQ(browser().run("return document.querySelector('.run-result .verdict > span:last-child').textContent"),
+            path["page"]["verdict"]["text"]);
+  EXPECT_EQ(browser().run("return document.querySelectorAll('.run-result .chart').length > 0"), true);
+
+  browser().run(
+      "const choice = document.querySelector('#run-command'); choice.value = 'equilibria';"
+      "choice.dispatchEvent(new Event('change')); document.querySelector('.run-start').click()");
+  const json set = ran("equilibria");
+  run_poise({"equilibria", file_, "--json", out});
+  const json of_set = json::parse(contents(out));
+  ASSERT_EQ(set["page"]["result"]["equilibria"].size(), 3U);
+  expect_equal_at(set["page"]["result"], of_set,
+                  {"/equilibria/0/angles/handle", "/equilibria/1/angles/handle", "/equilibria/2/angles/handle",
+                   "/equilibria/0/energy", "/equilibria/1/energy", "/equilibria/2/energy"});
+
+  EXPECT_EQ(browser().run("return document.querySelector('.run-stale').hidden"), true);
+  browser().run(
+      "const field = document.querySelector('[data-number=\"load.P\"] input[type=number]');"
+      "field.value = 30; field.dispatchEvent(new Event('change', {bubbles: true}));");
+  EXPECT_TRUE(browser().wait_for("!document.querySelector('.run-stale').hidden"));
+  browser().run("document.querySelector('.run-stale button').click()");
+  EXPECT_TRUE(browser().wait_for("document.querySelector('.run-stale').hidden"));
+  EXPECT_EQ(ran("equilibria")["text"], ask({{"do", "look"}})["text"]);
+
+  // What is wrong is said in one line, and nothing else is lost.
+  browser().run(
+      "const choice = document.querySelector('#run-command'); choice.value = 'path';"
+      "choice.dispatchEvent(new Event('change'));"
+      "document.querySelector('[data-option=\"--vary\"] input').value = 'load.Q=0..60';"
+      "document.querySelector('.run-start').click()");
+  EXPECT_TRUE(browser().wait_for("!document.querySelector('.run > .text-error').hidden"));
+  EXPECT_EQ(browser().run("return document.querySelector('.run > .text-error').textContent").get<std::string>() + "\n",
+            run_poise({"path", file_, "--vary", "load.Q=0..60"}).err);
+  expect_silence();
 }
 
 }  // namespace
