@@ -13,6 +13,7 @@ import {TextPanel} from './view_text.js';
 import {OthersPanel} from './view_others.js';
 import {DrawingTools, ItemsPanel} from './view_draw.js';
 import {RunPanel} from './view_run.js';
+import {TemplatesDialog} from './view_templates.js';
 
 const times_kept = 1000;
 // How long a note stays, ms, after what it tells of.
@@ -151,6 +152,8 @@ class LiveView {
       shown: () => this.state,
       prepare: () => this.applyText(),
     });
+    this.templates = new TemplatesDialog(palette, look, (text) => this.takeTemplate(text));
+    this.begin.append(button('Start from a template', () => this.templates.open()));
     this.forces = element('div', {class: 'forces'});
     this.bars = new Bars();
     this.footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`, (this.speed = element('span')));
@@ -210,14 +213,8 @@ class LiveView {
       element(
         'div',
         {class: 'titles'},
-        element('h1', {}, this.page.title || 'poise view'),
-        element(
-          'p',
-          {class: 'source'},
-          element('span', {class: 'file'}, this.state.file ?? ''),
-          this.unsaved_mark,
-          this.page.source ? ` · Source: ${this.page.source}` : null
-        )
+        this.title,
+        element('p', {class: 'source'}, element('span', {class: 'file'}, this.state.file ?? ''), this.unsaved_mark, this.source)
       ),
       element(
         'div',
@@ -226,6 +223,7 @@ class LiveView {
         this.redo_button,
         this.save_button,
         menu('File', button('Save as …', () => this.saveAs()), this.share_button, this.reload_button),
+        button('Templates', () => this.templates.open()),
         themeChoice()
       )
     );
@@ -241,6 +239,15 @@ class LiveView {
     this.status = element('p', {class: 'status', role: 'status', 'aria-live': 'polite'});
     this.computing = element('p', {class: 'hint', role: 'status', hidden: true}, 'The program is computing …');
     this.warnings = element('div');
+    this.begin = element('p', {class: 'begin', hidden: true});
+    this.title = element('h1');
+    this.source = element('span');
+  }
+
+  showTitle() {
+    const {title, source} = this.state;
+    this.title.textContent = title || 'poise view';
+    this.source.textContent = source ? `· Source: ${source}` : '';
   }
 
   main() {
@@ -271,6 +278,7 @@ class LiveView {
           'section',
           {class: 'live-finding', 'aria-label': 'Finding'},
           this.verdict,
+          this.begin,
           element(
             'div',
             {class: 'live-lines'},
@@ -387,6 +395,8 @@ class LiveView {
       this.numbers.update(state.numbers);
       this.switches.update(state.switches);
       this.items.update(state.items);
+      this.begin.hidden = state.items.length > 0;
+      this.showTitle();
       this.run.update(state);
       this.drawing.update(state.sheet);
       // The next poll may already tell of another change.
@@ -528,7 +538,7 @@ class LiveView {
     if (!this.unsaved_mark) return;
     const {unsaved} = this;
     this.unsaved_mark.hidden = !unsaved;
-    const title = this.page.title || 'poise view';
+    const title = this.state.title || 'poise view';
     document.title = unsaved ? `• ${title}` : title;
   }
 
@@ -551,6 +561,11 @@ class LiveView {
     if (this.text.error) return false;
     this.text.apply();
     return true;
+  }
+
+  takeTemplate(text) {
+    this.text.revert();
+    this.ask({do: 'text', text, fit: true});
   }
 
   saveAnyway() {

@@ -20,6 +20,7 @@
 #include "app/terminal/output_file.hpp"
 #include "app/view/drawing_tools.hpp"
 #include "app/view/parked_items.hpp"
+#include "app/view/templates.hpp"
 #include "model/dependent_number.hpp"
 #include "model/named_files.hpp"
 #include "model/nearest_name.hpp"
@@ -711,7 +712,11 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   if (what == "load") return do_load(request);
   if (what == "set") return do_set(request);
   if (what == "switch") return do_switch(request);
-  if (what == "text") return do_text(request.at("text").get<std::string>());
+  if (what == "text") {
+    Transition out = do_text(request.at("text").get<std::string>());
+    if (request.value("fit", false)) now_.screen = std::make_shared<Screen>(now_.shown);
+    return out;
+  }
   if (what == "go") return do_go(request);
   if (what == "draw") return do_draw(request);
   if (what == "place") return do_place(request);
@@ -741,6 +746,11 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
 
 /// The answer to a request that leaves the mechanism alone, in JSON; empty where it is none of these.
 std::string ViewSession::answer_beside(const json& request, const std::string& what) {
+  if (what == "templates") {
+    json out = answer_templates(request);
+    out["revision"] = now_.revision;
+    return out.dump(-1, ' ', false, json::error_handler_t::replace);
+  }
   if (!PageCommands::takes(what)) return "";
   ShownScene shown{.text = {}, .file = file_, .has_file = has_file_, .is_saved = true, .revision = now_.revision};
   if (what == "run") {
@@ -875,6 +885,8 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
   out["sheet"] = sheet();
   out["position"] = position();
   out["missing"] = now_.shown.missing();
+  out["title"] = title();
+  out["source"] = now_.scene.source;
   out["text"] = present_text();
   out["file"] = file_.filename().string();
   out["has_file"] = has_file_;

@@ -886,6 +886,8 @@ TEST(JsonDocs, View) {
     return out;
   };
   answer({{"do", "commands"}});
+  answer({{"do", "templates"}});
+  answer({{"do", "templates"}, {"name", "latch"}});
   const auto sought = nlohmann::json::array({{"--method", "energy"}});
   Json run = answer({{"do", "run"}, {"command", "solve"}, {"options", sought}});
   while (run["run"]["state"] == "running") run = answer({{"do", "result"}});

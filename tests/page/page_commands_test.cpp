@@ -1,10 +1,11 @@
-// Commands that a person runs in the page of `poise view`, without a browser.
+// Commands that a person runs in the page of `poise view`, and the mechanisms to begin with, without a browser.
 #include "app/view/page_commands.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,8 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/commands.hpp"
+#include "app/view/templates.hpp"
 #include "app/view/view_session.hpp"
 #include "model/scene.hpp"
+#include "statics/equilibrium/named_equilibrium.hpp"
 #include "tests/app/run_poise.hpp"
 
 namespace poise::app::page_commands_test {
@@ -204,6 +207,38 @@ TEST_F(PageCommandsOf, ASketchSayWhatIsMissing) {
   const json run = ran(session, "solve", json::array());
   EXPECT_EQ(run["state"], "failed");
   EXPECT_NE(run["error"].get<std::string>().find("expected"), std::string::npos) << run["error"];
+}
+
+TEST_F(PageCommandsOf, TemplatesAreTheDatasetsAtRest) {
+  ViewSession session(new_scene());
+  const json list = asked(session, {{"do", "templates"}})["templates"];
+  EXPECT_EQ(list.size(), scene_templates().size());
+  EXPECT_GE(list.size(), 14U);
+  std::set<std::string> names;
+  for (const SceneTemplate& one : scene_templates()) {
+    SCOPED_TRACE(one.name);
+    names.emplace(one.name);
+    const std::string file(one.file);
+    EXPECT_EQ(one.text, contents(dataset(file.substr(0, file.find(".toml")))));
+    const json answer = asked(session, {{"do", "templates"}, {"name", one.name}});
+    EXPECT_GT(answer["drawing"]["shapes"].size(), 5U);
+    const json state = asked(session, {{"do", "text"}, {"text", answer["text"]}, {"fit", true}});
+    ASSERT_EQ(error_of(state), "");
+    const NamedEquilibrium found = solve(parse_scene(one.text, file));
+    ASSERT_TRUE(found.found()) << found.result().why;
+    const Scene& scene = session.tracked().scene();
+    EXPECT_EQ(state["title"], scene.title);
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      EXPECT_NEAR(std::remainder(found.angle(scene.bodies[i].name) - session.tracked().poses()[i].angle, 2 * M_PI), 0.0,
+                  1e-9)
+          << scene.bodies[i].name;
+    }
+    const json undone = asked(session, {{"do", "undo"}});
+    EXPECT_NE(undone["text"], state["text"]);
+  }
+  EXPECT_EQ(names.size(), scene_templates().size()) << "names are unique";
+  EXPECT_NE(error_of(asked(session, {{"do", "templates"}, {"name", "lampe"}})).find("did you mean \"lamp\"?"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -605,5 +605,37 @@ TEST_F(ViewPage, CommandsRunBesideTheDrawing) {
   expect_silence();
 }
 
+TEST_F(ViewPage, EveryTemplateOpensWhereTheCommandLineFindsIt) {
+  // Narrow, so that texts are enlarged and those that overlap left out, of one drawing after the other.
+  browser().emulate({.width = 400, .height = 800, .less_motion = true});
+  show_file(folder_.path("drawn.toml"));
+  // An empty sheet offers them.
+  browser().run("document.querySelector('.begin button').click()");
+  ASSERT_TRUE(browser().wait_for("document.querySelectorAll('.templates [data-template] svg').length >= 14"));
+  const std::vector<std::string> names =
+      browser().run("return [...document.querySelectorAll('[data-template]')].map(one => one.dataset.template)");
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    browser().run("document.querySelector(`[data-template='${arguments[0]}']`).click()", {name});
+    drawn();
+    EXPECT_EQ(browser().run("return document.querySelector('.templates').open"), false);
+    const json whole = ask({{"do", "look"}});
+    EXPECT_EQ(browser().run("return document.querySelector('h1').textContent"), whole["title"]);
+    EXPECT_EQ(browser().run("return document.body.dataset.confirmed"), "true");
+    const json found =
+        found_by_command_line(browser().run("const request = new XMLHttpRequest(); request.open('POST', 'do', false);"
+                                            "request.send(JSON.stringify({do: 'templates', name: arguments[0]}));"
+                                            "return JSON.parse(request.responseText).text",
+                                            {name}),
+                              {});
+    EXPECT_LT(farthest(shown_in(whole), found["angles"]), 1e-9);
+    EXPECT_LT(farthest(shown_in(whole), found["slides"]), 1e-9);
+    expect_silence();
+  }
+  browser().run("document.querySelector('.page-buttons button').click()");
+  drawn();
+  EXPECT_NE(ask({{"do", "look"}})["title"], "Landing gear, down and locked") << "undo takes a template back";
+}
+
 }  // namespace
 }  // namespace poise::page_tests::view_page_test
