@@ -247,7 +247,7 @@ class LiveView {
   showTitle() {
     const {title, source} = this.state;
     this.title.textContent = title || 'poise view';
-    this.source.textContent = source ? `· Source: ${source}` : '';
+    this.source.textContent = source ? `Source: ${source}` : '';
   }
 
   main() {
