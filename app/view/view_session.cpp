@@ -806,7 +806,7 @@ std::string ViewSession::act(const json& request) {
   };
   try {
     what = request.value("do", "");
-    if (const std::string beside = answer_beside(request, what); !beside.empty()) return beside;
+    if (std::string beside = answer_beside(request, what); !beside.empty()) return beside;
     drawing = answered(what, request, out);
   } catch (const InputError& error) {
     refuse(error.what(), line_in(error.what(), file_.string()));

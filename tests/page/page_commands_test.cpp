@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -70,7 +71,7 @@ void gather(const json& document, const std::string& place, std::map<std::string
   if (!document.is_structured()) return;
   for (const auto& [key, value] : document.items()) {
     if (key.find("seconds") == std::string::npos && key.find("time") == std::string::npos)
-      gather(value, place + "/" + key, out);
+      gather(value, fmt::format("{}/{}", place, key), out);
   }
 }
 
