@@ -75,6 +75,7 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_path_ratios
 	$(BUILD)/benchmarks/poise_design_cost
 	$(BUILD)/benchmarks/poise_many
+	$(BUILD)/benchmarks/poise_page_latency
 	$(BUILD)/benchmarks/poise_benchmarks --benchmark_min_time=0.1 $(ARGS)
 	PYTHONPATH=$(BUILD)/python /usr/bin/python3 benchmarks/python_calls.py
 	$(MAKE) figures PRESET=$(PRESET)

@@ -52,9 +52,11 @@ endif()
 if(POISE_BUILD_APP OR POISE_BUILD_PYTHON OR POISE_BUILD_BENCHMARKS)
   find_package(nlohmann_json 3.11 REQUIRED)                                         # apt: nlohmann-json3-dev
 endif()
-if(POISE_BUILD_TESTS)
+if(POISE_BUILD_TESTS OR POISE_BUILD_BENCHMARKS)
   # Clients of the server of `poise view`.
   pkg_check_modules(HttpLib REQUIRED IMPORTED_TARGET cpp-httplib)                   # apt: libcpp-httplib-dev
+endif()
+if(POISE_BUILD_TESTS)
   find_package(GTest 1.12 REQUIRED)                                                 # apt: libgtest-dev
   # Of the Python module: its tests, types, notebooks, and installing it into a virtual environment.
   # apt: python3-pytest mypy python3-nbconvert python3-ipykernel python3-venv python3-setuptools python3-wheel

@@ -43,6 +43,15 @@ function median(values) {
   return sorted[Math.floor(sorted.length / 2)];
 }
 
+// Calls back when the next frame has been painted: a message waits until then.
+function whenPainted(then) {
+  requestAnimationFrame(() => {
+    const channel = new MessageChannel();
+    channel.port1.onmessage = then;
+    channel.port2.postMessage(null);
+  });
+}
+
 // A list of tabs with their panels; the arrow keys go from one to the next.
 class Tabs {
   constructor(label, tabs, opened) {
@@ -340,9 +349,8 @@ class LiveView {
     if (this.moving.playing) {
       played = true;
       this.program.pause();
-    } else if (wish.time !== null) {
-      this.addTime(performance.now() - wish.time, answer.server_ms);
     }
+    if (wish.time !== null) whenPainted(() => this.addTime(performance.now() - wish.time, answer.server_ms));
   }
 
   // One position must not take the place of another without a word.

@@ -1,0 +1,126 @@
+// Time from an event of the pointer in a live page (`poise view`) to the frame of the browser that shows its
+// equilibrium: points are dragged, and sliders of numbers moved. The browser measures; a frame is painted at most
+// every 16.7 ms, so that an answer without delay takes 8 ms on average.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/view/background_view.hpp"
+#include "model/scene_text.hpp"
+#include "model/text_file.hpp"
+#include "tests/support/browser.hpp"
+
+namespace {
+
+using nlohmann::json;
+using poise::test::Browser;
+
+constexpr int moves = 40;               // of a drag, and of a slider
+constexpr std::size_t most_points = 8;  // that are dragged, of one mechanism
+
+/// Links of 100 mm that hang between two points, each with its weight, on a circular arc at first.
+std::string hanging_chain(int links) {
+  constexpr double half_turn = 1.1311;  // rad: sin(t) / t is 0.8, the span over the length
+  std::string out = fmt::format(
+      "title = \"Chain\"\ngravity = [0, -9810]\n[units]\nlength = \"mm\"\nangle = \"rad\"\n[ground]\n"
+      "points = {{ L = [0, 0], R = [{}, 0] }}\n",
+      80 * links);
+  std::string start = "[start]\n";
+  for (int k = 0; k < links; ++k) {
+    out += fmt::format("[body.link{}]\npoints = {{ a = [0, 0], b = [100, 0] }}\nmass = 1\ncenter = [50, 0]\n", k);
+    start += fmt::format("link{} = {:.5f}\n", k, half_turn * ((2.0 * k + 1) / links - 1));
+  }
+  for (int k = 0; k <= links; ++k) {
+    out += fmt::format("[[pin]]\npoints = [\"{}\", \"{}\"]\n", k == 0 ? "ground.L" : fmt::format("link{}.b", k - 1),
+                       k == links ? "ground.R" : fmt::format("link{}.a", k));
+  }
+  return out + start;
+}
+
+/// No file, beside which a draft would be written.
+poise::app::ViewedScene in_memory(const std::string& text) {
+  const std::string name = "scene.toml";
+  return poise::app::SceneInMemory{poise::parse_sketch(text, name), text, name};
+}
+
+void print(const std::string& name, const char* what, const json& times) {
+  for (const char* const part : {"total", "server"}) {
+    std::vector<double> sorted;
+    for (const json& time : times) sorted.push_back(time[part]);
+    if (sorted.empty()) return;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t n = sorted.size();
+    std::printf("%-16s %-10s %-22s %5zu %8.1f %8.1f %8.1f\n", name.c_str(), what,
+                part == std::string("total") ? "event to frame" : "of it the program", n, sorted[n / 2],
+                sorted[static_cast<std::size_t>(0.99 * static_cast<double>(n - 1))], sorted.back());
+  }
+}
+
+json times_of(Browser& browser) {
+  browser.wait_for("!document.querySelector('.stage.moving')");
+  return browser.run("return new Promise(done => setTimeout(() => done(window.poiseTimes.splice(0)), 300))");
+}
+
+void drag_points(Browser& browser) {
+  const json points = browser.run(
+      "return [...document.querySelectorAll('[data-handle=point]')].map(one => { const box = "
+      "one.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2] })");
+  for (std::size_t p = 0; p < std::min(points.size(), most_points); ++p) {
+    const double x = points[p][0], y = points[p][1];
+    browser.press(x, y);
+    // To the side and back in a circle, so that it ends where it began.
+    for (int k = 1; k <= moves; ++k) {
+      const double turn = 2 * M_PI * k / moves;
+      browser.move(x + 40 * std::sin(turn), y + 40 * (1 - std::cos(turn)));
+    }
+    browser.let_go();
+    browser.wait_for("!document.querySelector('.stage.moving')");
+  }
+}
+
+void move_sliders(Browser& browser) {
+  browser.run(
+      "const moves = arguments[0]; const sliders = [...document.querySelectorAll('.panel input[type=range]')];"
+      "const pause = () => new Promise(done => setTimeout(done, 30));"
+      "return (async () => { for (const one of sliders.slice(0, 12)) { const begin = Number(one.value);"
+      "  const far = 0.05 * (Number(one.max) - Number(one.min));"
+      "  for (let k = 1; k <= moves; ++k) { one.value = begin + far * Math.sin(2 * Math.PI * k / moves);"
+      "    one.dispatchEvent(new Event('input', {bubbles: true})); await pause(); }"
+      "  one.dispatchEvent(new Event('change', {bubbles: true})); await pause(); } })()",
+      {moves});
+}
+
+}  // namespace
+
+int main() {
+  if (const std::string why = Browser::missing(); !why.empty()) {
+    std::printf("not measured: %s\n", why.c_str());
+    return 0;
+  }
+  const std::filesystem::path datasets = std::filesystem::path(POISE_SOURCE_DIR) / "datasets";
+  std::vector<std::pair<std::string, poise::app::ViewedScene>> scenes;
+  for (const char* const name : {"toggle_clamp", "excavator", "lift"})
+    scenes.emplace_back(name, in_memory(poise::read_text_file(datasets / (std::string(name) + ".toml"))));
+  scenes.emplace_back("chain of 20", in_memory(hanging_chain(20)));
+  Browser browser;
+  std::printf("%-16s %-10s %-22s %5s %8s %8s %8s\n", "ms", "", "", "n", "median", "99 %", "largest");
+  for (auto& [name, scene] : scenes) {
+    poise::app::BackgroundView view(std::move(scene));
+    browser.open(view.address());
+    browser.wait_for("document.body.dataset.revision !== undefined");
+    times_of(browser);
+    drag_points(browser);
+    print(name, "drags", times_of(browser));
+    move_sliders(browser);
+    print(name, "numbers", times_of(browser));
+    browser.open("about:blank");
+  }
+}
