@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 #include <random>
-#include <source_location>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -158,9 +157,9 @@ class ViewPage : public testing::Test {
   }
 
   /// Waits until a change is shown that was asked for after the one before.
-  void drawn(std::source_location from = std::source_location::current()) {
+  void drawn(int line = __builtin_LINE()) {
     EXPECT_TRUE(browser().wait_for("Number(document.body.dataset.revision) > " + std::to_string(revision_), 20.0))
-        << "line " << from.line() << ": " << browser().run("return document.querySelector('.status').textContent");
+        << "line " << line << ": " << browser().run("return document.querySelector('.status').textContent");
     EXPECT_TRUE(browser().wait_for("!document.querySelector('.stage.moving')"));
     revision_ = revision();
   }
