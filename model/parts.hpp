@@ -23,6 +23,11 @@
 
 namespace poise {
 
+namespace parts {
+class Expander;
+class Placing;
+}  // namespace parts
+
 /// A use of a part's file.
 struct PartUse : TomlPart {
   /// In front of the names of the numbers that all uses of the file share: "stage". Empty of what no such file has.
@@ -71,7 +76,8 @@ class PartedDocument {
   Units& units() { return own_.units; }
 
  private:
-  friend class PartExpander;
+  friend class parts::Expander;
+  friend class parts::Placing;
 
   toml::table document_;
   PartUse own_;  // the scene's own file

@@ -1,0 +1,176 @@
+#pragma once
+
+// A part of a scene on its way into the document that has it (model/parts.hpp). Private to model/.
+
+#include <algorithm>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "model/part_amount.hpp"
+#include "model/parts.hpp"
+
+namespace poise::parts {
+
+constexpr std::string_view fixed_frame = "ground";
+
+inline std::string* text_in(toml::table& table, std::string_view key) {
+  toml::value<std::string>* const value = table.get_as<std::string>(key);
+  return value != nullptr ? &value->get() : nullptr;
+}
+
+inline toml::array* list_in(toml::table& table, std::string_view key) { return table.get_as<toml::array>(key); }
+
+inline toml::table* table_in(toml::table& table, std::string_view key) { return table.get_as<toml::table>(key); }
+
+/// The table under a key, which is made where there is none; null where something else is there.
+toml::table* made_table(toml::table& in, std::string_view key);
+
+/// The tables of [[key]].
+std::vector<toml::table*> tables_in(toml::table& document, std::string_view key);
+
+/// Fails on two numbers of one name.
+[[noreturn]] void fail_number_taken(const TomlPlace& place, const std::string& name);
+
+/// A file that is being read: the scene's own, or that of a part.
+struct Level {
+  toml::table document;
+  Units units;
+  std::string name;  ///< in front of its items in the scene; empty of the scene's own
+  std::vector<PartUse*> uses;
+  TomlPlace place;
+};
+
+/// What a table [[part]] says.
+struct Group {
+  const TomlTable* table;
+  toml::table* written;
+  std::string name{}, number_scope{};
+  std::filesystem::path shown{}, file{};
+  bool mirrored = false, is_repeated = false;
+  double scale = 1.0, turn = 0.0;
+  int count = 1;
+  Place at{}, step{};
+  Amount angle{};
+  std::string on{};
+  std::map<std::string, std::string> join{}, join_next{};
+  std::vector<std::string> instances{};
+  toml::table* numbers = nullptr;
+};
+
+/// What all parts of a document have in common.
+struct Shared {
+  PartedDocument& out;
+  toml::table globals{};  ///< numbers of parts' files
+  std::size_t items = 0;  ///< of all parts
+};
+
+/// Brings one part, whose own parts are in their places, into the document that has it.
+class Placing {
+ public:
+  Placing(Shared& shared, Level& level, Level& part, const Group& group, int k, PartUse& use,
+          toml::source_region held_at)
+      : shared_(shared),
+        level_(level),
+        part_(part),
+        group_(group),
+        k_(k),
+        use_(use),
+        name_(group.instances.back()),
+        held_at_(std::move(held_at)) {}
+
+  void run();
+
+ private:
+  std::string named(const std::string& item) const { return name_ + "." + item; }
+  std::string frame() const { return named(std::string(fixed_frame)); }
+
+  // Where instance k is: each is a step and a turn behind the one before.
+  void find_place();
+
+  // Points of the part's ground that are points of other bodies.
+  void find_joined(const TomlTable& root);
+
+  // The names that numbers of the part have in the scene: a number that the part gives, or that follows from one, is
+  // its own, all others are those of the file.
+  void scope_numbers();
+
+  std::string scoped(const std::string& name) const;
+
+  void rename(toml::value<std::string>& expression) const;
+
+  // Expressions of a value, not of the names in it.
+  void rename_below(toml::node& node, std::string_view key) const;
+
+  void name_body(std::string& name);
+  void name_point(std::string& name);
+  void name_in(toml::table& table, std::string_view key, void (Placing::*give)(std::string&));
+  void name_joint(std::string& name) { name = named(name); }
+  void name_list(toml::table& table, std::string_view key, void (Placing::*give)(std::string&));
+
+  void negate(toml::node* node);
+  void mirror(toml::node* vector, std::size_t component = 1);
+  void mirror_number(toml::table& table, std::string_view key);
+  void mirror_curve(toml::table& table);
+  void exchange(toml::table& table, std::string_view key) const;
+  void mirror_turn(toml::table& table) const;
+
+  void transform_measure(toml::table& table);
+  void transform_rope(toml::table& table, std::string_view key);
+  // Loads that keep their direction in the world.
+  void turn_load(toml::table& table);
+
+  void transform(std::string_view key, toml::table& table, const TomlTable& place);
+  void transform_track(std::string_view key, toml::table& table, const TomlTable& place);
+  void exchange_ends(toml::table& table);
+  void move_marked(toml::node& from, toml::table& to, const toml::key& key);
+
+  void transform_body(toml::table& body, const TomlTable& place);
+  void transform_points(toml::table& owner);
+
+  std::string origin();
+
+  // The guesses, at the place of the part; those that the document has itself stay.
+  void add_start(const TomlTable& root);
+  Amount angle_of_base() const;
+  void guess(const toml::key& key, const Amount& value);
+  void add_positions(toml::table& positions);
+  // Bodies, under their names in the scene, that no slides and welds keep at an angle to a guess or to the ground:
+  // their guess is 0 in the part.
+  std::vector<std::string> free_bodies(const std::set<std::string>& guessed);
+
+  // The ground of the part as a body of the scene, where anything is fixed in it.
+  void add_ground(const TomlTable& root);
+  static toml::source_region key_source(const toml::table& table, std::string_view key);
+  // The point at which the part is held, of the ground or of a body.
+  void place_on(toml::table& bodies);
+
+  void append(std::string_view key, toml::table&& table);
+
+  void merge();
+  void count() const;
+
+  Shared& shared_;
+  Level& level_;
+  Level& part_;
+  const Group& group_;
+  int k_;
+  PartUse& use_;
+  std::string name_, origin_{};
+  toml::source_region held_at_;
+  toml::source_region source_{};  // of what the part brings that its file does not have
+  Place at_{};
+  Amount angle_{};
+  Direction direction_{};
+  std::map<std::string, std::string> joined_{}, scoped_{};
+  bool needs_frame_ = false;
+};
+
+}  // namespace poise::parts
