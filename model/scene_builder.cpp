@@ -35,6 +35,12 @@ namespace {
 
 toml::array pair_of(Vec2 v) { return toml::array{v.x, v.y}; }
 
+toml::array list_of(const std::vector<std::string>& words) {
+  toml::array list;
+  for (const std::string& word : words) list.push_back(word);
+  return list;
+}
+
 toml::array pairs_of(const std::vector<Vec2>& pairs) {
   toml::array rows;
   for (const Vec2& pair : pairs) rows.push_back(pair_of(pair));
@@ -209,11 +215,15 @@ struct SceneBuilder::Document {
     }
   }
 
-  /// use(value) with the value of a key, its pairs as a list.
+  /// use(value) with the value of a key, as a list where it is several.
   template <class Use>
   static void with_value(const Key& entry, Use use) {
     if (const auto* pairs = std::get_if<std::vector<Vec2>>(&entry.value)) {
       use(pairs_of(*pairs));
+    } else if (const auto* pair = std::get_if<Vec2>(&entry.value)) {
+      use(pair_of(*pair));
+    } else if (const auto* words = std::get_if<std::vector<std::string>>(&entry.value)) {
+      use(list_of(*words));
     } else if (const auto* flag = std::get_if<bool>(&entry.value)) {
       use(*flag);
     } else if (const auto* number = std::get_if<double>(&entry.value)) {
@@ -293,10 +303,15 @@ SceneBuilder& SceneBuilder::section(const std::string& body, const std::vector<K
     Document::with_value(key,
                          [&](auto value) { document_->add(section, path + ".section", key.name, std::move(value)); });
   }
-  toml::array points;
-  for (const std::string& point : line) points.push_back(point);
-  if (!line.empty()) document_->set(section, "line", std::move(points));
+  if (!line.empty()) document_->set(section, "line", list_of(line));
   document_->add(*owner, path, "section", std::move(section));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::part(const std::string& file, const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("part", name);
+  document_->set(table, "file", file);
+  document_->add_keys(table, "part", name, keys);
   return *this;
 }
 

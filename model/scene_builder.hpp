@@ -72,18 +72,21 @@ class SceneBuilder {
     double inertia = 0.0;  ///< about the centre of mass
   };
 
-  /// A key of a table of a scene file with its number, its word, which for a number is an expression, its flag, or its
-  /// pairs of numbers. A key of a table in that table has both names: {"gas.preload", 300}, {"force.curve", {{0, 0},
-  /// {10, 40}}}.
+  /// A key of a table of a scene file with its number, its word, which for a number is an expression, its flag, its two
+  /// numbers (Vec2{0, 3}), its words, or its pairs of numbers. A key of a table in that table has both names:
+  /// {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
     Key(std::string key, const char* word) : Key(std::move(key), std::string(word)) {}
     Key(std::string key, std::same_as<bool> auto flag) : name(std::move(key)), value(flag) {}
+    Key(std::string key, std::same_as<Vec2> auto pair) : name(std::move(key)), value(pair) {}
+    Key(std::string key, std::same_as<std::vector<std::string>> auto words)
+        : name(std::move(key)), value(std::move(words)) {}
     Key(std::string key, std::vector<Vec2> pairs) : name(std::move(key)), value(std::move(pairs)) {}
 
     std::string name;
-    std::variant<double, std::string, bool, std::vector<Vec2>> value;
+    std::variant<double, std::string, bool, std::vector<Vec2>, Vec2, std::vector<std::string>> value;
   };
 
   /// A part of the law of a cam: up to the angle `to`, at which the lift is this share, or that of the part before.
@@ -120,6 +123,11 @@ class SceneBuilder {
   /// "profile", and the points of its line in order; both points of a body that has two where none are given.
   SceneBuilder& section(const std::string& body, const std::vector<Key>& keys,
                         const std::vector<std::string>& line = {});
+
+  /// The items of a scene file, under the name of the part (docs/scene-files.md#parts): "at", "angle", "mirror",
+  /// "scale", "on", "repeat", "step", "turn", the points of "join" and "join_next", and "numbers". The file counts from
+  /// the current folder: part("strut.toml", {{"at", Vec2{2, 0}}, {"join.A", "rod.B"}, {"numbers.k", 80}}, "right").
+  SceneBuilder& part(const std::string& file, const std::vector<Key>& keys = {}, const std::string& name = {});
 
   /// A pin of two points of different bodies, as of all joints; see Joint.
   SceneBuilder& pin(const std::string& a, const std::string& b, const std::string& name = {});

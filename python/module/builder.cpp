@@ -53,6 +53,23 @@ std::optional<Vec2> pair_in(const py::handle& value) {
   return Vec2{*x, *y};
 }
 
+/// Texts and numbers, as expressions, of which at least one is a text.
+std::optional<std::vector<std::string>> words_in(const py::handle& value) {
+  const auto members = members_in(value);
+  if (!members) return std::nullopt;
+  std::vector<std::string> out;
+  bool has_text = false;
+  for (const py::object& member : *members) {
+    const bool is_text = py::isinstance<py::str>(member);
+    const std::optional<double> number = is_text ? std::nullopt : number_in(member);
+    if (!is_text && !number) return std::nullopt;
+    has_text = has_text || is_text;
+    out.push_back(is_text ? utf8(member) : fmt::format("{}", *number));
+  }
+  if (!has_text) return std::nullopt;
+  return out;
+}
+
 double number_of(const NamedBuilder& self, const std::string& item, const py::handle& value) {
   const std::optional<double> number = number_in(value);
   if (!number) self.fail(item, "a number", value);
@@ -105,6 +122,10 @@ Keys keys_of(const NamedBuilder& self, const std::string& item, const py::dict& 
     } else if (above.empty() && PyDict_Check(value.ptr()) != 0) {
       const Keys below = keys_of(self, item, py::reinterpret_borrow<py::dict>(value), key + ".");
       out.insert(out.end(), below.begin(), below.end());
+    } else if (const std::optional<Vec2> pair = pair_in(value)) {
+      out.emplace_back(key, *pair);
+    } else if (const auto words = words_in(value)) {
+      out.emplace_back(key, *words);
     } else if (members_in(value)) {
       out.emplace_back(key, pairs_of(self, place, value));
     } else {
@@ -201,6 +222,8 @@ void bind_items(py::class_<Named>& type) {
              const std::string item = "body." + body + ".section";
              b.builder.section(body, keys_of(b, item, keys), words_of(b, item + ".line", line));
            })
+      .def("part", [](Named& b, Text file, const py::dict& keys,
+                      Text name) { b.builder.part(file, keys_of(b, "part", keys), name); })
       .def("start", [](Named& b, Text name, Any value) { b.builder.start(name, number_of(b, "start." + name, value)); })
       .def("start_position", [](Named& b, Text body, Any at) {
         b.builder.start_position(body, pair_of(b, "start.position." + body, at));

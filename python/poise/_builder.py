@@ -30,8 +30,8 @@ class SceneBuilder:
     what is added later. An empty name stands for the default: "a.P-b.Q" of a joint, the kind and a number of anything
     else ("spring 1").
 
-    Keys of a table of a scene file are keywords: numbers, texts (of a number an expression), True or False, pairs of
-    numbers, dictionaries for tables in that table. ``from_`` is the key ``from``.
+    Keys of a table of a scene file are keywords: numbers, texts (of a number an expression), True or False, two numbers
+    or expressions, pairs of numbers, dictionaries for tables in that table. ``from_`` is the key ``from``.
 
     >>> import poise
     >>> from poise import measures
@@ -118,6 +118,12 @@ class SceneBuilder:
     def output(self, name: str, quantity: str, /) -> SceneBuilder:
         """A quantity with a name of its own, an expression of the names of docs/quantities.md."""
         return self._add("output", name, quantity)
+
+    def part(self, file: str, /, name: str = "", **keys: Any) -> SceneBuilder:
+        """The items of a scene file, under the name of the part (docs/scene-files.md#parts): ``at``, ``angle``,
+        ``mirror``, ``scale``, ``on``, ``repeat``, ``step``, ``turn``, and the dictionaries ``join``, ``join_next`` and
+        ``numbers``. The file counts from the current folder."""
+        return self._add("part", file, self._keys(keys), name)
 
     # Joints of two points of different bodies. The axis is fixed in the first body; only its direction counts. The
     # angle is what angle(second body) - angle(first body) stays.

@@ -1,12 +1,14 @@
 #include "model/scene_builder.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "model/parameters.hpp"
+#include "tests/support/known_answers.hpp"
 
 namespace poise::scene_builder_test {
 namespace {
@@ -435,6 +437,44 @@ TEST(SceneBuilder, WritesNamesAndNumbersExactly) {
   EXPECT_TRUE(std::signbit(read.bodies.at(1).points.at(0).at.y));
   EXPECT_EQ(read.bodies.at(1).points.at(1).at, (Vec2{1.2345678901234567e-49, -1e15}));
   expect_same_numbers(builder.build(), read);
+}
+
+// The file counts from the current folder, as that of a scene in it does.
+TEST(SceneBuilder, BringsPartsAsAFileDoes) {
+  const std::string stage = std::filesystem::relative(test::dataset("parts/scissor_stage.toml")).string();
+  SceneBuilder builder("two stages", {.length = "mm", .angle = "deg"});
+  builder.number("turn", 5)
+      .ground_point("O", {0, 0})
+      .body("slider", {.points = {{"S", {0, 0}}}, .mass = 1})
+      .slide("ground.O", "slider.S", {1, 0}, "base")
+      .part(stage,
+            {{"at", Vec2{3, 4}},
+             {"mirror", true},
+             {"scale", 1.5},
+             {"angle", "2*turn"},
+             {"repeat", 2},
+             {"step", std::vector<std::string>{"100*turn", "0"}},
+             {"join.left", "ground.O"},
+             {"join_next.left", "fall.b"},
+             {"numbers.m", 7},
+             {"numbers.point.ground.right.x", 1.1}},
+            "stage")
+      .start("base", 900);
+  const Scene scene = builder.build();
+  EXPECT_EQ(get_value(scene, "body.stage_2.fall.mass"), 7);
+  EXPECT_EQ(get_value(scene, "point.stage_1.rise.b.x"), 1500);
+  EXPECT_EQ(get_value(scene, "numbers.stage.point.ground.right.x"), 1.1);
+  EXPECT_EQ(get_value(scene, "point.ground.stage_2.x"), 503);
+  EXPECT_NE(builder.text().find("[[part]]\nname = \"stage\"\nfile = \""), std::string::npos);
+  expect_same_numbers(scene, parse_scene(builder.text(), "stages.toml"));
+  builder.part(stage, {{"angel", 3}});
+  try {
+    builder.build();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("two stages: part 2.angel: expected one of the keys"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(SceneBuilder, IsInSiWithoutUnits) {

@@ -111,6 +111,29 @@ def test_every_method_writes_what_the_reader_reads():
     assert scene.toml == text
 
 
+def test_parts_are_brought_as_by_a_file(tmp_path, monkeypatch):
+    (tmp_path / "stage.toml").write_text(open("datasets/parts/scissor_stage.toml").read())
+    monkeypatch.chdir(tmp_path)
+    builder = (
+        poise.SceneBuilder("two stages", angle="deg")
+        .number("turn", 5)
+        .body("slider", {"S": (0, 0)})
+        .ground_point("O", (0, 0))
+        .slide("ground.O", "slider.S", (1, 0), "base")
+        .part("stage.toml", "stage", at=(3, 4), angle="2*turn", repeat=2, step=("turn", 0.5), mirror=True,
+              join={"left": "ground.O"}, join_next={"left": "fall.b"},
+              numbers={"m": 7, "point.ground.right.x": 1.1})
+    )
+    scene = builder.build()
+    assert scene.numbers["body.stage_2.fall.mass"] == 7 and scene.numbers["point.stage_1.ground.right.x"] == 1.1
+    assert scene.numbers["point.ground.stage_2.x"] == pytest.approx(8)
+    assert scene.with_numbers({"numbers.turn": 6}).numbers["weld.stage_2.angle"] == 12
+    scene.save(tmp_path / "saved.toml")
+    assert poise.load(tmp_path / "saved.toml").numbers == scene.numbers
+    with pytest.raises(poise.InputError, match='two stages: part "late".file: expected a file that is there'):
+        builder.part("stge.toml", "late").build()
+
+
 def test_all_methods_of_the_core_are_methods():
     core = {name for name in dir(poise._poise.SceneBuilder) if not name.startswith("_")}
     assert core - {"text"} <= {name for name in dir(poise.SceneBuilder) if not name.startswith("_")}
