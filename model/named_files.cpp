@@ -1,5 +1,7 @@
 #include "model/named_files.hpp"
 
+#include <filesystem>
+
 #include "model/toml_reader.hpp"
 
 namespace poise {
@@ -24,6 +26,20 @@ void add_named(const toml::node& node, std::vector<NamedFile>& out) {
 std::vector<NamedFile> named_files(std::string_view text, const std::string& scene) {
   std::vector<NamedFile> out;
   add_named(parse_toml(text, scene), out);
+  return out;
+}
+
+std::vector<std::string> files_beside(std::string_view text, const std::string& scene, const std::string& written) {
+  namespace fs = std::filesystem;
+  const auto folder_of = [](const fs::path& file) { return fs::weakly_canonical(fs::absolute(file).parent_path()); };
+  std::vector<std::string> out;
+  for (const NamedFile& one : named_files(text, scene)) {
+    if (!written.empty() && folder_of(written) != folder_of(scene)) {
+      throw InputError("--scene " + written + ": expected a file in the folder of " + scene +
+                       ", beside which it reads " + one.name);
+    }
+    out.push_back((fs::path(scene).parent_path() / one.name).string());
+  }
   return out;
 }
 

@@ -16,4 +16,8 @@ struct NamedFile {
 /// is no TOML.
 std::vector<NamedFile> named_files(std::string_view text, const std::string& scene);
 
+/// The paths of these files, of a scene whose text --scene writes into a file; nowhere where that is empty. Throws
+/// InputError unless it is in the folder of the scene, beside which it will read them.
+std::vector<std::string> files_beside(std::string_view text, const std::string& scene, const std::string& written);
+
 }  // namespace poise

@@ -23,14 +23,8 @@ int run_goals(const DesignRequest& request, const Palette& palette) {
   const GoalProblem problem = read_goals(request.common.scene);
   std::vector<std::string> read{problem.scene_file.string()};
   read.insert(read.end(), problem.files.begin(), problem.files.end());
-  for (const NamedFile& one : named_files(problem.scene_text, problem.scene_file.string())) {
-    read.push_back((problem.scene_file.parent_path() / one.name).string());
-    const std::string& written = request.common.written_scene;
-    if (!written.empty() && !same_file(std::filesystem::absolute(written).parent_path(),
-                                       std::filesystem::absolute(problem.scene_file).parent_path())) {
-      throw InputError(fmt::format("--scene {}: expected a file in the folder of {}, beside which it reads {}", written,
-                                   problem.scene_file.string(), one.name));
-    }
+  for (std::string& one : files_beside(problem.scene_text, problem.scene_file.string(), request.common.written_scene)) {
+    read.push_back(std::move(one));
   }
   const auto aims = std::count_if(problem.goals.begin(), problem.goals.end(),
                                   [](const DesignGoal& goal) { return !goal.is_limit(); });

@@ -15,6 +15,8 @@
 #include "app/results/identification/compare_models.hpp"
 #include "app/results/identification/fitted_scene.hpp"
 #include "identification/assessment/check_spans.hpp"
+#include "model/named_files.hpp"
+#include "model/text_file.hpp"
 
 namespace poise::app {
 namespace {
@@ -55,9 +57,16 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     throw InputError("--scene: expected an experiment with one scene, " + experiment.file +
                      " joins several; leave it out");
   }
+  std::vector<std::string> read = files_read(experiment);
+  if (!common.written_scene.empty()) {
+    for (std::string& one :
+         files_beside(read_text_file(experiment.scene.file), experiment.scene.file, common.written_scene)) {
+      read.push_back(std::move(one));
+    }
+  }
   const FitProblem problem(experiment);
   check_spans(problem);
-  OutputFiles files(common, files_read(experiment));
+  OutputFiles files(common, read);
   options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
