@@ -120,6 +120,16 @@ std::string Placing::scoped(const std::string& name) const {
   return shared_.globals.contains(name) ? name : group_.number_scope + "." + name;
 }
 
+void Placing::multiply_scales() const {
+  for (PartUse* const one : part_.uses) {
+    const auto in_document = [&](const std::string& name) { return scoped(name); };
+    const Amount scale = Amount{one->scale, renamed(one->scale_text, in_document)} * group_.scale;
+    if (!group_.scale.is_number()) one->scale_place = group_.table->place_of("scale");
+    one->scale = scale.is_number() ? scale.value : 1.0;
+    one->scale_text = scale.text;
+  }
+}
+
 void Placing::rename(toml::value<std::string>& expression) const {
   expression = renamed(expression.get(), [&](const std::string& name) { return scoped(name); });
 }

@@ -39,6 +39,12 @@ std::vector<toml::table*> tables_in(toml::table& document, std::string_view key)
 /// Fails on two numbers of one name.
 [[noreturn]] void fail_number_taken(const TomlPlace& place, const std::string& name);
 
+/// A point that a point of the ground of a part is.
+struct Joined {
+  TomlPlace place;
+  std::string to;
+};
+
 /// A file that is being read: the scene's own, or that of a part.
 struct Level {
   toml::table document;
@@ -46,6 +52,7 @@ struct Level {
   std::string name;  ///< in front of its items in the scene; empty of the scene's own
   std::vector<PartUse*> uses;
   TomlPlace place;
+  std::vector<Joined> joined{};
 };
 
 /// What a table [[part]] says.
@@ -55,7 +62,7 @@ struct Group {
   std::string name{}, number_scope{};
   std::filesystem::path shown{}, file{};
   bool mirrored = false, is_repeated = false;
-  double scale = 1.0, turn = 0.0;
+  Amount scale{1.0}, turn{};
   int count = 1;
   Place at{}, step{};
   Amount angle{};
@@ -92,6 +99,8 @@ class Placing {
   std::string named(const std::string& item) const { return name_ + "." + item; }
   std::string frame() const { return named(std::string(fixed_frame)); }
 
+  // Fails where a number of the table cannot follow an expression of scale.
+  void check_follows_scale(const toml::table& table, const TomlTable& place) const;
   // Where instance k is: each is a step and a turn behind the one before.
   void find_place();
 
@@ -102,6 +111,8 @@ class Placing {
   // its own, all others are those of the file.
   void scope_numbers();
 
+  // All parts in this one have its scale too.
+  void multiply_scales() const;
   std::string scoped(const std::string& name) const;
 
   void rename(toml::value<std::string>& expression) const;
@@ -139,6 +150,7 @@ class Placing {
 
   // The guesses, at the place of the part; those that the document has itself stay.
   void add_start(const TomlTable& root);
+  Amount unit_of_length() const;
   Amount angle_of_base() const;
   void guess(const toml::key& key, const Amount& value);
   void add_positions(toml::table& positions);

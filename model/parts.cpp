@@ -1,6 +1,7 @@
 #include "model/parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/expression.hpp"
+#include "model/nearest_name.hpp"
 #include "model/part_placing.hpp"
 #include "model/read_scene.hpp"
 #include "model/text_file.hpp"
@@ -21,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t deepest_part = 16;
-constexpr long long most_repeats = 1000;
+constexpr int most_repeats = 1000;
 
 /// The path without links and dots.
 fs::path resolved(const fs::path& path) {
@@ -130,6 +132,24 @@ class Expander {
       }
       chain.pop_back();
     }
+    for (const Joined& one : level.joined) check_joined(one, level.document);
+  }
+
+  // The parts of a document may join points of each other, so that all have to be there before.
+  static void check_joined(const Joined& one, toml::table& document) {
+    std::vector<std::string> known;
+    const auto learn = [&](const std::string& body, toml::table* of) {
+      toml::table* const points = of != nullptr ? table_in(*of, "points") : nullptr;
+      if (points == nullptr) return;
+      for (auto&& [point, at] : *points) known.push_back(body + "." + std::string(point.str()));
+    };
+    learn(std::string(fixed_frame), table_in(document, fixed_frame));
+    toml::table* const bodies = table_in(document, "body");
+    if (bodies == nullptr) return;
+    for (auto&& [name, body] : *bodies) learn(std::string(name.str()), body.as_table());
+    if (std::find(known.begin(), known.end(), one.to) != known.end()) return;
+    one.place.fail("expected a point \"BODY.POINT\" of the scene or of one of its parts, found \"" + one.to + "\"" +
+                   did_you_mean_or_list(one.to, known));
   }
 
   Group read_group(const Level& level, const TomlTable& table, toml::table& written) {
@@ -145,6 +165,7 @@ class Expander {
                       "\"; copy it there");
     }
     if (!texts_.contains(group.file)) {
+      if (!fs::exists(group.shown)) fail_missing(file, group.shown);
       texts_[group.file] = located(file.place, [&] {
         expect_regular_file(group.shown);
         return read_text_file(group.shown);
@@ -167,19 +188,19 @@ class Expander {
           group.name + "\"; give the part another name");
     }
     if (const auto* bodies = level.document.get_as<toml::table>("body");
-        bodies != nullptr && bodies->contains(group.name)) {
+        group.name == fixed_frame || (bodies != nullptr && bodies->contains(group.name))) {
       table.place_of("name").fail("expected a name of its own; \"" + group.name +
                                   "\" is a body; give the part another");
     }
     group.mirrored = table.flag("mirror", false);
-    group.scale = table.find_number("scale", 1.0, Range::positive).value_or(1.0);
+    group.scale = amount_in(table, written, "scale", Range::positive, 1.0);
     group.is_repeated = table.has("repeat");
-    const long long count = table.whole_number("repeat", 1, 1);
-    if (count > most_repeats) {
-      table.place_of("repeat").fail(fmt::format("expected at most {} parts, found {}", most_repeats, count));
+    const double count = table.find_number("repeat", 1.0, Range::finite).value_or(1.0);
+    if (count != std::floor(count) || count < 1.0 || count > most_repeats) {
+      table.place_of("repeat").fail(fmt::format("expected a whole number from 1 to {}, found {}", most_repeats, count));
     }
     group.count = static_cast<int>(count);
-    group.turn = table.find_number("turn", 1.0, Range::finite).value_or(0.0);
+    group.turn = amount_in(table, written, "turn", Range::finite, 0.0);
     for (const std::string_view key : {"step", "turn", "join_next"}) {
       if (table.has(key) && !group.is_repeated) {
         table.place_of(key).fail("expected the key repeat beside " + std::string(key) + "; add repeat = 2");
@@ -187,10 +208,7 @@ class Expander {
     }
     group.at = place_in(table, written, "at");
     group.step = place_in(table, written, "step");
-    if (const toml::node* const angle = written.get("angle")) {
-      if (!angle->is_number() && !angle->is_string()) table.place_of("angle").fail("expected a number");
-      group.angle = Amount::of(angle);
-    }
+    group.angle = amount_in(table, written, "angle", Range::finite, 0.0);
     group.on = table.has("on") ? table.text("on").value : std::string(fixed_frame);
     group.join = names_in(table, "join");
     group.join_next = names_in(table, "join_next");
@@ -201,13 +219,32 @@ class Expander {
     return group;
   }
 
+  // Where the folder has a file of nearly that name; reading fails of all others.
+  static void fail_missing(const TomlText& file, const fs::path& shown) {
+    std::vector<std::string> known;
+    std::error_code failed;
+    for (const auto& one : fs::directory_iterator(shown.has_parent_path() ? shown.parent_path() : ".", failed)) {
+      if (one.path().extension() == ".toml") known.push_back(one.path().filename().string());
+    }
+    const std::string near = did_you_mean(shown.filename().string(), known);
+    if (!near.empty()) file.place.fail("expected a file that is there, found \"" + file.value + "\"" + near);
+  }
+
+  static Amount amount_in(const TomlTable& table, const toml::table& written, std::string_view key, Range range,
+                          double otherwise) {
+    if (table.holds_text(key)) return Amount::of(written.get(key));
+    return {table.find_number(key, 1.0, range).value_or(otherwise)};
+  }
+
   static Place place_in(const TomlTable& table, const toml::table& written, std::string_view key) {
     const toml::node* const node = written.get(key);
     if (node == nullptr) return {};
     const toml::array* const list = node->as_array();
-    const auto is_amount = [](const toml::node& one) { return one.is_number() || one.is_string(); };
+    const auto is_amount = [](const toml::node& one) {
+      return one.is_string() || (one.is_number() && contains(Range::finite, *one.value<double>()));
+    };
     if (list == nullptr || list->size() != 2 || !std::all_of(list->begin(), list->end(), is_amount)) {
-      table.place_of(key).fail("expected two numbers [X, Y]");
+      table.place_of(key).fail("expected two finite numbers [X, Y]");
     }
     return {Amount::component(node, 0), Amount::component(node, 1)};
   }
@@ -241,9 +278,6 @@ class Expander {
     use.units = part.units = units_of_document(part);
     expand(part, chain);
     part.uses.push_back(&use);
-    for (PartUse* const one : part.uses) {
-      one->scale *= group.scale;
-    }
     const toml::source_position begin = group.written->source().begin;
     Placing(shared_, level, part, group, k, use, {begin, begin, path}).run();
     level.uses.insert(level.uses.end(), part.uses.begin(), part.uses.end());

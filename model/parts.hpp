@@ -35,6 +35,9 @@ struct PartUse : TomlPart {
   /// A number of the file whose place another one has: its path in the file, as a name in expressions, and that one's
   /// name in [numbers].
   std::map<std::string, std::string> replaced{};
+  /// What `scale` follows from, an expression of numbers of the scene; empty where it is a number.
+  std::string scale_text{};
+  TomlPlace scale_place{};
 };
 
 /// A number of [numbers] that a table [[part]] gives: "lift.k", or in the place of another one "lift.body.left.mass".
@@ -72,6 +75,14 @@ class PartedDocument {
     double value = 0.0;
   };
   const std::map<std::string, Given>& given() const { return given_; }
+  /// Gives parts whose scale is an expression the scale that it has: value(expression), which may throw InputError.
+  template <class Value>
+  void find_scales(Value value) {
+    for (PartUse& use : uses_) {
+      if (use.scale_text.empty()) continue;
+      use.scale = located(use.scale_place, [&] { return value(use.scale_text); });
+    }
+  }
   /// Those of the scene's own file, once its table [units] has been read.
   Units& units() { return own_.units; }
 

@@ -31,6 +31,7 @@ std::vector<toml::table*> tables_in(toml::table& document, std::string_view key)
 namespace {
 
 constexpr std::size_t most_items = 10'000;
+constexpr std::size_t longest_expression = 1000;
 
 /// The first name of "BODY.POINT".
 std::string body_of_point(const std::string& point) { return point.substr(0, point.rfind('.')); }
@@ -112,6 +113,7 @@ void Placing::run() {
   find_place();
   find_joined(root);
   scope_numbers();
+  multiply_scales();
   for (const std::string_view key : item_tables()) {
     const std::vector<TomlTable> places = root.tables(key);
     const std::vector<toml::table*> tables = tables_in(part_.document, key);
@@ -129,33 +131,42 @@ void Placing::find_place() {
   const double unit = level_.units.angle;
   const toml::source_position begin{1, 1};
   source_ = {begin, begin, part_.document.source().path};
+  const Amount steps{k_ - 1.0};
   at_ = group_.at;
-  for (int j = 0; j + 1 < k_; ++j) {
-    const Place step = Direction::at({j * group_.turn}, unit).turned(group_.step);
-    at_ = {at_.x + step.x, at_.y + step.y};
+  if (group_.turn.is(0.0)) {
+    at_ = {at_.x + steps * group_.step.x, at_.y + steps * group_.step.y};
+  } else {
+    for (int j = 0; j + 1 < k_; ++j) {
+      const Place step = Direction::at(Amount{j * 1.0} * group_.turn, unit).turned(group_.step);
+      at_ = {at_.x + step.x, at_.y + step.y};
+    }
   }
-  angle_ = group_.angle + Amount{(k_ - 1) * group_.turn};
+  if (const std::size_t size = std::max(at_.x.text.size(), at_.y.text.size()); size > longest_expression) {
+    group_.table->place_of("repeat").fail(
+        fmt::format("expected fewer parts, or a turn that is a number: the place of part {} is an expression of {} "
+                    "characters, of at most {}",
+                    k_, size, longest_expression));
+  }
+  angle_ = group_.angle + steps * group_.turn;
   direction_ = Direction::at(angle_, unit);
 }
 
 void Placing::find_joined(const TomlTable& root) {
-  joined_ = group_.join;
-  if (k_ > 1) {
-    for (const auto& [point, to] : group_.join_next) {
-      joined_[point] = group_.instances[static_cast<std::size_t>(k_ - 2)] + "." + to;
-    }
-  }
   std::vector<std::string> known;
   const std::optional<TomlTable> own = root.find_table(fixed_frame);
   if (const auto points = own ? own->find_table("points") : std::nullopt) known = points->keys();
-  for (const std::map<std::string, std::string>* const names : {&group_.join, &group_.join_next}) {
-    for (const auto& [point, to] : *names) {
-      if (std::find(known.begin(), known.end(), point) != known.end()) continue;
-      group_.table->place_of(names == &group_.join ? "join" : "join_next")
-          .fail("expected points of the ground of " + use_.file + ", found \"" + point + "\"" +
-                did_you_mean_or_list(point, known));
+  const auto join = [&](std::string_view key, const std::map<std::string, std::string>& names, const std::string& of) {
+    for (const auto& [point, to] : names) {
+      if (std::find(known.begin(), known.end(), point) == known.end()) {
+        group_.table->place_of(key).fail("expected points of the ground of " + use_.file + ", found \"" + point + "\"" +
+                                         did_you_mean_or_list(point, known));
+      }
+      joined_[point] = of + to;
+      level_.joined.push_back({group_.table->place_of(key), of + to});
     }
-  }
+  };
+  join("join", group_.join, "");
+  if (k_ > 1) join("join_next", group_.join_next, group_.instances[static_cast<std::size_t>(k_ - 2)] + ".");
 }
 
 std::string Placing::origin() {
@@ -190,7 +201,7 @@ void Placing::add_start(const TomlTable& root) {
       } else if (!value.is_number() && !value.is_string()) {
         start->number(key, 1.0, Range::finite);
       } else if (travels.contains(named(key))) {
-        guess(name, Amount{use_.unit(dimension::length) / level_.units.length} * Amount::of(&value));
+        guess(name, unit_of_length() * Amount::of(&value));
       } else {
         guessed.insert(key);
         guess(name, Amount{use_.units.angle / level_.units.angle} * sense * Amount::of(&value) + angle);
@@ -199,6 +210,10 @@ void Placing::add_start(const TomlTable& root) {
   }
   if (angle.is(0.0)) return;
   for (const std::string& body : free_bodies(guessed)) guess(toml::key(body), angle);
+}
+
+Amount Placing::unit_of_length() const {
+  return Amount{use_.units.length / level_.units.length} * Amount{use_.scale, use_.scale_text};
 }
 
 Amount Placing::angle_of_base() const {
@@ -215,7 +230,7 @@ void Placing::guess(const toml::key& key, const Amount& value) {
 void Placing::add_positions(toml::table& positions) {
   toml::table* const start = made_table(level_.document, "start");
   toml::table* const to = start != nullptr ? made_table(*start, "position") : nullptr;
-  const double unit = use_.unit(dimension::length) / level_.units.length;
+  const Amount unit = unit_of_length(), sense{group_.mirrored ? -1.0 : 1.0};
   for (auto&& [key, node] : positions) {
     const toml::array* const vector = node.as_array();
     if (to == nullptr || to->contains(named(std::string(key.str())))) continue;
@@ -224,8 +239,7 @@ void Placing::add_positions(toml::table& positions) {
       to->insert_or_assign(name, std::move(node));
       continue;
     }
-    const Place own{Amount{unit} * Amount::component(vector, 0),
-                    Amount{group_.mirrored ? -unit : unit} * Amount::component(vector, 1)};
+    const Place own{unit * Amount::component(vector, 0), sense * unit * Amount::component(vector, 1)};
     const Place turned = direction_.turned(own);
     to->insert_or_assign(name, parts::array_of({at_.x + turned.x, at_.y + turned.y}));
   }
@@ -278,7 +292,7 @@ void Placing::add_ground(const TomlTable& root) {
   toml::table weld;
   weld.insert_or_assign(toml::key("name", held_at_), name_);
   weld.insert_or_assign("points", toml::array{group_.on + "." + name_, frame() + "." + origin_});
-  const toml::source_region source = key_source(*group_.written, "angle");
+  const toml::source_region source = key_source(*group_.written, k_ > 1 ? "turn" : "angle");
   if (k_ == 1 && group_.written->contains("angle")) {
     weld.insert_or_assign(toml::key("angle", source), std::move(*group_.written->get("angle")));
   } else {
@@ -308,16 +322,11 @@ void Placing::place_on(toml::table& bodies) {
     group_.table->place_of("name").fail("expected a name that no point of \"" + group_.on +
                                         "\" has: there the part is placed; give it another");
   }
-  const toml::key key(name_, key_source(*group_.written, "at"));
-  double unit = 1.0;
-  if (const auto of = bodies.find(group_.on); of != bodies.end()) {
-    const TomlPart& file = *shared_.out.files_.of(of->first.source()).part;
-    if (!file.name.empty() && &file != level_.place.part) unit = level_.units.length / file.unit(dimension::length);
-  }
-  if (k_ == 1 && unit == 1.0 && group_.written->contains("at")) {
+  const toml::key key(name_, key_source(*group_.written, k_ > 1 ? "step" : "at"));
+  if (k_ == 1 && group_.written->contains("at")) {
     places->insert_or_assign(key, std::move(*group_.written->get("at")));
   } else {
-    places->insert_or_assign(key, parts::array_of({Amount{unit} * at_.x, Amount{unit} * at_.y}));
+    places->insert_or_assign(key, array_of(at_));
   }
 }
 

@@ -72,6 +72,7 @@ class SceneReader {
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     parts_.units() = scene_.units;
     expressions_.read_named(root_, scene_);
+    parts_.find_scales([&](const std::string& text) { return expressions_.scale(text); });
     read_header();
     read_bodies();
     read_joints();
@@ -212,7 +213,10 @@ class SceneReader {
       check_name(name, points->place_of(name));
       // "BODY.POINT" is split at its last dot.
       if (name.find('.') != std::string::npos) points->place_of(name).fail("expected a name without dots");
-      scene_.add_point(body, name, points->vector(name, points->unit(dimension::length)));
+      // Where a part is placed is a point of a body that another file may have.
+      const TomlPart* const part = points->place_of(name).part;
+      const double unit = part != nullptr ? part->unit(dimension::length) : root_.unit(dimension::length);
+      scene_.add_point(body, name, points->vector(name, unit));
     }
   }
 

@@ -127,6 +127,11 @@ class Rewriter {
     return spot.table != nullptr ? parts_.use_of(*spot.table) : nullptr;
   }
 
+  /// Whether the text has it, as it has numbers of a table [[part]], which the document has in [numbers].
+  bool is_of_text(const toml::node* node) const {
+    return node != nullptr && node->source().begin && parts_.use_of(*node) == nullptr;
+  }
+
   /// The spot in the text alone. Numbers that the files of parts have, and guesses there, get their values in [numbers]
   /// and [start].
   NumberSpot in_text(const ParameterRow& row) const {
@@ -135,7 +140,7 @@ class Rewriter {
       return in != nullptr ? in->get_as<toml::table>(key) : nullptr;
     };
     if (row.place.owner == Owner::scene) spot.table = &own_;
-    if (row.place.owner == Owner::number) spot.table = below(&own_, "numbers");
+    if (row.place.owner == Owner::number && !is_of_text(spot.node())) spot.table = below(&own_, "numbers");
     if (row.place.owner == Owner::start) {
       spot.table = row.place.part < 2 ? below(&own_, "start") : below(below(&own_, "start"), "position");
     }

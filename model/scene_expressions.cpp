@@ -82,6 +82,13 @@ void SceneExpressions::read_named(const TomlTable& root, Scene& scene) {
   }
 }
 
+double SceneExpressions::scale(const std::string& text) const {
+  const double value = Expression(text, names_).value(values_);
+  if (!contains(Range::positive, value))
+    throw InputError(out_of_range(Range::positive, value) + " from \"" + text + "\"");
+  return value;
+}
+
 double SceneExpressions::value(const toml::value<std::string>& node, const TomlPlace& place) {
   Expression expression = parsed(node.get(), place);
   const double value = expression.value(values_);
@@ -107,9 +114,15 @@ std::string path_in_file(const ParameterRow& row, const PartUse& use, std::strin
   return path.text();
 }
 
-std::string times(double factor, const std::string& text) {
-  if (factor == 1.0) return text;
-  return factor == -1.0 ? "-" + text : fmt::format("{}*{}", factor, text);
+/// What stands in front of a number of a part's file in the units of the scene: "", "-", "0.001*", "2*(s)*".
+std::string factor_of(const PartUse& use, const Dimension& dimension, const Scene& scene, double more = 1.0) {
+  const bool has_scale = dimension == dimension::length && !use.scale_text.empty();
+  const double factor =
+      more * ((has_scale ? dimension.unit(use.units) : use.unit(dimension)) / dimension.unit(scene.units));
+  return (factor == 1.0    ? ""
+          : factor == -1.0 ? "-"
+                           : fmt::format("{}*", factor)) +
+         (has_scale ? "(" + use.scale_text + ")*" : "");
 }
 
 bool same_text(const toml::node* a, const toml::node* b) {
@@ -120,18 +133,17 @@ bool same_text(const toml::node* a, const toml::node* b) {
 }  // namespace
 
 Expression SceneExpressions::in_scene(const Written& written, const Dimension& dimension, const Scene& scene) const {
-  const TomlPart* const part = written.place.part;
-  const double factor = part != nullptr ? part->unit(dimension) / dimension.unit(scene.units) : 1.0;
-  if (factor == 1.0) return written.expression;
-  return parsed(times(factor, "(" + written.expression.text() + ")"), written.place);
+  if (written.place.part == nullptr) return written.expression;
+  const std::string factor = factor_of(static_cast<const PartUse&>(*written.place.part), dimension, scene);
+  return factor.empty() ? written.expression : parsed(factor + "(" + written.expression.text() + ")", written.place);
 }
 
-Expression SceneExpressions::shared(const PartUse& use, const std::string& path, double value, double factor,
-                                    Scene& scene) {
+Expression SceneExpressions::shared(const PartUse& use, const std::string& path, double value,
+                                    const std::string& factor, Scene& scene) {
   const std::string as_name = name_in_expressions(path);
   paths_[use.file].push_back(as_name);
   const auto replaced = use.replaced.find(as_name);
-  if (replaced != use.replaced.end()) return {times(factor, replaced->second), names_};
+  if (replaced != use.replaced.end()) return {factor + replaced->second, names_};
   std::string name = use.file_stem + "." + as_name;
   // Paths that are told apart by other characters only.
   while (shared_.contains(name) && shared_[name] != path) name += "_";
@@ -147,7 +159,7 @@ Expression SceneExpressions::shared(const PartUse& use, const std::string& path,
     scene.named_values.push_back(
         {name, values_.back(), given != parts_.given().end() ? given->second.place.line : use.line});
   }
-  return {times(factor, name), names_};
+  return {factor + name, names_};
 }
 
 void SceneExpressions::share_number(const ParameterRow& row, const NumberSpot& spot, Scene& scene) {
@@ -155,13 +167,13 @@ void SceneExpressions::share_number(const ParameterRow& row, const NumberSpot& s
   const PartUse* const use = node != nullptr && node->is_number() ? parts_.use_of(*node) : nullptr;
   if (use == nullptr || row.place.owner == Owner::start || row.place.owner == Owner::number) return;
   const double sign = parts_.is_negated(*node) ? -1.0 : 1.0;
-  const double factor = sign * (use->unit(row.dimension) / row.dimension.unit(scene.units));
   const std::string path = path_in_file(row, *use, parts_.key_in_file(*node, row.path.parts[3]));
-  dependents_.push_back({{DependentPlace::Of::row, row.place},
-                         row.path.text(),
-                         shared(*use, path, sign * *node->value<double>(), factor, scene),
-                         row.dimension,
-                         row.range});
+  dependents_.push_back(
+      {{DependentPlace::Of::row, row.place},
+       row.path.text(),
+       shared(*use, path, sign * *node->value<double>(), factor_of(*use, row.dimension, scene, sign), scene),
+       row.dimension,
+       row.range});
 }
 
 // The vector of a force has the direction that it is written with, and as its size the number.
@@ -174,12 +186,11 @@ void SceneExpressions::share_force(const ParameterRow& row, const NumberSpot& sp
   const double size = x && y ? std::hypot(*x, *y) : 0.0;
   if (size == 0.0) return;
   const std::string path = path_in_file(row, *use, row.path.parts[3]);
-  const double unit = use->unit(row.dimension) / row.dimension.unit(scene.units);
   for (const int component : {0, 1}) {
     const double share = (component == 0 ? *x : *y) / size;
     components.push_back({{DependentPlace::Of::force, row.place, component},
                           row.path.text(),
-                          shared(*use, path, size, unit * share, scene),
+                          shared(*use, path, size, factor_of(*use, row.dimension, scene, share), scene),
                           row.dimension});
   }
 }

@@ -20,6 +20,8 @@ class SceneExpressions final : public ExpressionReader {
 
   /// Reads [numbers] into the scene. Fails with the nearest name for one that is not there, and names a cycle.
   void read_named(const TomlTable& root, Scene& scene);
+  /// That of a part, from its expression.
+  double scale(const std::string& text) const;
   double value(const toml::value<std::string>& node, const TomlPlace& place) override;
   /// Finds for each expression that was read the number of the scene that follows from it. Fails where there is none.
   /// Numbers of a part's file become numbers of [numbers] too, each one for all uses of the file.
@@ -36,7 +38,7 @@ class SceneExpressions final : public ExpressionReader {
   /// The expression of a number of this dimension that was written in the file of a part, in the units of the scene.
   Expression in_scene(const Written& written, const Dimension& dimension, const Scene& scene) const;
   /// Of a number of a part's file that has this path there: how its row follows from the number that all uses share.
-  Expression shared(const PartUse& use, const std::string& path, double value, double factor, Scene& scene);
+  Expression shared(const PartUse& use, const std::string& path, double value, const std::string& factor, Scene& scene);
   void share_number(const ParameterRow& row, const NumberSpot& spot, Scene& scene);
   void share_force(const ParameterRow& row, const NumberSpot& spot, std::vector<DependentNumber>& components,
                    Scene& scene);

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "model/couplings.hpp"
 #include "model/part_placing.hpp"
 
 namespace poise::parts {
@@ -138,6 +139,7 @@ void Placing::turn_load(toml::table& table) {
 }
 
 void Placing::transform(std::string_view key, toml::table& table, const TomlTable& place) {
+  if (!use_.scale_text.empty()) check_follows_scale(table, place);
   rename_below(table, "");
   name_in(table, "name", &Placing::name_joint);
   if (is_one_of(key, {"force", "distributed_load"})) {
@@ -177,6 +179,16 @@ void Placing::transform(std::string_view key, toml::table& table, const TomlTabl
   } else {  // joints, force elements, drives, stops and couplings of measures
     transform_measure(table);
     if (is_one_of(key, {"slide", "weld"})) mirror_number(table, "angle");
+  }
+}
+
+void Placing::check_follows_scale(const toml::table& table, const TomlTable& place) const {
+  const toml::array* const curve = table.get_as<toml::array>("curve");
+  if (table.get_as<std::string>("file") != nullptr || (curve != nullptr && curve->size() > most_curve_points)) {
+    place.place().fail("expected a part whose key scale is a number: the points of this curve are none of its numbers");
+  }
+  for (auto&& [key, below] : table) {
+    if (const toml::table* const one = below.as_table()) check_follows_scale(*one, *place.find_table(key.str()));
   }
 }
 
@@ -231,7 +243,7 @@ void Placing::transform_body(toml::table& body, const TomlTable& place) {
   transform_points(body);
   mirror(body.get("center"));
   toml::table* const section = table_in(body, "section");
-  if (section != nullptr && group_.scale != 1.0) {
+  if (section != nullptr && !group_.scale.is(1.0)) {
     place.find_table("section")->place().fail(
         "expected a part without the key scale, which changes lengths and no sections; remove one of them");
   }
