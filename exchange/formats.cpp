@@ -14,6 +14,7 @@
 #include "exchange/private/reading.hpp"
 #include "exchange/urdf.hpp"
 #include "model/nearest_name.hpp"
+#include "model/one_line.hpp"
 
 namespace poise {
 namespace {
@@ -62,6 +63,12 @@ const FileFormat& readable_format(const std::string& file, const std::string& na
   }
   throw InputError(
       fmt::format("{}: expected a file that ends with {}; say what it is by --format", file, fmt::join(endings, ", ")));
+}
+
+std::string text_with_notes(const Imported& imported) {
+  std::string out;
+  for (const std::string& note : imported.notes) out += "# " + one_line(note) + "\n";
+  return out + (out.empty() ? "" : "\n") + imported.text;
 }
 
 Scene with_masses(Scene scene) {

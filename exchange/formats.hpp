@@ -20,6 +20,9 @@ struct Imported {
   std::vector<std::string> notes;  ///< a sentence on each thing that a rule decided or that was left out
 };
 
+/// The text with its notes above, as comments.
+std::string text_with_notes(const Imported& imported);
+
 /// A scene as a file of another program.
 struct Exported {
   std::string text;

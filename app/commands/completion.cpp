@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,6 +22,11 @@ bool is_flag(const Option& option) { return std::holds_alternative<bool*>(option
 bool is_repeated(const Option& option) { return std::holds_alternative<std::vector<std::string>*>(option.target); }
 /// Whether its word is a list of choices with commas between.
 bool is_list_of_choices(const Option& option) { return option.value == "NAMES" && !option.choices.empty(); }
+
+std::vector<std::string> endings_of(const Option& option) {
+  std::istringstream words(option.ending);
+  return {std::istream_iterator<std::string>(words), {}};
+}
 
 std::string choices_of(const Option& option) { return fmt::format("{}", fmt::join(option.choices, " ")); }
 
@@ -58,13 +67,16 @@ _poise_list()
     mapfile -t COMPREPLY < <(compgen -P "$before" -W "$1" -- "${cur##*,}")
 }
 
-# Offers folders, and files with this ending.
+# Offers folders, and files with these endings.
 _poise_files()
 {
-    local name=${cur#[\"\']}
+    local ending name=${cur#[\"\']}
     name=${name//\\/}
     compopt -o filenames 2> /dev/null
-    mapfile -t COMPREPLY < <(compgen -d -- "$name"; [[ $1 == / ]] || compgen -f -X "!*.$1" -- "$name")
+    mapfile -t COMPREPLY < <(
+        compgen -d -- "$name"
+        for ending; do [[ $ending == / ]] || compgen -f -X "!*.$ending" -- "$name"; done
+    )
 }
 
 # Offers options where the word begins with a dash, else the files that the command reads.
@@ -73,7 +85,7 @@ _poise_rest()
     if [[ $cur == -* ]]; then
         _poise_words "$2"
     elif [[ $1 ]]; then
-        _poise_files "$1"
+        _poise_files $1
     fi
 }
 
@@ -104,7 +116,7 @@ std::string bash_action(const Option& option) {
 std::string bash_script(const std::vector<CommandEntry>& commands) {
   std::string names, cases;
   for (const CommandEntry& entry : commands) {
-    std::string words, options = "--help", read = "\"\"";
+    std::string words, options = "--help", read;
     for (const Option& option : entry.command.options) {
       if (!has_dashes(option)) {
         if (!option.ending.empty()) read = option.ending;
@@ -115,7 +127,7 @@ std::string bash_script(const std::vector<CommandEntry>& commands) {
     }
     names += (names.empty() ? "" : " ") + entry.command.name;
     cases += fmt::format(
-        "        {})\n            case $option in\n{}                *) _poise_rest {} \"{}\" ;;\n            esac "
+        "        {})\n            case $option in\n{}                *) _poise_rest \"{}\" \"{}\" ;;\n            esac "
         ";;\n",
         entry.command.name, words, read, options);
   }
@@ -154,7 +166,9 @@ std::string zsh_action(const Option& option) {
   } else if (option.ending == "/") {
     action = "_files -/";
   } else if (!option.ending.empty()) {
-    action = fmt::format("_files -g \"*.{}\"", option.ending);
+    const std::vector<std::string> endings = endings_of(option);
+    action = endings.size() == 1 ? fmt::format("_files -g \"*.{}\"", option.ending)
+                                 : fmt::format("_files -g \"*.({})\"", fmt::join(endings, "|"));
   }
   return fmt::format("{}:{}", zsh_text(option.value.empty() ? option.name : option.value), action);
 }
@@ -222,12 +236,20 @@ std::string fish_choices(const Option& option) {
   return out;
 }
 
+std::string fish_files(const Option& option) {
+  std::string out;
+  for (const std::string& ending : endings_of(option)) {
+    out += fmt::format("{}__fish_complete_suffix .{}", out.empty() ? "" : "; ", ending);
+  }
+  return " -k -a '(" + out + ")'";
+}
+
 /// What fish does for the word of an option.
 std::string fish_action(const Option& option) {
   if (is_list_of_choices(option)) return fmt::format(" -x -a '(__fish_append , {})'", choices_of(option));
   if (!option.choices.empty()) return " -x -a " + fish_text(fish_choices(option));
   if (option.ending == "/") return " -x -a '(__fish_complete_directories)'";
-  if (!option.ending.empty()) return fmt::format(" -x -k -a '(__fish_complete_suffix .{})'", option.ending);
+  if (!option.ending.empty()) return " -x" + fish_files(option);
   return " -x";
 }
 
@@ -260,7 +282,7 @@ complete -c poise -n __poise_begins -l completion -x -a '{}' -d 'Print the compl
         out += fmt::format("{} -l {}{} -d {}\n", condition, option.name.substr(2),
                            is_flag(option) ? "" : fish_action(option), fish_text(brief(option)));
       } else if (!option.ending.empty()) {
-        out += fmt::format("{} -k -a '(__fish_complete_suffix .{})'\n", condition, option.ending);
+        out += fmt::format("{}{}\n", condition, fish_files(option));
       }
     }
   }

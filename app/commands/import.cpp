@@ -35,19 +35,20 @@ std::vector<std::string> readable_names() {
   return out;
 }
 
+std::string readable_endings() {
+  std::string out;
+  for (const FileFormat& format : formats()) {
+    if (format.read != nullptr) out += (out.empty() ? "" : " ") + std::string(format.ending);
+  }
+  return out;
+}
+
 std::string readable_help() {
   std::string out = "What the file is; without it its ending says so";
   for (const FileFormat& format : formats()) {
     if (format.read != nullptr) out += fmt::format("\n{} (.{}): {}", format.name, format.ending, format.what);
   }
   return out;
-}
-
-/// The scene below its notes, as comments.
-std::string with_notes(const Imported& imported) {
-  std::string out;
-  for (const std::string& note : imported.notes) out += "# " + one_line(note) + "\n";
-  return out + (out.empty() ? "" : "\n") + imported.text;
 }
 
 int run_import(const ImportRequest& request, const Palette& palette) {
@@ -60,7 +61,7 @@ int run_import(const ImportRequest& request, const Palette& palette) {
   progress.now("reading the file");
   const FileFormat& format = readable_format(common.scene, request.format);
   const Imported imported = format.read(read_text_file(common.scene, most_bytes), common.scene, options);
-  const std::string text = with_notes(imported);
+  const std::string text = text_with_notes(imported);
   OutputFiles files(common);
   progress.now("analysing its mobility");
   Scene scene = parse_scene(text, "the scene of " + one_line(common.scene));
@@ -86,7 +87,8 @@ Command import_command() {
   const auto request = std::make_shared<ImportRequest>();
   request->common.kind = "file";
   Command command{"import", "Read a file of another program as a scene"};
-  command.add({"FILE", &request->common.scene, "", "File of another program (docs/exchange.md)", Presence::required});
+  command.add({"FILE", &request->common.scene, "", "File of another program (docs/exchange.md)", Presence::required})
+      .ending = readable_endings();
   command.add({"--format", &request->format, "NAME", readable_help()}).choices = readable_names();
   command
       .add({"--units", &request->units, "UNIT",

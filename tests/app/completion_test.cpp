@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Shells, CompletionOf, testing::ValuesIn(app::completed_
                          [](const auto& one) { return one.param; });
 
 TEST(Completion, OfAFileHasItsEnding) {
-  const std::set<std::string> files = {"FILE", "DIR", "OTHER"}, words = {"SCENE", "DESIGN", "EXPERIMENT"};
+  const std::set<std::string> files = {"FILE", "DIR", "OTHER"}, words = {"SCENE", "DESIGN", "EXPERIMENT", "FILE"};
   for (const app::CommandEntry& entry : app::all_commands()) {
     for (const app::Option& option : entry.command.options) {
       const bool is_file = files.contains(option.value) || words.contains(option.name);
@@ -131,7 +131,7 @@ TEST(Completion, WithoutAShellNamesTheHelp) {
 class CompletionInFolder : public testing::Test {
  protected:
   CompletionInFolder() {
-    for (const char* name : {"arm.toml", "arm two.toml", "record.csv", "arm.svg"}) folder_.write(name, "");
+    for (const char* name : {"arm.toml", "arm two.toml", "record.csv", "arm.svg", "arm.dxf", "arm.urdf"}) folder_.write(name, "");
     std::filesystem::create_directory(folder_.path("studies"));
   }
 
@@ -174,6 +174,7 @@ TEST_F(CompletionInFolder, OffersWhatFitsInBash) {
   EXPECT_EQ(bash_offers("poise solve \"arm\\\\ t\""), Words{"arm two.toml"});
   EXPECT_EQ(bash_offers("poise solve \"\""), (Words{"arm.toml", "arm two.toml", "studies"}));
   EXPECT_EQ(bash_offers("poise identify --data r"), Words{"record.csv"});
+  EXPECT_EQ(bash_offers("poise import \"\""), (Words{"arm.dxf", "arm.urdf", "studies"}));
   EXPECT_EQ(bash_offers("poise montecarlo --output \"\""), Words{"studies"});
   EXPECT_EQ(bash_offers("poise solve --time \"\""), Words{});
   EXPECT_EQ(bash_offers("poise nothing \"\""), Words{});
