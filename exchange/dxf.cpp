@@ -235,24 +235,41 @@ class DxfExport {
       is_renamed_ = is_renamed_ || (layers_.size() > 1 && layers_.back() != link.name);
     }
     write_head();
-    group(0, "SECTION");
-    group(2, "ENTITIES");
-    for (std::size_t l = 0; l < layers_.size(); ++l) write_link(l);
+    for (std::size_t l = 0; l < layers_.size(); ++l) write_link(links_, l, l);
     for (const PosedLinks::Node& node : links_.nodes()) {
       if (node.links.size() < 2) continue;
       for (const std::size_t link : node.links) write_circle(link, node.at);
     }
-    group(0, "ENDSEC");
-    group(0, "EOF");
+    write_end();
     return {out_, notes()};
+  }
+
+  /// This position, then the others, each on its layer.
+  Exported text(const std::vector<NamedPosition>& positions) {
+    layers_.emplace_back("GROUND");
+    for (const NamedPosition& one : positions) layers_.push_back(layer_name(one.name, taken_));
+    write_head();
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const PosedLinks links(positions[k].scene, positions[k].poses);
+      if (k == 0) write_link(links, 0, 0);
+      for (std::size_t l = 1; l < links.links().size(); ++l) write_link(links, l, k + 1);
+      for (const PosedLinks::Node& node : links.nodes()) {
+        if (node.links.size() > 1) write_circle(k + 1, node.at);
+      }
+    }
+    write_end();
+    return {out_,
+            {fmt::format("The {} positions are layers, on which links cannot be told apart when the file is read.",
+                         positions.size()),
+             "Slides, springs, masses, loads and all else but links and pins are left out."}};
   }
 
  private:
   void group(int code, std::string_view value) { out_ += fmt::format("{:3}\n{}\n", code, value); }
   void number(int code, double value) { group(code, fmt::format("{}", value)); }
-  void begin(std::string_view kind, std::size_t link) {
+  void begin(std::string_view kind, std::size_t layer) {
     group(0, kind);
-    group(8, layers_[link]);
+    group(8, layers_[layer]);
   }
   void at(int code, Vec2 place) {
     number(code, place.x);
@@ -284,33 +301,40 @@ class DxfExport {
     }
     group(0, "ENDTAB");
     group(0, "ENDSEC");
+    group(0, "SECTION");
+    group(2, "ENTITIES");
+  }
+
+  void write_end() {
+    group(0, "ENDSEC");
+    group(0, "EOF");
   }
 
   /// Lines through its points in their order; points alone, and those of the ground, as such.
-  void write_link(std::size_t l) {
+  void write_link(const PosedLinks& links, std::size_t l, std::size_t layer) {
     std::vector<Vec2> places;
-    for (const Vec2& place : links_.links()[l].places) {
+    for (const Vec2& place : links.links()[l].places) {
       size_ = std::max({size_, std::abs(place.x), std::abs(place.y)});
       if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
     }
     if (l == 0 || places.size() < 2) {
       for (const Vec2& place : places) {
-        begin("POINT", l);
+        begin("POINT", layer);
         at(10, place);
       }
       return;
     }
     const std::size_t lines = places.size() == 2 ? 1 : places.size();
     for (std::size_t p = 0; p < lines; ++p) {
-      begin("LINE", l);
+      begin("LINE", layer);
       at(10, places[p]);
       at(11, places[(p + 1) % places.size()]);
     }
   }
 
-  void write_circle(std::size_t link, Vec2 centre) {
+  void write_circle(std::size_t layer, Vec2 centre) {
     constexpr double of_size = 0.01;
-    begin("CIRCLE", link);
+    begin("CIRCLE", layer);
     at(10, centre);
     number(40, short_number(size_ > 0.0 ? of_size * size_ : 1.0));
   }
@@ -367,6 +391,10 @@ Imported import_dxf(std::string_view text, const std::string& file, const Import
 
 Exported export_dxf(const Scene& scene, const std::vector<BodyPose<double>>& poses) {
   return DxfExport(scene, poses).text();
+}
+
+Exported export_dxf_positions(const std::vector<NamedPosition>& positions) {
+  return DxfExport(positions.front().scene, positions.front().poses).text(positions);
 }
 
 }  // namespace poise

@@ -27,10 +27,12 @@ Result import_result(const FileFormat& format, const Imported& imported, const S
 }
 
 Result export_result(const Scene& scene, const std::vector<std::string>& settings, const std::string& pose,
-                     const std::vector<ExportedFormat>& exported) {
+                     std::size_t positions, const std::vector<ExportedFormat>& exported) {
   Result out = scene_result(scene, settings);
-  out.verdict = good(
-      fmt::format("The mechanism {}.", pose == "start" ? "as it is assembled from its start" : "in its equilibrium"));
+  out.verdict = good(fmt::format("The mechanism {}.", positions > 1     ? fmt::format("in {} positions", positions)
+                                                      : pose == "start" ? "as it is assembled from its start"
+                                                      : pose == "equilibrium" ? "in its equilibrium"
+                                                                              : "in a position of its path"));
   out.content.data("pose", pose);
   std::vector<std::string> notes;
   for (const ExportedFormat& one : exported) {

@@ -20,8 +20,8 @@ struct ExportedFormat {
   std::vector<std::string> notes;
 };
 
-/// What `poise export` shows of files in the position `pose`, "start" or "equilibrium".
+/// What `poise export` shows of files in so many positions: of `pose`, the words of its option.
 Result export_result(const Scene& scene, const std::vector<std::string>& settings, const std::string& pose,
-                     const std::vector<ExportedFormat>& exported);
+                     std::size_t positions, const std::vector<ExportedFormat>& exported);
 
 }  // namespace poise::app

@@ -1,5 +1,7 @@
 // `poise import` and `poise export`.
 
+#include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -95,6 +97,59 @@ TEST(ExportCommand, WritesTheEquilibrium) {
   EXPECT_TRUE(contains(contents(dxf), "LINE\n  8\narm\n 10\n0\n 20\n0\n 11\n2\n 21\n0\n")) << contents(dxf);
   EXPECT_EQ(run_poise({"export", scene, "--pose", "equilibrium", "--dxf", dxf}).exit_code, 0);
   EXPECT_TRUE(contains(contents(dxf), "LINE\n  8\narm\n 10\n0\n 20\n0\n 11\n0\n 21\n-2\n")) << contents(dxf);
+}
+
+// A four-bar whose coupler is longer at every position of the path: each is drawn with the length that it has there.
+TEST(ExportCommand, DrawsThePositionsOfAPath) {
+  const TempFolder folder;
+  const std::string path = folder.path("path.json"), dxf = folder.path("o.dxf"), scene = dataset("toggle_clamp");
+  ASSERT_EQ(
+      run_poise({"path", scene, "--vary", "point.link.B.x=36..37", "--at", "36,36.5,37", "--json", path}).exit_code, 0);
+  const ProgramRun run = run_poise({"export", scene, "--pose", "equilibrium," + path, "--dxf", dxf});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(contains(run.out, "The mechanism in 4 positions.")) << run.out;
+  const std::string drawing = contents(dxf);
+  for (const char* const layer : {"EQUILIBRIUM", "POSE_1", "POSE_3"}) {
+    EXPECT_TRUE(contains(drawing, std::string("LINE\n  8\n") + layer + "\n")) << layer;
+  }
+  // The equilibrium is the first position of the path, and the link of the third is a millimetre longer.
+  const auto lines_of = [&](const std::string& layer) {
+    std::vector<double> out;
+    const std::string begin = "LINE\n  8\n" + layer + "\n";
+    for (std::size_t at = 0; (at = drawing.find(begin, at)) != std::string::npos; at += begin.size()) {
+      std::istringstream words(drawing.substr(at + begin.size(), 400));
+      double place[4] = {};
+      std::string code;
+      for (double& one : place) words >> code >> one;
+      out.push_back(std::hypot(place[2] - place[0], place[3] - place[1]));
+    }
+    return out;
+  };
+  const std::vector<double> first = lines_of("POSE_1"), last = lines_of("POSE_3"), rest = lines_of("EQUILIBRIUM");
+  ASSERT_EQ(first.size(), last.size());
+  ASSERT_EQ(first.size(), rest.size());
+  double longer = 0.0;
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_NEAR(first[k], rest[k], 1e-6);
+    longer += last[k] - first[k];
+  }
+  EXPECT_NEAR(longer, 1.0, 1e-6);
+  const auto refused = [&](const Words& options) {
+    Words words = {"export", scene};
+    words.insert(words.end(), options.begin(), options.end());
+    const ProgramRun one = run_poise(words);
+    EXPECT_EQ(one.exit_code, 2);
+    EXPECT_EQ(one.err.find('\n'), one.err.size() - 1) << one.err;
+    return one.err;
+  };
+  EXPECT_TRUE(
+      contains(refused({"--pose", path, "--mjcf", folder.path("o.xml")}), "--mjcf: expected one position, found 3"));
+  EXPECT_TRUE(contains(refused({"--pose", path + "," + path, "--dxf", dxf}), "expected each position once"));
+  const std::string other = folder.write("other.json", "{\"status\": 1}");
+  EXPECT_TRUE(contains(refused({"--pose", other, "--dxf", dxf}), "expected the result of poise path with --json"));
+  ASSERT_EQ(run_poise({"path", dataset("four_bar_gravity"), "--vary", "gravity.y=-9..-10", "--json", path}).exit_code,
+            0);
+  EXPECT_TRUE(contains(refused({"--pose", path, "--dxf", dxf}), "expected a result of poise path on "));
 }
 
 TEST(ExportCommand, SaysWhatIsMissing) {
