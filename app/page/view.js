@@ -14,6 +14,7 @@ import {OthersPanel} from './view_others.js';
 import {DrawingTools, ItemsPanel} from './view_draw.js';
 import {RunPanel} from './view_run.js';
 import {TemplatesDialog} from './view_templates.js';
+import {Exchange, notesAbove} from './view_exchange.js';
 
 const times_kept = 1000;
 // How long a note stays, ms, after what it tells of.
@@ -26,7 +27,7 @@ const long_computing = 600;
 const visible_move = 2;
 
 // Requests that change items.
-const edits = ['draw', 'place', 'remove', 'rename', 'keys'];
+const edits = ['draw', 'place', 'remove', 'rename', 'keys', 'import'];
 
 const notes_of_requests = {
   undo: 'Undone: back to what was before the last change.',
@@ -163,6 +164,8 @@ class LiveView {
     });
     this.templates = new TemplatesDialog(palette, look, (text) => this.takeTemplate(text));
     this.begin.append(button('Start from a template', () => this.templates.open()));
+    this.exchange = new Exchange(page.view.exchange, this);
+    this.exchange.takeDrops(this.moving.stage);
     this.forces = element('div', {class: 'forces'});
     this.bars = new Bars();
     this.footer = element('footer', {}, `Made by Poise ${page.poise ?? ''}`, (this.speed = element('span')));
@@ -231,7 +234,7 @@ class LiveView {
         this.undo_button,
         this.redo_button,
         this.save_button,
-        menu('File', button('Save as …', () => this.saveAs()), this.share_button, this.reload_button),
+        menu('File', button('Save as …', () => this.saveAs()), this.share_button, this.reload_button, ...this.exchange.buttons),
         button('Templates', () => this.templates.open()),
         themeChoice()
       )
@@ -363,6 +366,7 @@ class LiveView {
       parts.push(notes_of_requests[name] ?? '');
     if (name === 'undo' || name === 'redo') parts.unshift(notes_of_requests[name]);
     if (name === 'save') parts.push(`Saved as ${this.state.file}.`);
+    if (name === 'import') parts.unshift(notesAbove(this.state.text));
     if (wish.note === 'disk') parts.unshift('The file was changed on disk, and is shown as it is now.');
     if (refitted && wish.note !== 'opening') parts.push('The picture shows another part of the plane now.');
     return parts.join(' ');
@@ -371,7 +375,7 @@ class LiveView {
   // Where the ground is elsewhere on the picture, and was not moved, the picture was fitted anew.
   isRefitted(before, answer, wish) {
     if (before.drawing.width !== answer.drawing.width) return true;
-    if (['ground', 'set', 'text', 'undo', 'redo', 'reload', 'draw', 'place', 'remove'].includes(wish.request.do)) return false;
+    if (['ground', 'set', 'text', 'import', 'undo', 'redo', 'reload', 'draw', 'place', 'remove'].includes(wish.request.do)) return false;
     return differ(before.handles, answer.handles, (one) => one.kind === 'ground', 0.5);
   }
 
@@ -660,7 +664,7 @@ class LiveView {
   gone(is_gone) {
     document.body.classList.toggle('program-gone', is_gone);
     this.handles.setEnabled(!is_gone);
-    for (const one of [this.save_button, this.share_button, this.reload_button]) one.disabled = is_gone;
+    for (const one of [this.save_button, this.share_button, this.reload_button, ...this.exchange.buttons]) one.disabled = is_gone;
     for (const box of [this.numbers, this.switches]) {
       for (const input of box.element.querySelectorAll('.numbers input, .switches input')) input.disabled = is_gone;
     }

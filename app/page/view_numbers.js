@@ -168,16 +168,22 @@ export class NumbersPanel {
   }
 
   update(numbers) {
-    const same = numbers.length === this.rows.size && numbers.every(({path}) => this.rows.has(path));
+    const same = numbers.length === this.rows.size && numbers.every((number) => this.rowOf(this.rows, number));
     if (same) numbers.forEach((number) => this.rows.get(number.path).update(number));
     else this.build(numbers);
+  }
+
+  // In another unit a number is another one, with a range of its own.
+  rowOf(rows, {path, unit}) {
+    const row = rows.get(path);
+    return row?.number.unit === unit ? row : undefined;
   }
 
   build(numbers) {
     const old = this.rows;
     this.rows = new Map();
     for (const number of numbers) {
-      const row = old.get(number.path) ?? new NumberRow(this, number);
+      const row = this.rowOf(old, number) ?? new NumberRow(this, number);
       row.update(number);
       this.rows.set(number.path, row);
     }

@@ -19,6 +19,7 @@
 #include "app/results/statics/solve.hpp"
 #include "app/terminal/output_file.hpp"
 #include "app/view/drawing_tools.hpp"
+#include "app/view/exchanged.hpp"
 #include "app/view/parked_items.hpp"
 #include "app/view/templates.hpp"
 #include "model/dependent_number.hpp"
@@ -54,8 +55,8 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
 
 /// Whether undo takes a request back: dragging about with the hand changes no number.
 bool changes_scene(const std::string& what) {
-  constexpr std::array<std::string_view, 12> changing = {"ground", "load",  "set",    "switch", "text", "reload",
-                                                         "draw",   "place", "remove", "rename", "keys", "go"};
+  constexpr std::array<std::string_view, 13> changing = {
+      "ground", "load", "set", "switch", "text", "import", "reload", "draw", "place", "remove", "rename", "keys", "go"};
   return std::find(changing.begin(), changing.end(), what) != changing.end();
 }
 
@@ -717,6 +718,7 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
     if (request.value("fit", false)) now_.screen = std::make_shared<Screen>(now_.shown);
     return out;
   }
+  if (what == "import") return do_text(imported_text(request));
   if (what == "go") return do_go(request);
   if (what == "draw") return do_draw(request);
   if (what == "place") return do_place(request);
@@ -764,6 +766,11 @@ std::string ViewSession::answer_beside(const json& request, const std::string& w
 
 /// The state in JSON with its drawing.
 std::string ViewSession::answered(const std::string& what, const json& request, json& out) {
+  if (what == "export") {
+    out = exported_json(request, now_.shown.scene(), now_.shown.poses());
+    out["revision"] = now_.revision;
+    return "";
+  }
   if (what != "look") expect_present(request);
   // What a slider or an arrow does in one go is one step for undo.
   const std::string gesture = what == "set"      ? "set " + request.value("path", "")
@@ -849,6 +856,7 @@ json ViewSession::page() {
   }
   json& view = out["view"] = shown({}, Parts::all);
   view["tools"] = std::move(tools);
+  view["exchange"] = exchange_json();
   view["drawing"] = json::parse(drawing_json(now_.screen->drawing(now_.shown, {}, false)));
   view["handles"] = handles();
   return out;

@@ -260,9 +260,9 @@ std::vector<Command> all_commands() {
                                                       "\"arm.A\"]\nrate = 0.1\n"}}});
     out.push_back({{"import", "four_bar.txt", "--units", "in", "--scene", "o.toml", "--json", "o.json"},
                    {{"four_bar.txt", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.txt")}}});
-    for (const char* const robot : {"arm.urdf", "four_bar.xml"}) {
-      out.push_back({{"import", robot, "--scene", "o.toml"},
-                     {{robot, contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange" / robot)}}});
+    for (const char* const file : {"arm.urdf", "four_bar.xml", "crank_slider.linkage2", "four_bar.url"}) {
+      out.push_back({{"import", file, "--scene", "o.toml"},
+                     {{file, contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange" / file)}}});
     }
     out.push_back({{"import", "four_bar.dxf", "--tolerance", "0.01"},
                    {{"four_bar.dxf", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.dxf")}}});

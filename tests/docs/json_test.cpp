@@ -892,6 +892,7 @@ TEST(JsonDocs, View) {
   Json run = answer({{"do", "run"}, {"command", "solve"}, {"options", sought}});
   while (run["run"]["state"] == "running") run = answer({{"do", "result"}});
   answer({{"do", "result"}, {"html", true}});
+  Checker(keys).check(Json::parse(session.act({{"do", "export"}, {"format", "dxf"}})), {});
   expect_all_written(keys, Shared::some);
 }
 

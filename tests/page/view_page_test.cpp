@@ -500,6 +500,77 @@ TEST_F(ViewPage, BadTextShowsItsError) {
   expect_silence();
 }
 
+// Each example, chosen in the menu or dropped onto the picture, becomes the scene that poise import makes of it, and
+// one undo takes it back.
+TEST_F(ViewPage, FilesOfOtherProgramsAreImportedAndExported) {
+  show("toggle_clamp");
+  const std::string before = ask({{"do", "look"}})["text"];
+  const std::filesystem::path examples = std::filesystem::path(dataset("toggle_clamp")).parent_path() / "exchange";
+  const auto take = [&](const std::string& name, const std::string& text, bool is_dropped) {
+    browser().run(
+        "const files = new DataTransfer(); files.items.add(new File([arguments[1]], arguments[0]));"
+        "const input = document.querySelector('.import-file'), stage = document.querySelector('.live-picture .stage');"
+        "if (arguments[2]) stage.dispatchEvent(new DragEvent('drop', {dataTransfer: files, bubbles: true, cancelable: "
+        "true}));"
+        "else { input.files = files.files; input.dispatchEvent(new Event('change')); }",
+        {name, text, is_dropped});
+  };
+  bool is_dropped = false;
+  for (const char* const name :
+       {"four_bar.dxf", "four_bar.url", "four_bar.txt", "crank_slider.linkage2", "arm.urdf", "four_bar.xml"}) {
+    SCOPED_TRACE(name);
+    const long last = revision();
+    take(name, contents(examples / name), is_dropped);
+    is_dropped = !is_dropped;
+    ASSERT_TRUE(browser().wait_for("Number(document.body.dataset.revision) > " + std::to_string(last), 20.0))
+        << browser().run("return document.querySelector('.status').textContent");
+    const json state = ask({{"do", "look"}});
+    const std::string file = folder_.path("taken.toml");
+    ASSERT_EQ(run_poise({"import", (examples / name).string(), "--scene", file}).exit_code, 0);
+    // The text shown has the position as its start besides.
+    const std::string text = state["text"], made = contents(file);
+    EXPECT_EQ(browser().run("return document.querySelector('[data-number=\"gravity.y\"] .unit').textContent"),
+              text.find("length = \"mm\"") != std::string::npos   ? "mm/s²"
+              : text.find("length = \"in\"") != std::string::npos ? "in/s²"
+                                                                  : "m/s²");
+    const std::string head = text.substr(0, text.find("\n[start]"));
+    EXPECT_EQ(head, made.substr(0, head.size()));
+    EXPECT_TRUE(made.size() == head.size() || made.substr(head.size()).starts_with("\n[start]")) << made;
+    const std::string said = browser().run("return document.querySelector('.status').textContent").get<std::string>();
+    EXPECT_TRUE(said.find("Imported. ") != std::string::npos) << said;
+    EXPECT_TRUE(browser().wait_for("!document.querySelector('.stage.moving')"));
+    const long imported = revision();
+    browser().run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'Undo').click()");
+    ASSERT_TRUE(browser().wait_for("Number(document.body.dataset.revision) > " + std::to_string(imported), 20.0));
+    EXPECT_TRUE(browser().wait_for("!document.querySelector('.stage.moving')"));
+    EXPECT_EQ(ask({{"do", "look"}})["text"], before);
+  }
+  const long last = revision();
+  take("broken.dxf", "0\nSECTION\n2\nENTITIES\n0\nSPLINE\n8\narm\n0\nENDSEC\n0\nEOF\n", false);
+  EXPECT_TRUE(
+      browser().wait_for("document.querySelector('.status').textContent.includes('broken.dxf:6: SPLINE')", 20.0));
+  EXPECT_EQ(revision(), last);
+  EXPECT_EQ(ask({{"do", "look"}})["text"], before);
+  const auto write = [&](const std::string& format) {
+    browser().run("document.querySelector(`[data-format='${arguments[0]}']`).click()", {format});
+  };
+  browser().run(
+      "window.taken = null; URL.createObjectURL = (blob) => { blob.text().then((text) => { window.taken = text; });"
+      "return 'blob:none'; }; HTMLAnchorElement.prototype.click = () => {};");
+  write("dxf");
+  ASSERT_TRUE(browser().wait_for("window.taken !== null", 20.0));
+  const std::string drawing = folder_.write("out.dxf", browser().run("return window.taken").get<std::string>());
+  const ProgramRun back = run_poise({"import", drawing, "--scene", folder_.path("back.toml")});
+  EXPECT_TRUE(back.out.find("Read: 3 moving bodies, 4 joints, 1 degree of freedom.") != std::string::npos)
+      << back.out << back.err;
+  write("pmks");
+  EXPECT_TRUE(browser().wait_for("document.body.innerText.includes('The mechanism is an address of PMKS+.')", 20.0));
+  write("mjcf");
+  EXPECT_TRUE(browser().wait_for(
+      "document.querySelector('.status').textContent.startsWith('Not exported: toggle_clamp.toml:')", 20.0));
+  expect_silence();
+}
+
 TEST_F(ViewPage, EditsOnDiskAreShown) {
   show("four_bar_gravity");
   std::string text = contents(file_);

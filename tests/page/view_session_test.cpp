@@ -385,5 +385,35 @@ TEST(ViewSession, RandomDragsShowEquilibria) {
   }
 }
 
+TEST(ViewSession, ImportsAndExportsFilesOfOtherPrograms) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  const json before = look(session);
+  const std::string drawing =
+      contents(std::filesystem::path(dataset("toggle_clamp")).parent_path() / "exchange/four_bar.dxf");
+  const json state = asked(session, {{"do", "import"}, {"name", "../four_bar.dxf"}, {"text", drawing}});
+  ASSERT_EQ(error_of(state), "");
+  EXPECT_TRUE(state["text"].get<std::string>().starts_with("# 1 text, dimension or hatch is left out.\n"));
+  EXPECT_EQ(asked(session, {{"do", "undo"}})["text"], before["text"]);
+  const json text = look(session)["text"];
+  const auto refused = [&](const json& request) {
+    const std::string error = error_of(asked(session, request));
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    EXPECT_EQ(look(session)["text"], text);
+    return error;
+  };
+  EXPECT_TRUE(refused({{"do", "import"}, {"name", "a.stl"}, {"text", "solid"}})
+                  .starts_with("a.stl: expected a file that ends"));
+  EXPECT_TRUE(refused({{"do", "import"}, {"name", "a.dxf"}, {"text", "0\n"}}).starts_with("a.dxf:"));
+  EXPECT_TRUE(refused({{"do", "import"}, {"name", "a.dxf"}, {"text", std::string("0\0", 2)}}).find("NUL") !=
+              std::string::npos);
+  EXPECT_NE(refused({{"do", "import"}, {"name", "a.dxf"}}), "");
+  EXPECT_NE(refused({{"do", "export"}, {"format", "dfx"}}).find("did you mean \"dxf\"?"), std::string::npos);
+  const json exported = asked(session, {{"do", "export"}, {"format", "dxf"}});
+  EXPECT_NE(exported["exported"]["text"].get<std::string>().find("CIRCLE"), std::string::npos);
+  EXPECT_FALSE(exported["exported"]["notes"].empty());
+  EXPECT_EQ(exported["revision"], session.poll(0)["revision"]);
+}
+
 }  // namespace
 }  // namespace poise::app::view_session_test
