@@ -415,5 +415,30 @@ TEST(ViewSession, ImportsAndExportsFilesOfOtherPrograms) {
   EXPECT_EQ(exported["revision"], session.poll(0)["revision"]);
 }
 
+// A number of a part's file is saved as one of the scene's own, which all parts of that file have; the file of the
+// part stays.
+TEST(ViewSession, SavesNumbersOfPartsIntoTheScene) {
+  const TempFolder folder;
+  const std::filesystem::path datasets = std::filesystem::path(dataset("toggle_clamp")).parent_path();
+  std::filesystem::copy(datasets / "parts", folder.path("parts"));
+  const std::string file = folder.write("lift.toml", contents(datasets / "scissor_lift_of_parts.toml"));
+  ViewSession session(file);
+  ASSERT_EQ(error_of(asked(session, {{"do", "set"}, {"path", "numbers.scissor_stage.m"}, {"value", 8}})), "");
+  EXPECT_NE(error_of(asked(session, {{"do", "set"}, {"path", "body.stage_1.rise.mass"}, {"value", 8}})), "");
+  const json state = asked(session, {{"do", "save"}});
+  ASSERT_EQ(error_of(state), "");
+  EXPECT_TRUE(state["saved"]);
+  const Scene saved = read_scene(file);
+  EXPECT_EQ(get_value(saved, "body.stage_3.fall.mass"), 8);
+  EXPECT_NE(contents(file).find("\"scissor_stage.m\" = 8"), std::string::npos);
+  EXPECT_EQ(contents(folder.path("parts/scissor_stage.toml")), contents(datasets / "parts/scissor_stage.toml"));
+  EXPECT_LT(apart_from_solve(session, contents(file)), 1e-9);
+  // Each is a text of the page that names a file elsewhere.
+  for (const char* const other : {"/etc/passwd", "../x.toml"}) {
+    EXPECT_NE(error_of(asked(session, {{"do", "text"}, {"text", "[[part]]\nfile = \"" + std::string(other) + "\"\n"}})),
+              "");
+  }
+}
+
 }  // namespace
 }  // namespace poise::app::view_session_test
