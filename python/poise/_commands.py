@@ -634,7 +634,7 @@ class SceneCommands:
         self,
         *,
         set: Settings | None = None,
-        pose: str | None = None,
+        pose: Words | None = None,
         dxf: Path | None = None,
         pmks: Path | None = None,
         urdf: Path | None = None,
@@ -651,7 +651,9 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
-        pose: start (the default) or equilibrium: where the mechanism is written
+        pose: Where the mechanism is written: start (the default), equilibrium, or the
+            file of poise path --json, with all its positions; of a drawing several,
+            with commas between
         dxf: Write to FILE: drawing in DXF, each link on its layer
         pmks: Write to FILE: address of PMKS+
         urdf: Write to FILE: URDF of ROS, in one plane
