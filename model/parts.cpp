@@ -29,7 +29,7 @@ constexpr int most_repeats = 1000;
 fs::path resolved(const fs::path& path) {
   std::error_code failed;
   const fs::path whole = fs::absolute(path, failed);
-  const fs::path out = failed ? fs::path() : fs::weakly_canonical(whole, failed);
+  fs::path out = failed ? fs::path() : fs::weakly_canonical(whole, failed);
   if (failed) throw InputError("expected the name of a file, found \"" + path.string() + "\": " + failed.message());
   return out;
 }

@@ -58,6 +58,7 @@ class PartedDocument {
   const toml::table& document() const { return document_; }
   const TomlParts& files() const { return files_; }
   bool has_parts() const { return !uses_.empty(); }
+  const std::deque<PartUse>& uses() const { return uses_; }
   /// The use that a node comes from; null of the scene's own file and of what no file has.
   const PartUse* use_of(const toml::node& node) const;
   /// Whether mirroring has changed the sign of a number.

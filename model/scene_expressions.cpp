@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -195,6 +196,18 @@ void SceneExpressions::share_force(const ParameterRow& row, const NumberSpot& sp
   }
 }
 
+void SceneExpressions::bound_scales(std::vector<DependentNumber>& components) const {
+  std::set<std::string> known;
+  for (const PartUse& use : parts_.uses()) {
+    if (use.scale_text.empty() || !known.insert(use.scale_text).second) continue;
+    components.push_back({{DependentPlace::Of::left_out, {Owner::scene, 0}},
+                          use.scale_place.item,
+                          {use.scale_text, names_},
+                          dimension::none,
+                          Range::positive});
+  }
+}
+
 void SceneExpressions::check_replacements() const {
   for (const PartNumber& number : parts_.replacements()) {
     const auto found = paths_.find(number.use->file);
@@ -258,6 +271,7 @@ void SceneExpressions::find_dependents(Scene& scene) {
     add_all(Owner::element, DependentPlace::Of::factor, "sum", scene.elements.size());
     add_all(Owner::drive, DependentPlace::Of::factor, "sum", scene.drives.size());
     add_all(Owner::stop, DependentPlace::Of::factor, "sum", scene.stops.size());
+    bound_scales(components);
     for (DependentNumber& one : components) dependents_.push_back(std::move(one));
     check_replacements();
     for (const auto& [node, written] : written_) {

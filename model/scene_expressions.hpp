@@ -42,6 +42,8 @@ class SceneExpressions final : public ExpressionReader {
   void share_number(const ParameterRow& row, const NumberSpot& spot, Scene& scene);
   void share_force(const ParameterRow& row, const NumberSpot& spot, std::vector<DependentNumber>& components,
                    Scene& scene);
+  /// Keeps scales of parts that follow from numbers positive.
+  void bound_scales(std::vector<DependentNumber>& components) const;
   void check_replacements() const;
 
   const PartedDocument& parts_;

@@ -10,6 +10,7 @@
 
 #include "model/one_line.hpp"
 #include "model/text_file.hpp"
+#include "statics/model/mobility.hpp"
 #include "statics/model/scaled_model.hpp"
 
 namespace poise::app {
@@ -33,10 +34,11 @@ std::vector<std::pair<double, json>> points_of(const json& path) {
 /// Gives the items of these names their values; false where the scene has one of them not.
 template <class Items, class Value, class Read>
 bool give(const json& values, const Items& items, std::vector<std::optional<Value>>& to, Read read) {
-  for (const auto& [name, value] : values.items()) {
-    const auto found = std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+  for (const auto& one : values.items()) {
+    const auto found =
+        std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == one.key(); });
     if (found == items.end()) return false;
-    to[static_cast<std::size_t>(found - items.begin())] = read(value);
+    to[static_cast<std::size_t>(found - items.begin())] = read(one.value());
   }
   return true;
 }

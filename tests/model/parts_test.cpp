@@ -524,6 +524,15 @@ TEST_F(PartsOfAFrame, AChangedNumberMovesTurnsAndScalesThem) {
   EXPECT_EQ(written.substr(written.find("[ground]")), fan.substr(fan.find("[ground]")));
 }
 
+TEST_F(PartsOfAFrame, AScaleStaysPositive) {
+  Scene scene = read(fan);
+  for (const double s : {0.0, -1.0}) {
+    const std::string said = message_of([&] { set_value(scene, "numbers.s", s); });
+    EXPECT_NE(said.find("part \"p\".scale = \"s\": expected a finite number > 0"), std::string::npos) << said;
+  }
+  EXPECT_EQ(get_value(scene, "numbers.s"), 1.25);
+}
+
 TEST_F(PartsOfAFrame, PlacesHaveExactDerivatives) {
   const auto value = [&](double s, double t, double d) {
     const StaticModel model(read(with_numbers(fan, s, t, d)));
