@@ -131,7 +131,8 @@ TEST(Completion, WithoutAShellNamesTheHelp) {
 class CompletionInFolder : public testing::Test {
  protected:
   CompletionInFolder() {
-    for (const char* name : {"arm.toml", "arm two.toml", "record.csv", "arm.svg", "arm.dxf", "arm.urdf"}) folder_.write(name, "");
+    for (const char* name : {"arm.toml", "arm two.toml", "record.csv", "arm.svg", "arm.dxf", "arm.urdf"})
+      folder_.write(name, "");
     std::filesystem::create_directory(folder_.path("studies"));
   }
 
