@@ -14,27 +14,23 @@
 
 #include <toml++/toml.h>
 
-#include "model/part_amount.hpp"
+#include "model/moved_items.hpp"
 #include "model/parts.hpp"
 
 namespace poise::parts {
 
 constexpr std::string_view fixed_frame = "ground";
 
-inline std::string* text_in(toml::table& table, std::string_view key) {
-  toml::value<std::string>* const value = table.get_as<std::string>(key);
-  return value != nullptr ? &value->get() : nullptr;
-}
-
-inline toml::array* list_in(toml::table& table, std::string_view key) { return table.get_as<toml::array>(key); }
-
-inline toml::table* table_in(toml::table& table, std::string_view key) { return table.get_as<toml::table>(key); }
+using moved::Amount;
+using moved::Direction;
+using moved::list_in;
+using moved::Place;
+using moved::table_in;
+using moved::tables_in;
+using moved::text_in;
 
 /// The table under a key, which is made where there is none; null where something else is there.
 toml::table* made_table(toml::table& in, std::string_view key);
-
-/// The tables of [[key]].
-std::vector<toml::table*> tables_in(toml::table& document, std::string_view key);
 
 /// Fails on two numbers of one name.
 [[noreturn]] void fail_number_taken(const TomlPlace& place, const std::string& name);
@@ -80,7 +76,7 @@ struct Shared {
 };
 
 /// Brings one part, whose own parts are in their places, into the document that has it.
-class Placing {
+class Placing : private MovedItems {
  public:
   Placing(Shared& shared, Level& level, Level& part, const Group& group, int k, PartUse& use,
           toml::source_region held_at)
@@ -120,31 +116,17 @@ class Placing {
   // Expressions of a value, not of the names in it.
   void rename_below(toml::node& node, std::string_view key) const;
 
-  void name_body(std::string& name);
-  void name_point(std::string& name);
-  void name_in(toml::table& table, std::string_view key, void (Placing::*give)(std::string&));
-  void name_joint(std::string& name) { name = named(name); }
-  void name_list(toml::table& table, std::string_view key, void (Placing::*give)(std::string&));
+  void name_body(std::string& name) override;
+  void name_point(std::string& name) override;
+  void name_joint(std::string& name) override { name = named(name); }
+  std::string origin_of_places() override;
+  std::string carrier_of_gears() override;
+  void note_negated(const toml::node& node) override;
+  void take_value(toml::node& from, toml::table& to, const toml::key& key, std::string_view before) override;
 
-  void negate(toml::node* node);
-  void mirror(toml::node* vector, std::size_t component = 1);
-  void mirror_number(toml::table& table, std::string_view key);
-  void mirror_curve(toml::table& table);
-  void exchange(toml::table& table, std::string_view key) const;
-  void mirror_turn(toml::table& table) const;
-
-  void transform_measure(toml::table& table);
-  void transform_rope(toml::table& table, std::string_view key);
-  // Loads that keep their direction in the world.
-  void turn_load(toml::table& table);
-
-  void transform(std::string_view key, toml::table& table, const TomlTable& place);
-  void transform_track(std::string_view key, toml::table& table, const TomlTable& place);
-  void exchange_ends(toml::table& table);
-  void move_marked(toml::node& from, toml::table& to, const toml::key& key);
-
-  void transform_body(toml::table& body, const TomlTable& place);
-  void transform_points(toml::table& owner);
+  void place_item(std::string_view key, toml::table& table, const TomlTable& place);
+  void place_body(toml::table& body, const TomlTable& place);
+  void rename_points(toml::table& owner);
 
   std::string origin();
 
@@ -160,7 +142,6 @@ class Placing {
 
   // The ground of the part as a body of the scene, where anything is fixed in it.
   void add_ground(const TomlTable& root);
-  static toml::source_region key_source(const toml::table& table, std::string_view key);
   // The point at which the part is held, of the ground or of a body.
   void place_on(toml::table& bodies);
 
@@ -179,8 +160,6 @@ class Placing {
   toml::source_region held_at_;
   toml::source_region source_{};  // of what the part brings that its file does not have
   Place at_{};
-  Amount angle_{};
-  Direction direction_{};
   std::map<std::string, std::string> joined_{}, scoped_{};
   bool needs_frame_ = false;
 };

@@ -19,15 +19,6 @@ toml::table* made_table(toml::table& in, std::string_view key) {
   return table_in(in, key);
 }
 
-std::vector<toml::table*> tables_in(toml::table& document, std::string_view key) {
-  std::vector<toml::table*> out;
-  toml::array* const list = list_in(document, key);
-  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
-    if (toml::table* const table = list->get_as<toml::table>(i)) out.push_back(table);
-  }
-  return out;
-}
-
 namespace {
 
 constexpr std::size_t most_items = 10'000;
@@ -117,10 +108,10 @@ void Placing::run() {
   for (const std::string_view key : item_tables()) {
     const std::vector<TomlTable> places = root.tables(key);
     const std::vector<toml::table*> tables = tables_in(part_.document, key);
-    for (std::size_t i = 0; i < tables.size(); ++i) transform(key, *tables[i], places[i]);
+    for (std::size_t i = 0; i < tables.size(); ++i) place_item(key, *tables[i], places[i]);
   }
   for (auto&& [key, node] : *table_in(part_.document, "body")) {
-    if (toml::table* const body = node.as_table()) transform_body(*body, *bodies->find_table(key.str()));
+    if (toml::table* const body = node.as_table()) place_body(*body, *bodies->find_table(key.str()));
   }
   add_start(root);
   add_ground(root);
@@ -130,6 +121,7 @@ void Placing::run() {
 void Placing::find_place() {
   const double unit = level_.units.angle;
   const toml::source_position begin{1, 1};
+  mirrored_ = group_.mirrored;
   source_ = {begin, begin, part_.document.source().path};
   const Amount steps{k_ - 1.0};
   at_ = group_.at;
@@ -241,7 +233,7 @@ void Placing::add_positions(toml::table& positions) {
     }
     const Place own{unit * Amount::component(vector, 0), sense * unit * Amount::component(vector, 1)};
     const Place turned = direction_.turned(own);
-    to->insert_or_assign(name, parts::array_of({at_.x + turned.x, at_.y + turned.y}));
+    to->insert_or_assign(name, moved::array_of({at_.x + turned.x, at_.y + turned.y}));
   }
 }
 
@@ -277,6 +269,7 @@ void Placing::add_ground(const TomlTable& root) {
   origin();
   toml::table frame_body;
   if (toml::table* const own = table_in(part_.document, fixed_frame)) {
+    rename_points(*own);
     transform_points(*own);
     frame_body = std::move(*own);
   }
@@ -302,11 +295,6 @@ void Placing::add_ground(const TomlTable& root) {
   bodies->insert_or_assign(toml::key(frame(), source_), std::move(frame_body));
 }
 
-toml::source_region Placing::key_source(const toml::table& table, std::string_view key) {
-  const auto found = table.find(key);
-  return found != table.end() ? found->first.source() : table.source();
-}
-
 void Placing::place_on(toml::table& bodies) {
   toml::table* const base =
       group_.on == fixed_frame ? made_table(level_.document, fixed_frame) : table_in(bodies, group_.on);
@@ -326,7 +314,7 @@ void Placing::place_on(toml::table& bodies) {
   if (k_ == 1 && group_.written->contains("at")) {
     places->insert_or_assign(key, std::move(*group_.written->get("at")));
   } else {
-    places->insert_or_assign(key, array_of(at_));
+    places->insert_or_assign(key, moved::array_of(at_));
   }
 }
 
