@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <set>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "model/copied_items.hpp"
 #include "model/couplings.hpp"
 #include "model/nearest_name.hpp"
 #include "model/number_spots.hpp"
@@ -77,6 +79,24 @@ std::size_t find_in_expression(std::string_view expression, std::string_view nam
 
 }  // namespace
 
+std::string free_letter(std::set<std::string>& taken) {
+  for (int round = 0;; ++round) {
+    for (char letter = 'A'; letter <= 'Z'; ++letter) {
+      std::string name(1, letter);
+      if (round > 0) name += std::to_string(round);
+      if (taken.insert(name).second) return name;
+    }
+  }
+}
+
+PlaneMotion PlaneMotion::after(const PlaneMotion& first, double angle_unit) const {
+  const Vec2 at_first{first.at.x, mirrored ? -first.at.y : first.at.y};
+  const double c = std::cos(angle * angle_unit), s = std::sin(angle * angle_unit);
+  return {mirrored != first.mirrored,
+          angle + (mirrored ? -first.angle : first.angle),
+          {at.x + c * at_first.x - s * at_first.y, at.y + s * at_first.x + c * at_first.y}};
+}
+
 /// One change of a text.
 class SceneText::Editing {
  public:
@@ -135,6 +155,51 @@ class SceneText::Editing {
         added.emplace_back(key, value);
     }
     if (!added.empty()) edits_.add(&table, item.owner == Owner::body ? "body." + toml_key(item.own_name) : "", added);
+  }
+
+  void copy(const std::vector<SceneItem>& chosen, const PlaneMotion& step, int times) {
+    const CopiedSelection selection = selected(chosen);
+    constexpr std::size_t most_items = 10'000;
+    if ((selection.bodies.size() + selection.items.size()) * static_cast<std::size_t>(times) > most_items)
+      throw InputError(
+          fmt::format("times: expected at most {} bodies, joints and other items in all copies", most_items));
+    FreeNames names(scene_);
+    TomlKeys ground, start, positions;
+    CopiedItems::Tables bodies, items;
+    const auto append = [](auto& to, const auto& more) { to.insert(to.end(), more.begin(), more.end()); };
+    PlaneMotion motion = step;
+    for (int k = 0; k < times; ++k) {
+      const CopiedItems one(parse_toml(edits_.text(), file_), document_, edits_, file_, scene_, selection, motion,
+                            names, false);
+      append(ground, one.ground_points);
+      append(bodies, one.bodies);
+      append(items, one.items);
+      append(start, one.start);
+      append(positions, one.positions);
+      motion = step.after(motion, scene_.units.angle);
+    }
+    if (!ground.empty()) add_point(scene_.bodies[0].name, ground);
+    for (const auto& [name, keys] : bodies) add_body(name, keys);
+    // What is added to the end of the text stands there in this order.
+    std::stable_sort(items.begin(), items.end(),
+                     [](const auto& a, const auto& b) { return rank_of(a.first) < rank_of(b.first); });
+    for (const auto& [table, keys] : items) add_item(table, keys);
+    write_start(start, positions);
+  }
+
+  void move(const std::vector<SceneItem>& chosen, const PlaneMotion& motion) {
+    const CopiedSelection selection = selected(chosen);
+    FreeNames names(scene_);
+    const CopiedItems moved(parse_toml(edits_.text(), file_), document_, edits_, file_, scene_, selection, motion,
+                            names, true);
+    const std::string& ground = scene_.bodies[0].name;
+    for (const auto& [point, at] : moved.placed_points)
+      edits_.replace(*table_in(table_of_body(ground), "points")->get(point), at);
+    if (!moved.ground_points.empty()) add_point(ground, moved.ground_points);
+    moved.change(edits_);
+    for (const auto& [name, keys] : moved.bodies) add_body(name, keys);
+    for (const auto& [table, keys] : moved.items) add_item(table, keys);
+    write_start(moved.start, moved.positions);
   }
 
   void set_start(const std::string& table, const std::string& name, const std::string& value) {
@@ -271,6 +336,12 @@ class SceneText::Editing {
     throw InputError("expected an item of the scene" + did_you_mean_or_list(name, names));
   }
 
+  std::vector<SceneItem> chosen(const std::vector<std::string>& names) const {
+    std::vector<SceneItem> out;
+    for (const std::string& name : names) out.push_back(item(name));
+    return out;
+  }
+
   std::vector<SceneItem> items() const {
     std::vector<SceneItem> out;
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -365,6 +436,113 @@ class SceneText::Editing {
     add(scene_.torques, Owner::torque, [](const Torque&) { return std::string("torque"); });
     add(scene_.stops, Owner::stop, [](const Stop& stop) { return stop.family(); });
     return out;
+  }
+
+  /// Guesses of the file in place of those that it has, or behind them.
+  void write_start(const TomlKeys& start, const TomlKeys& positions) {
+    const toml::table* const written = table_in(&document_, "start");
+    const toml::table* const places = table_in(written, "position");
+    const auto write = [&](const toml::table* table, const TomlKeys& keys) {
+      TomlKeys added;
+      for (const auto& [key, value] : keys) {
+        const toml::node* const known = table != nullptr ? table->get(key) : nullptr;
+        if (known != nullptr)
+          edits_.replace(*known, value);
+        else
+          added.emplace_back(key, value);
+      }
+      return added;
+    };
+    TomlKeys added = write(written, start);
+    const TomlKeys added_places = write(places, positions);
+    if (places != nullptr && !added_places.empty())
+      edits_.add(places, "start.position", added_places);
+    else if (!added_places.empty())
+      added.emplace_back("position", "{ " + listed(added_places, "", ", ") + " }");
+    if (added.empty()) return;
+    if (written != nullptr)
+      edits_.add(written, "start", added);
+    else
+      insert_table("start", "[start]", added);
+  }
+
+  /// The chosen items with all that is among the bodies of them, and between these and the ground.
+  CopiedSelection selected(const std::vector<SceneItem>& chosen) const {
+    CopiedSelection out;
+    std::set<const toml::table*> wanted, taken;
+    for (const SceneItem& item : chosen) {
+      if (item.owner == Owner::body) out.bodies.insert(item.own_name);
+      if (item.owner == Owner::point && item.index == 0) out.ground_points.push_back(item.own_name);
+      if (item.owner != Owner::body && item.owner != Owner::point) wanted.insert(&table_of(item));
+    }
+    std::map<const toml::node*, const Use*> uses;
+    for (const Use& use : uses_) uses[use.node] = &use;
+    std::set<std::string> joints;
+    const std::vector<std::pair<SceneItem, const toml::table*>> all = items_of_lists();
+    const auto is_copied = [&](const toml::table& table) {
+      bool is_among = true, is_of_one = false;
+      const auto look = [&](const Use& use) {
+        const bool is_point = use.of == NameUse::Of::point;
+        const std::string body = is_point ? use.text.substr(0, use.text.rfind('.')) : use.text;
+        if (use.of != NameUse::Of::joint && body == scene_.bodies[0].name) return;
+        const bool is_known = use.of == NameUse::Of::joint ? joints.contains(use.text) : out.bodies.contains(body);
+        is_among = is_among && is_known;
+        is_of_one = is_of_one || is_known;
+      };
+      each_below(table, [&](const toml::node& node) {
+        if (const auto use = uses.find(&node); use != uses.end()) look(*use->second);
+      });
+      return is_among && is_of_one;
+    };
+    for (bool more = true; more;) {
+      more = false;
+      for (const auto& [item, table] : all) {
+        if (taken.contains(table) || !is_copied(*table)) continue;
+        more = true;
+        taken.insert(table);
+        if (item.owner == Owner::joint) joints.insert(item.own_name);
+        if (item.owner != Owner::stop) continue;
+        const std::vector<std::string> derived = derived_names(item.own_name);
+        joints.insert(derived.begin(), derived.end());
+      }
+    }
+    for (const SceneItem& item : chosen) {
+      const bool is_of_list = item.owner != Owner::body && item.owner != Owner::point;
+      const bool is_loose = item.owner == Owner::point && item.index > 0 &&
+                            !out.bodies.contains(scene_.bodies[static_cast<std::size_t>(item.index)].name);
+      if (is_loose || (is_of_list && !taken.contains(&table_of(item))))
+        throw InputError(item.name + ": expected its links among the items too; choose them as well");
+    }
+    std::set<const toml::node*> within;
+    for (const toml::table* const table : taken)
+      each_below(*table, [&](const toml::node& node) { within.insert(&node); });
+    for (const Use& use : uses_) {
+      if (use.of == NameUse::Of::point && is_point_of(use.text, scene_.bodies[0].name) && !within.contains(use.node))
+        out.shared_points.insert(use.text.substr(use.text.rfind('.') + 1));
+    }
+    for (auto&& [key, node] : document_) {
+      const toml::array* const list = node.as_array();
+      for (std::size_t k = 0; list != nullptr && k < list->size(); ++k) {
+        const toml::table* const table = list->get(k)->as_table();
+        if (!taken.contains(table)) continue;
+        const auto one = std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.second == table; });
+        const SceneItem& item = one->first;
+        const bool may_derive = item.owner == Owner::stop;
+        out.items.push_back({std::string(key.str()), k, item.owner, item.own_name,
+                             may_derive ? derived_names(item.own_name) : std::vector<std::string>{}});
+      }
+    }
+    return out;
+  }
+
+  template <class Visit>
+  static void each_below(const toml::node& node, Visit visit) {
+    visit(node);
+    if (const toml::table* const table = node.as_table()) {
+      for (auto&& [key, below] : *table) each_below(below, visit);
+    } else if (const toml::array* const list = node.as_array()) {
+      for (const toml::node& below : *list) each_below(below, visit);
+    }
   }
 
   /// What [start] calls by the name of a slot, a rolling wheel or a chain: bodies and travels that come with it.
@@ -558,9 +736,24 @@ void SceneText::set_start_position(const std::string& body, const std::string& v
 void SceneText::remove(const std::vector<std::string>& items) {
   if (items.empty()) throw InputError("items: expected one at least");
   Editing editing(text_, file_);
-  std::vector<SceneItem> gone;
-  for (const std::string& item : items) gone.push_back(editing.item(item));
-  editing.remove(gone);
+  editing.remove(editing.chosen(items));
+  take(editing.made());
+}
+
+void SceneText::copy(const std::vector<std::string>& items, const PlaneMotion& step, int times) {
+  constexpr int most_times = 1000;
+  if (items.empty()) throw InputError("items: expected one at least");
+  if (times < 1 || times > most_times)
+    throw InputError(fmt::format("times: expected a whole number from 1 to {}, found {}", most_times, times));
+  Editing editing(text_, file_);
+  editing.copy(editing.chosen(items), step, times);
+  take(editing.made());
+}
+
+void SceneText::move(const std::vector<std::string>& items, const PlaneMotion& motion) {
+  if (items.empty()) throw InputError("items: expected one at least");
+  Editing editing(text_, file_);
+  editing.move(editing.chosen(items), motion);
   take(editing.made());
 }
 

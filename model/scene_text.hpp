@@ -2,6 +2,7 @@
 
 // The text of a scene file, changed item by item.
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,19 @@ namespace poise {
 
 /// Keys with their values as TOML text, in the order in which they are written.
 using TomlKeys = std::vector<std::pair<std::string, std::string>>;
+
+/// "A", "B", ..., "Z", "A1", ...: the first that is not taken, which is then.
+std::string free_letter(std::set<std::string>& taken);
+
+/// How the plane is moved as a whole, in the units of a scene.
+struct PlaneMotion {
+  bool mirrored = false;  ///< y to -y, at first
+  double angle = 0.0;     ///< by which it is turned then
+  Vec2 at{};              ///< to where its origin comes
+
+  /// This motion after another; `angle_unit`: rad in the unit of angles.
+  PlaneMotion after(const PlaneMotion& first, double angle_unit) const;
+};
 
 /// Reads a scene as parse_scene(), also one that is still being drawn, which may have no body.
 Scene parse_sketch(std::string_view text, const std::string& name);
@@ -53,6 +67,11 @@ class SceneText {
   void set_start_position(const std::string& body, const std::string& value);
   /// Takes items away, and with them all that refers to them: joints, springs, loads, stops, guesses, outputs.
   void remove(const std::vector<std::string>& items);
+  /// Copies items, moved once, twice, ... `times` times: bodies with all that is among them and between them and the
+  /// ground. Other names are found for them; loads that keep their direction are turned too.
+  void copy(const std::vector<std::string>& items, const PlaneMotion& step, int times);
+  /// Moves items themselves, which keep their names, with what copy() would copy.
+  void move(const std::vector<std::string>& items, const PlaneMotion& motion);
   /// Gives an item another name, also where others refer to it.
   void rename(const std::string& item, const std::string& name);
 

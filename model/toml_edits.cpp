@@ -44,6 +44,11 @@ TomlEdits::TomlEdits(std::string_view text, const toml::table& document) : text_
 
 const char* TomlEdits::line_end() const { return text_.find("\r\n") != std::string_view::npos ? "\r\n" : "\n"; }
 
+std::string_view TomlEdits::source(const toml::node& node) const {
+  const std::size_t from = offset(node.source().begin);
+  return text_.substr(from, offset(node.source().end) - from);
+}
+
 void TomlEdits::replace(const toml::node& node, std::string value) {
   edits_.push_back({offset(node.source().begin), offset(node.source().end), std::move(value)});
 }

@@ -52,6 +52,9 @@ class TomlEdits {
   /// Whether a node is a table, or a list of tables, that is written under headers.
   bool is_header(const toml::node& node) const;
   bool is_empty() const { return text_.empty(); }
+  std::string_view text() const { return text_; }
+  /// A value as it is written, of tables and lists those within braces and brackets alone.
+  std::string_view source(const toml::node& node) const;
   /// The end of line of the text: "\n" or "\r\n".
   const char* line_end() const;
 

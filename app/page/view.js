@@ -27,7 +27,7 @@ const long_computing = 600;
 const visible_move = 2;
 
 // Requests that change items.
-const edits = ['draw', 'place', 'remove', 'rename', 'keys', 'import'];
+const edits = ['draw', 'place', 'remove', 'rename', 'keys', 'copy', 'move', 'import'];
 
 const notes_of_requests = {
   undo: 'Undone: back to what was before the last change.',
@@ -151,8 +151,8 @@ class LiveView {
     this.handles = new Handles(this.moving, ask);
     this.numbers = new NumbersPanel(ask);
     this.switches = new SwitchesPanel(ask);
-    this.drawing = new DrawingTools(this.moving, page.view.tools, ask, (name) => this.selected(name));
-    this.items = new ItemsPanel(ask);
+    this.items = new ItemsPanel(ask, (item) => this.drawing.selection.toggle(item));
+    this.drawing = new DrawingTools(this.moving, page.view.tools, ask, (names) => this.selected(names));
     this.text = new TextPanel(ask, () => this.showSaved());
     this.others = new OthersPanel(this.moving.picture, palette, ask);
     const look = (request) => this.program.aside(request);
@@ -375,7 +375,8 @@ class LiveView {
   // Where the ground is elsewhere on the picture, and was not moved, the picture was fitted anew.
   isRefitted(before, answer, wish) {
     if (before.drawing.width !== answer.drawing.width) return true;
-    if (['ground', 'set', 'text', 'import', 'undo', 'redo', 'reload', 'draw', 'place', 'remove'].includes(wish.request.do)) return false;
+    const moving = ['ground', 'set', 'text', 'import', 'undo', 'redo', 'reload', 'draw', 'place', 'remove', 'copy', 'move'];
+    if (moving.includes(wish.request.do)) return false;
     return differ(before.handles, answer.handles, (one) => one.kind === 'ground', 0.5);
   }
 
@@ -406,11 +407,13 @@ class LiveView {
     if (whole) {
       this.numbers.update(state.numbers);
       this.switches.update(state.switches);
-      this.items.update(state.items);
+      const made = this.items.update(state.items);
       this.begin.hidden = state.items.length > 0;
       this.showTitle();
       this.run.update(state);
       this.drawing.update(state.sheet);
+      this.drawing.selection.keep(state.items);
+      if (wish?.request.do === 'copy') this.drawing.selection.choose(made);
       // The next poll may already tell of another change.
       if (['save', 'reload'].includes(wish?.request.do)) this.file_state = 'same';
       if (!state.draft) this.bars.hide('draft');
@@ -472,9 +475,12 @@ class LiveView {
     refocus(this.forces, focus);
   }
 
-  selected(name) {
-    if (name !== '') this.tabs.openNamed('items');
-    return this.items.mark(name);
+  selected(names) {
+    const chosen = this.items.mark(names);
+    // The panel shows what was clicked on the sheet.
+    if (chosen.length === 1 && this.tabs && this.tabs.name !== 'items') this.tabs.openNamed('items');
+    this.items.reveal();
+    return chosen;
   }
 
   opened(name) {
@@ -691,7 +697,9 @@ class LiveView {
       return;
     }
     const types = event.target.closest('textarea, input[type="number"], input[type="search"], input[type="text"]');
-    if (types || !['z', 'y'].includes(key)) return;
+    // In an empty field for places there is nothing else to take back.
+    const is_empty = types?.classList.contains('draw-typed') && types.value === '';
+    if ((types && !is_empty) || !['z', 'y'].includes(key)) return;
     event.preventDefault();
     const what = key === 'y' || event.shiftKey ? 'redo' : 'undo';
     if (this.state[what]) this.ask({do: what});

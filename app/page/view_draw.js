@@ -2,11 +2,14 @@
 // through the place before, typed numbers); what is written into the scene is decided by the program.
 
 import {button, checkbox, element, menu, numberText, svgElement} from './dom.js';
+import {Selection} from './view_selection.js';
 
 // So near to a point, px of the screen, that point is meant.
 const near_point = 12;
 // So near to a horizontal or vertical through the place before, px of the screen, that line is meant.
 const near_line = 6;
+// A press that moves so far, px of the screen, drags a box.
+const least_box = 4;
 // Lines of the grid are so far apart at least, px of the screen.
 const least_grid = 14;
 
@@ -36,16 +39,14 @@ export function typedPlace(text, before, degrees) {
 
 // Tools of the page itself.
 const own_tools = {
-  select: {name: 'select', title: 'Select', picks: 1, hint: 'Click an item; Delete takes it away.'},
+  select: {name: 'select', title: 'Select', picks: 1, hint: 'Click an item, Shift+click more, or drag a box over them.'},
   move_point: {name: 'move_point', title: 'Shape', picks: 1, hint: 'Drag a point to where it is to be.'},
 };
 
-/// The toolbar and the sheet over the picture. `ask(request, options)` sends requests; `selected(name)` is told of the
-/// item that was clicked.
+/// The toolbar and the sheet over the picture. `ask(request, options)` sends requests; `selected(names)` is told of the
+/// items that are chosen, and returns those of them that there are.
 export class DrawingTools {
   constructor(moving, tools, ask, selected) {
-    this.selected = selected;
-    this.item = '';
     Object.assign(this, {moving, ask, picture: moving.picture, tools, tool: null, picked: [], at: null, sheet: null});
     this.snaps = true;
     this.marks = svgElement('g', {class: 'draw-marks'});
@@ -95,6 +96,7 @@ export class DrawingTools {
         this.snaps = on;
       }),
       this.typed_line,
+      (this.selection = new Selection(this, ask, selected)).element,
       this.hint
     );
     document.addEventListener('keydown', (event) => this.key(event));
@@ -112,7 +114,22 @@ export class DrawingTools {
     if (this.tool && this.picked.length >= this.tool.picks) this.end();
     this.drop();
     this.tool = own_tools[name] ?? this.tools.find((tool) => tool.name === name) ?? null;
-    this.item = '';
+    if (name !== 'select') this.selection.choose([]);
+    this.show(name);
+  }
+
+  /// A tool that is none of the toolbar, with its first places; the tool to select follows it.
+  use(tool, places) {
+    this.drop();
+    this.tool = tool;
+    this.show(tool.name);
+    this.picked = places;
+    this.pressed = [...places];
+    for (const box of this.selection.element.querySelectorAll('.menu')) box.open = false;
+    this.draw();
+  }
+
+  show(name) {
     this.moving.stage.classList.toggle('selecting', name === 'select');
     this.picked = [];
     this.pressed = [];
@@ -124,6 +141,10 @@ export class DrawingTools {
     }
     this.cover.hidden = this.tool === null;
     this.typed_line.hidden = this.tool === null || Object.hasOwn(own_tools, name);
+    // Its keys are those of the page again.
+    if (this.typed_line.hidden) this.typed.blur();
+    this.at = null;
+    this.selection.show(name === 'select' || this.tool?.request !== undefined);
     this.tell();
     this.draw();
   }
@@ -133,12 +154,13 @@ export class DrawingTools {
     if (event.key === 'Escape') {
       event.preventDefault();
       if (this.held) this.giveUp();
+      else if (this.tool.request) this.choose('select');
       else if (this.picked.length > 0) this.forget();
+      else if (this.selection.items.length > 0) this.selection.choose([]);
       else this.choose('');
-    } else if (['Delete', 'Backspace'].includes(event.key) && this.item && !event.target.closest('input, textarea')) {
+    } else if (['Delete', 'Backspace'].includes(event.key) && !event.target.closest('input, textarea')) {
       event.preventDefault();
-      this.ask({do: 'remove', items: [this.item]});
-      this.select('');
+      this.selection.remove();
     } else if (event.key === 'Enter' && event.target !== this.typed && this.picked.length > 0) {
       event.preventDefault();
       this.end();
@@ -223,6 +245,11 @@ export class DrawingTools {
   move(event) {
     if (!this.tool || !this.sheet) return;
     this.at = this.meant(event);
+    if (this.box) {
+      const [x, y] = this.box.client;
+      this.box.to = this.at.pressed;
+      this.box.is_drawn = this.box.is_drawn || Math.hypot(event.clientX - x, event.clientY - y) > least_box;
+    }
     if (this.held) {
       this.held.moved = true;
       this.placeHeld(true);
@@ -243,7 +270,9 @@ export class DrawingTools {
     this.moving.finish();
     this.at = this.meant(event);
     if (this.tool.name === 'select') {
-      this.select(this.itemAt(event) || this.at.name);
+      const place = this.toPlane(this.picture.toPage(event.clientX, event.clientY));
+      this.cover.setPointerCapture(event.pointerId);
+      this.box = {from: place, to: place, client: [event.clientX, event.clientY], is_drawn: false};
     } else if (this.tool.name !== 'move_point') {
       this.pick(this.at.at, this.at.pressed);
     } else if (this.at.name) {
@@ -257,28 +286,45 @@ export class DrawingTools {
     this.cover.style.pointerEvents = 'none';
     const name = this.picture.nameAt(event.clientX, event.clientY);
     this.cover.style.pointerEvents = '';
-    return name;
+    // The picture says of some how they stand: "crank: at 60 deg".
+    return name.split(': ')[0];
   }
 
-  select(name) {
-    this.item = this.selected(name) ? name : '';
-    this.hint.textContent = this.item ? `${this.item}: Delete takes it away.` : `Select: ${own_tools.select.hint}`;
+  // Shift keeps what is chosen already.
+  select(event, {from, to, is_drawn}) {
+    const {selection} = this;
+    if (is_drawn) {
+      const found = selection.inBox(from, to);
+      selection.choose(event.shiftKey ? [...selection.items, ...found] : found);
+    } else {
+      const name = this.itemAt(event) || this.at.name;
+      if (event.shiftKey && name) selection.toggle(name);
+      else if (!event.shiftKey) selection.choose(name ? [name] : []);
+    }
+    this.hint.textContent =
+      selection.items.length > 0 ? `${selection.words}: Delete takes away.` : `Select: ${own_tools.select.hint}`;
   }
 
-  up() {
+  up(event) {
+    if (this.box) {
+      const {box} = this;
+      this.box = null;
+      this.select(event, box);
+    }
     if (!this.held) return;
     if (this.held.moved) this.placeHeld(false);
     this.held = null;
   }
 
   drop() {
-    this.held = null;
+    this.held = this.box = null;
   }
 
   // The point goes back to where it was.
   giveUp() {
     const {moved} = this.held;
-    this.up();
+    if (moved) this.placeHeld(false);
+    this.held = null;
     if (moved) this.ask({do: 'undo'});
   }
 
@@ -307,7 +353,13 @@ export class DrawingTools {
   end() {
     if (!this.tool || this.picked.length < this.tool.picks) return;
     const [at, pressed, typed] = [this.picked, this.pressed, this.typed_places];
+    const {request} = this.tool;
     this.forget();
+    if (request) {
+      this.choose('select');
+      this.ask(request(at));
+      return;
+    }
     this.tell();
     this.ask({do: 'draw', tool: this.tool.name, at, pressed, typed, within: near_point / this.density, grain: this.grain});
   }
@@ -343,13 +395,26 @@ export class DrawingTools {
       draw('path', {class: 'draw-loose', d: `M${x - 4},${y}h8M${x},${y - 4}v8`});
       draw('text', {class: 'draw-reading', x: x + 6, y: y - 5}, name.slice(name.lastIndexOf('.') + 1));
     }
+    const outline = (style, places) => {
+      const points = places.map((at) => this.toPage(at).join(',')).join(' ');
+      draw(places.length > 2 ? 'polygon' : 'polyline', {class: style, points});
+    };
+    for (const places of this.selection.marks) outline('draw-chosen', places);
     if (!this.tool) return;
+    if (this.box?.is_drawn) {
+      const [[ax, ay], [bx, by]] = [this.toPage(this.box.from), this.toPage(this.box.to)];
+      const [width, height] = [Math.abs(bx - ax), Math.abs(by - ay)];
+      draw('rect', {class: 'draw-box', x: Math.min(ax, bx), y: Math.min(ay, by), width, height});
+    }
+    const meant = [...this.picked, ...(this.at ? [this.at.at] : [])];
+    if (this.tool.ghosts && meant.length > 0)
+      for (const places of this.tool.ghosts(meant)) outline('draw-ghost', places);
     if (this.snaps && this.tool.name !== 'select') draw('path', {class: 'draw-grid', d: this.gridLines()});
-    const places = [...this.picked, ...(this.at ? [this.at.at] : [])].map((at) => this.toPage(at));
+    const places = this.tool.name === 'select' ? [] : meant.map((at) => this.toPage(at));
     if (places.length > 1)
       draw('polyline', {class: 'draw-line', points: places.map((place) => place.join(',')).join(' ')});
     for (const [x, y] of places) draw('circle', {class: 'draw-place', cx: x, cy: y, r: 4});
-    if (!this.at) return;
+    if (!this.at || this.box?.is_drawn) return;
     const [x, y] = this.at.at;
     const parts = [`${numberText(x, 6)}, ${numberText(y, 6)} ${this.sheet.unit}`];
     if (this.at.name) parts.unshift(this.at.name);
@@ -367,19 +432,22 @@ export class DrawingTools {
 }
 
 /// The panel with all items, which can be renamed and taken away.
+/// `choose(item)`: an item is chosen, or not any more.
 export class ItemsPanel {
-  constructor(ask) {
-    this.ask = ask;
-    this.key = '';
+  constructor(ask, choose) {
+    Object.assign(this, {ask, choose, key: '', chosen: []});
     this.list = element('div', {class: 'items-list'});
     this.none = element('p', {class: 'hint'}, 'Nothing is drawn yet: choose a tool above the sheet.');
     this.element = element('div', {}, this.none, this.list);
   }
 
+  /// Shows the items, and returns those that are new; points of links go with these.
   update(items) {
     const key = JSON.stringify(items);
-    if (key === this.key) return;
+    if (key === this.key) return [];
+    const known = [...this.list.children].map((row) => row.dataset.item);
     this.key = key;
+    const {chosen} = this;
     this.none.hidden = items.length > 0;
     this.list.replaceChildren(
       ...items.map(({item, name, point}) => {
@@ -392,9 +460,11 @@ export class ItemsPanel {
         });
         field.value = name;
         const kind = item.endsWith(` ${name}`) ? item.slice(0, -name.length - 1) : 'link';
+        const box = element('input', {type: 'checkbox', 'aria-label': `Choose ${item}`, change: () => this.choose(item)});
         return element(
           'div',
           {class: 'item-row', 'data-item': item},
+          box,
           element('span', {class: 'item-kind'}, point ? `point of ${item.slice(0, -name.length - 1)}` : kind),
           field,
           button('Delete', () => this.ask({do: 'remove', items: [item]}), {
@@ -404,14 +474,25 @@ export class ItemsPanel {
         );
       })
     );
+    this.mark(chosen);
+    return items.filter(({item, point}) => !known.includes(item) && !(point && !item.startsWith('ground.'))).map(({item}) => item);
   }
 
-  /// Marks an item; false where there is none of that name.
-  mark(name) {
-    for (const row of this.list.children) row.classList.toggle('marked', row.dataset.item === name);
-    const row = this.list.querySelector('.marked');
-    row?.scrollIntoView({block: 'nearest'});
-    return row !== null;
+  /// Marks items, and returns those of them that there are.
+  mark(names) {
+    this.chosen = [];
+    for (const row of this.list.children) {
+      const is_chosen = names.includes(row.dataset.item);
+      row.classList.toggle('marked', is_chosen);
+      row.querySelector('[type="checkbox"]').checked = is_chosen;
+      if (is_chosen) this.chosen.push(row.dataset.item);
+    }
+    return this.chosen;
+  }
+
+  /// Brings the first that is marked into view.
+  reveal() {
+    this.list.querySelector('.marked')?.scrollIntoView({block: 'nearest'});
   }
 
   /// Shows the names again as they are where another was refused.

@@ -93,17 +93,6 @@ class Sketcher {
   std::string quoted(PointRef p) const { return toml_string(scene().name_of(p)); }
   const std::string& body_name(int b) const { return scene().bodies[static_cast<std::size_t>(b)].name; }
 
-  /// "A", "B", ..., "Z", "A1", ...: the first that no body has.
-  std::string free_letter() {
-    for (int round = 0;; ++round) {
-      for (char letter = 'A'; letter <= 'Z'; ++letter) {
-        std::string name(1, letter);
-        if (round > 0) name += std::to_string(round);
-        if (names_.insert(name).second) return name;
-      }
-    }
-  }
-
   bool has_point(int body, const std::string& name) const {
     const std::vector<NamedPoint>& points = scene().bodies[static_cast<std::size_t>(body)].points;
     return std::any_of(points.begin(), points.end(), [&](const NamedPoint& one) { return one.name == name; });
@@ -169,7 +158,7 @@ class Sketcher {
 
   /// A new point of a body there, with a name that others there have.
   PointRef new_point(int body, Vec2 place, const std::string& wanted = "") {
-    const std::string name = !wanted.empty() && !has_point(body, wanted) ? wanted : free_letter();
+    const std::string name = !wanted.empty() && !has_point(body, wanted) ? wanted : free_letter(names_);
     text_.add_point(body_name(body), name, pair(local_of(poses_[static_cast<std::size_t>(body)], place)));
     return {body, static_cast<int>(scene().bodies[static_cast<std::size_t>(body)].points.size()) - 1};
   }
@@ -228,7 +217,7 @@ class Sketcher {
     for (const PointRef& there : points_of(0)) {
       if (there.body == 0) throw InputError("the ground has point \"" + scene().name_of(there) + "\" there already");
     }
-    const std::string name = given_name(free_letter());
+    const std::string name = given_name(free_letter(names_));
     text_.add_point(scene().bodies[0].name, name, pair(drawn_.places[0]));
     return scene().bodies[0].name + "." + name;
   }
@@ -274,7 +263,7 @@ class Sketcher {
                      .bodies[static_cast<std::size_t>(joined[k]->body)]
                      .points[static_cast<std::size_t>(joined[k]->point)]
                      .name;
-      if (letter.empty() || std::find(own.begin(), own.end(), letter) != own.end()) letter = free_letter();
+      if (letter.empty() || std::find(own.begin(), own.end(), letter) != own.end()) letter = free_letter(names_);
       own.push_back(letter);
       const Vec2 local = (places[k] - places[0]) * conj(poise::unit(direction));
       points += fmt::format("{}{} = {}", k > 0 ? ", " : "", toml_key(letter), pair(local));
@@ -324,7 +313,7 @@ class Sketcher {
     std::vector<PointRef> there = points_of(0);
     const int first = body_at(drawn_.pressed[0], {}, within(0));
     const Vec2 exact = there.empty() ? new_place(first, 0) : world(there[0]);
-    const std::string letter = there.empty() ? free_letter()
+    const std::string letter = there.empty() ? free_letter(names_)
                                              : scene()
                                                    .bodies[static_cast<std::size_t>(there[0].body)]
                                                    .points[static_cast<std::size_t>(there[0].point)]

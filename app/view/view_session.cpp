@@ -21,6 +21,7 @@
 #include "app/view/drawing_tools.hpp"
 #include "app/view/exchanged.hpp"
 #include "app/view/parked_items.hpp"
+#include "app/view/requested_motion.hpp"
 #include "app/view/templates.hpp"
 #include "model/dependent_number.hpp"
 #include "model/named_files.hpp"
@@ -55,8 +56,9 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
 
 /// Whether undo takes a request back: dragging about with the hand changes no number.
 bool changes_scene(const std::string& what) {
-  constexpr std::array<std::string_view, 13> changing = {
-      "ground", "load", "set", "switch", "text", "import", "reload", "draw", "place", "remove", "rename", "keys", "go"};
+  constexpr std::array<std::string_view, 15> changing = {"ground", "load",   "set",  "switch", "text",
+                                                         "import", "reload", "draw", "place",  "remove",
+                                                         "rename", "keys",   "copy", "move",   "go"};
   return std::find(changing.begin(), changing.end(), what) != changing.end();
 }
 
@@ -583,6 +585,15 @@ Transition ViewSession::take_renamed(const SceneText& renamed) {
   return {};
 }
 
+/// Takes over a text in which items are elsewhere, with the guesses of where they are.
+Transition ViewSession::take_moved(const SceneText& moved) {
+  now_.text = moved.text();
+  now_.scene = moved.scene();
+  now_.shown.restore(effective(now_.scene));
+  sync();
+  return {};
+}
+
 /// Takes the mechanism of the scene to where it stood, stable or not.
 void ViewSession::return_to(const BodyPoses& poses) {
   now_.shown.restore(effective(now_.scene));
@@ -635,6 +646,12 @@ Transition ViewSession::do_items(const std::string& what, const json& request) {
   } else if (what == "rename") {
     text.rename(request.at("item").get<std::string>(), request.at("name").get<std::string>());
     return take_renamed(text);
+  } else if (what == "copy") {
+    text.copy(request.at("items").get<std::vector<std::string>>(), requested_motion(request, now_.scene.units.angle),
+              request.value("times", 1));
+  } else if (what == "move") {
+    text.move(request.at("items").get<std::vector<std::string>>(), requested_motion(request, now_.scene.units.angle));
+    return take_moved(text);
   } else {
     const std::map<std::string, std::string> values = toml_values(request.at("values"));
     text.set(request.at("item").get<std::string>(), {values.begin(), values.end()});
@@ -722,7 +739,8 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   if (what == "go") return do_go(request);
   if (what == "draw") return do_draw(request);
   if (what == "place") return do_place(request);
-  if (what == "remove" || what == "rename" || what == "keys") return do_items(what, request);
+  if (what == "remove" || what == "rename" || what == "keys" || what == "copy" || what == "move")
+    return do_items(what, request);
   Transition out;
   if (what == "release") {
     out = now_.shown.release();

@@ -125,6 +125,7 @@ class ViewSession {
   Transition do_switch(const nlohmann::json& request);
   Transition do_text(const std::string& text);
   Transition take_edited(const SceneText& edited);
+  Transition take_moved(const SceneText& moved);
   Transition take_renamed(const SceneText& renamed);
   void return_to(const BodyPoses& poses);
   SceneText whole_text() const;

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -24,6 +25,7 @@
 
 #include "model/input_error.hpp"
 #include "model/scene.hpp"
+#include "model/scene_text.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/support/browser.hpp"
 #include "tests/support/seed.hpp"
@@ -144,6 +146,32 @@ class ViewPage : public testing::Test {
   void key(const std::string& name) {
     browser().type({name});
     ++gestures_;
+  }
+
+  /// The button with these words.
+  void press_button(const std::string& words) {
+    EXPECT_TRUE(browser()
+                    .run("const found = [...document.querySelectorAll('button')].find((one) => one.textContent.trim() "
+                         "=== arguments[0]); found?.click(); return found !== undefined",
+                         {words})
+                    .get<bool>())
+        << words;
+  }
+
+  /// A box that is dragged from one place of the scene to another.
+  void drag_box(std::pair<double, double> from, std::pair<double, double> to) {
+    const auto [left, top] = window_of(from.first, from.second);
+    const auto [right, bottom] = window_of(to.first, to.second);
+    browser().press(left, top);
+    browser().move(0.5 * (left + right), 0.5 * (top + bottom));
+    browser().move(right, bottom);
+    browser().let_go();
+  }
+
+  std::string shown_text() { return ask({{"do", "look"}})["text"]; }
+
+  std::vector<std::string> chosen() {
+    return browser().run("return [...document.querySelectorAll('.item-row.marked')].map((row) => row.dataset.item)");
   }
 
   /// Types a place into the field for exact ones.
@@ -485,6 +513,104 @@ TEST_F(ViewPage, TheFourBarOfTheReadmeIsDrawnByMouse) {
         << theirs;
   }
   std::printf("%d gestures\n", gestures_);
+  expect_silence();
+}
+
+constexpr const char* slider_crank = R"([units]
+length = "mm"
+angle = "deg"
+[ground]
+points = { A = [0, 0], D = [300, 0], S = [0, 200] }
+[body.crank]
+points = { A = [0, 0], B = [100, 0] }
+[body.rod]
+points = { B = [0, 0], C = [200, 0], G = [100, 50] }
+[body.block]
+points = { C = [0, 0], E = [40, 0] }
+mass = 2
+[[pin]]
+points = ["ground.A", "crank.A"]
+[[pin]]
+points = ["crank.B", "rod.B"]
+[[pin]]
+points = ["rod.C", "block.C"]
+[[slide]]
+name = "guide"
+points = ["ground.A", "block.C"]
+axis = [1, 0]
+[start]
+crank = 60
+rod = -25.66
+guide = 230.28
+)";
+
+// A box is dragged over all links; they are copied to a place, mirrored, repeated, grouped, moved and taken away.
+TEST_F(ViewPage, ChosenItemsAreCopiedByMouse) {
+  show_file(folder_.write("slider_crank.toml", slider_crank));
+  const std::string before = shown_text();
+  const auto undo = [&] {
+    browser().chord("Control", "z");
+    drawn();
+    EXPECT_EQ(shown_text(), before);
+  };
+  const auto choose_all = [&] {
+    choose("select");
+    drag_box({-12, -12}, {296, 110});
+  };
+  choose_all();
+  EXPECT_EQ(chosen(), (std::vector<std::string>{"ground.A", "crank", "rod", "block"}));
+  press_button("Copy");
+  click(100, 150);
+  drawn();
+  EXPECT_NE(shown_text().find("[body.crank_2]"), std::string::npos);
+  const std::vector<std::string> made = chosen();
+  EXPECT_TRUE(std::find(made.begin(), made.end(), "rod_2") != made.end());
+  EXPECT_EQ(std::find(made.begin(), made.end(), "rod"), made.end());
+  undo();
+  // Ctrl+C and Ctrl+V, and a typed place.
+  choose_all();
+  browser().chord("Control", "c");
+  browser().chord("Control", "v");
+  exactly("0, 150");
+  drawn();
+  EXPECT_NE(shown_text().find("[body.block_2]"), std::string::npos);
+  undo();
+  choose_all();
+  press_button("About a vertical line");
+  exactly("150, 50");
+  drawn();
+  const json mirrored = ask({{"do", "look"}});
+  for (const json& point : mirrored["sheet"]["points"]) {
+    if (point["name"] != "block_2.C") continue;
+    EXPECT_NEAR(point["at"][0].get<double>(), 300 - 230.28, 0.01);
+    EXPECT_NEAR(point["at"][1].get<double>(), 0.0, 0.01);
+  }
+  EXPECT_NE(mirrored["text"].get<std::string>().find("[body.block_2]"), std::string::npos);
+  undo();
+  choose_all();
+  browser().run(
+      "const fields = document.querySelectorAll('.draw-selection input');"
+      "fields[0].value = 3; fields[1].value = 400;");
+  press_button("Make");
+  drawn();
+  EXPECT_NE(shown_text().find("[body.crank_4]"), std::string::npos);
+  undo();
+  choose_all();
+  press_button("Group");
+  press_button("None");
+  EXPECT_TRUE(chosen().empty());
+  click(25, 43.3);
+  EXPECT_EQ(chosen().size(), 4U);
+  press_button("Move items");
+  exactly("20, 30");
+  drawn();
+  EXPECT_NE(shown_text().find("A = [20, 30]"), std::string::npos) << shown_text();
+  undo();
+  choose_all();
+  key("Delete");
+  drawn();
+  EXPECT_EQ(shown_text().find("[body."), std::string::npos);
+  undo();
   expect_silence();
 }
 

@@ -272,6 +272,14 @@ void Browser::press(double x, double y) {
 void Browser::move(double x, double y) { mouse("mouseMoved", x, y); }
 void Browser::let_go() { mouse("mouseReleased", x_, y_); }
 
+void Browser::chord(const std::string& held, const std::string& key) {
+  json actions = json::array();
+  for (const auto& [what, one] :
+       {std::pair("keyDown", held), std::pair("keyDown", key), std::pair("keyUp", key), std::pair("keyUp", held)})
+    actions.push_back({{"type", what}, {"value", key_code(one)}});
+  ask("actions", {{"actions", {{{"type", "key"}, {"id", "keyboard"}, {"actions", actions}}}}});
+}
+
 void Browser::type(const std::vector<std::string>& keys) {
   json actions = json::array();
   for (const std::string& key : keys) {

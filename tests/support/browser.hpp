@@ -55,6 +55,8 @@ class Browser {
   void let_go();
   /// Keys of the keyboard, one after the other: "a", "Enter", "ArrowRight", "Tab", ...
   void type(const std::vector<std::string>& keys);
+  /// A key while another is held: chord("Control", "z").
+  void chord(const std::string& held, const std::string& key);
 
   /// Which controls that are seen the Tab key does not come to, of those that it should; as HTML.
   std::vector<std::string> missed_by_tab();
