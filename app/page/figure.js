@@ -1,6 +1,7 @@
 // Drawings: a display list becomes an SVG in which only what changes from frame to frame is touched.
 
 import {button, checkbox, element, menu, svgElement, toneClass, toneIcon} from './dom.js';
+import {recordingTools} from './recording.js';
 
 const largest_zoom = 40;
 // How far from a thin shape, px, the mouse still finds its name.
@@ -493,8 +494,8 @@ export function showCaption(caption, stage, drawing, k) {
 }
 
 /// A drawing with its caption, zoom, names and layers. Returns its parts; frame(k) shows another frame. `said(name)`:
-/// what is said beside an item of that name.
-export function drawingView(drawing, palette, said = (name) => name) {
+/// what is said beside an item of that name; `moves`: there is something to film.
+export function drawingView(drawing, palette, said = (name) => name, moves = drawing.frames.length > 1) {
   const stage = element('div', {
     class: 'stage',
     tabindex: 0,
@@ -527,7 +528,8 @@ export function drawingView(drawing, palette, said = (name) => name) {
     }),
     button('−', () => zoom.by(0.8), {class: 'icon-button', 'aria-label': 'Zoom out', title: 'Zoom out (Ctrl + wheel)'}),
     reset,
-    layerMenu(picture, drawing)
+    layerMenu(picture, drawing),
+    ...recordingTools(picture, moves)
   );
   const caption = element('p', {class: 'caption'});
   followWithName(picture, stage, said);

@@ -11,7 +11,7 @@ const wants_no_motion = matchMedia('(prefers-reduced-motion: reduce)');
 /// The picture, which plays all frames of a drawing up to the last one. `shown(k)` is told of every frame.
 export class MovingPicture {
   constructor(drawing, palette, shown) {
-    this.view = drawingView(drawing, palette);
+    this.view = drawingView(drawing, palette, undefined, true);
     this.picture = this.view.picture;
     this.shown = shown;
     this.slow = false;

@@ -614,6 +614,49 @@ TEST_F(ViewPage, ChosenItemsAreCopiedByMouse) {
   expect_silence();
 }
 
+// Files of what is shown: the page hands them to the browser as blobs.
+TEST_F(ViewPage, PicturesAndFilms) {
+  show("toggle_clamp");
+  browser().run(
+      "window.blobs = []; const make = URL.createObjectURL;"
+      "URL.createObjectURL = (blob) => { window.blobs.push(blob); return make.call(URL, blob); };");
+  press_button("Picture (PNG)");
+  ASSERT_TRUE(browser().wait_for("window.blobs.length === 1", 20));
+  const json png = browser().run(
+      "return createImageBitmap(window.blobs[0]).then((image) => {"
+      "  const svg = document.querySelector('.live-picture svg.picture');"
+      "  const canvas = document.createElement('canvas'); canvas.width = image.width; canvas.height = image.height;"
+      "  const context = canvas.getContext('2d'); context.drawImage(image, 0, 0);"
+      "  const {data} = context.getImageData(0, 0, image.width, image.height);"
+      "  const colours = new Set(); for (let k = 0; k < data.length; k += 4) colours.add(`${data[k]},${data[k + 1]}`);"
+      "  return [image.width, image.height, svg.clientWidth, svg.clientHeight, colours.size];"
+      "})");
+  EXPECT_NEAR(png[0].get<double>(), 2 * png[2].get<double>(), 1.0);
+  EXPECT_NEAR(png[1].get<double>(), 2 * png[3].get<double>(), 1.0);
+  EXPECT_GT(png[4].get<int>(), 20);  // something is drawn on the paper
+  press_button("Picture (SVG)");
+  const std::string svg = browser().run("return window.blobs[1].text()");
+  EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 100);
+  EXPECT_EQ(svg.find("var("), std::string::npos) << "a file has no variables of the page";
+  press_button("Record");
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null", 20));
+  const auto [x, y] = place_of("point", "handle.grip");
+  browser().press(x, y);
+  for (int k = 1; k <= 10; ++k) browser().move(x + 6.0 * k, y - 8.0 * k);
+  browser().let_go();
+  press_button("Stop recording");
+  ASSERT_TRUE(browser().wait_for("window.blobs.length === 3", 20));
+  const json film = browser().run(
+      "return window.blobs[2].arrayBuffer().then((all) => [...new Uint8Array(all)].slice(0, 4)"
+      ".concat([all.byteLength]))");
+  EXPECT_EQ(film[0], 0x1A);
+  EXPECT_EQ(film[1], 0x45);
+  EXPECT_EQ(film[2], 0xDF);
+  EXPECT_EQ(film[3], 0xA3);
+  EXPECT_GT(film[4].get<int>(), 1000);
+  expect_silence();
+}
+
 TEST_F(ViewPage, BadTextShowsItsError) {
   show("toggle_clamp");
   const std::string bad = contents(dataset("toggle_clamp")) + "\n[[sprin]]\nname = \"x\"\n";
