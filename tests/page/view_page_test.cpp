@@ -544,6 +544,93 @@ rod = -25.66
 guide = 230.28
 )";
 
+// Where each tool of the toolbar is clicked on the slider-crank; after the last place of some Enter is pressed.
+TEST_F(ViewPage, EveryToolDrawsByMouse) {
+  using Places = std::vector<std::pair<double, double>>;
+  const std::pair<double, double> on_crank{25, 43.3}, on_rod{95, 64.95}, knee{50, 86.6}, fixed{0, 200},
+      nowhere{40, 150}, block{270.28, 0}, pivot{300, 0}, slide{230.28, 0};
+  const Places point_to_point{fixed, knee}, two_links{on_crank, on_rod}, along{block, pivot};
+  const std::map<std::string, Places> clicks = {{"ground_point", {{60, 180}}},
+                                                {"link", {{60, 150}, {120, 150}}},
+                                                {"point", {on_crank}},
+                                                {"mass", {on_crank}},
+                                                {"pin", {on_rod}},
+                                                {"slide", along},
+                                                {"pin_in_slot", along},
+                                                {"weld", {on_rod}},
+                                                {"bar", point_to_point},
+                                                {"spring", point_to_point},
+                                                {"torsion_spring", two_links},
+                                                {"gas_strut", point_to_point},
+                                                {"constant_force", point_to_point},
+                                                {"cubic_spring", point_to_point},
+                                                {"bump_stop", point_to_point},
+                                                {"damper", point_to_point},
+                                                {"torsion_damper", two_links},
+                                                {"friction", two_links},
+                                                {"force", {block}},
+                                                {"distributed_load", {knee, {185, 22}}},
+                                                {"torque", {on_crank}},
+                                                {"drive", {on_crank, nowhere}},
+                                                {"stop", {on_crank, nowhere}},
+                                                {"rope", point_to_point},
+                                                {"gear", two_links},
+                                                {"rack", {on_crank, slide}},
+                                                {"cam", {on_crank, slide}},
+                                                {"belt", two_links},
+                                                {"coupling", {nowhere, on_crank, nowhere, on_rod}},
+                                                {"chain", {fixed, knee}},
+                                                {"circular_slot", {block, pivot}},
+                                                {"curved_slot", {block, pivot}},
+                                                {"rolling_profile", along},
+                                                {"rolling_profile_on_circle", {block, pivot}},
+                                                {"rolling", along},
+                                                {"rolling_on_circle", {block, pivot}}};
+  const std::set<std::string> of_the_page{"", "select", "move_point"};
+  show_file(folder_.write("slider_crank.toml", slider_crank));
+  const std::string before = shown_text();
+  const std::vector<std::string> tools =
+      browser().run("return [...document.querySelectorAll('[data-tool]')].map((one) => one.dataset.tool)");
+  EXPECT_GE(tools.size(), clicks.size());
+  for (const std::string& tool : tools) {
+    if (of_the_page.contains(tool)) continue;
+    SCOPED_TRACE(tool);
+    const auto row = clicks.find(tool);
+    ASSERT_NE(row, clicks.end()) << "has no row in the table of this test";
+    choose(tool);
+    for (const auto& [x, y] : row->second) click(x, y);
+    if (tool == "link" || tool == "rope") key("Enter");
+    drawn();
+    EXPECT_FALSE(browser().run("return document.querySelector('.draw-hint').classList.contains('refused')").get<bool>())
+        << browser().run("return document.querySelector('.draw-hint').textContent");
+    const json state = ask({{"do", "look"}});
+    const std::string text = state["text"];
+    EXPECT_NE(text, before);
+    EXPECT_EQ(browser().run("return document.querySelector('textarea').value"), text);
+    // The page lists the items that the text has, and has their points at the same places.
+    const SceneText written(text, "drawn.toml");
+    std::vector<std::string> items;
+    for (const SceneItem& item : written.items()) {
+      if (item.owner != Owner::body || item.index > 0) items.push_back(item.name);
+    }
+    EXPECT_EQ(browser()
+                  .run("return [...document.querySelectorAll('.item-row')].map((row) => row.dataset.item)")
+                  .get<std::vector<std::string>>(),
+              items);
+    std::set<std::string> shown, points;
+    for (const json& point : state["sheet"]["points"]) shown.insert(point["name"].get<std::string>());
+    for (const Body& body : written.scene().bodies) {
+      for (const NamedPoint& point : body.points) points.insert(body.name + "." + point.name);
+    }
+    EXPECT_EQ(shown, points);
+    key("Escape");
+    browser().chord("Control", "z");
+    drawn();
+    EXPECT_EQ(shown_text(), before);
+    expect_silence();
+  }
+}
+
 // A box is dragged over all links; they are copied to a place, mirrored, repeated, grouped, moved and taken away.
 TEST_F(ViewPage, ChosenItemsAreCopiedByMouse) {
   show_file(folder_.write("slider_crank.toml", slider_crank));
