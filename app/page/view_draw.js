@@ -43,6 +43,61 @@ const own_tools = {
   move_point: {name: 'move_point', title: 'Shape', picks: 1, hint: 'Drag a point to where it is to be.'},
 };
 
+// Usual densities, kg/m^3; alloys and woods differ by some per cent.
+const materials = {
+  steel: 7850,
+  'stainless steel': 7900,
+  'cast iron': 7200,
+  aluminium: 2700,
+  brass: 8500,
+  titanium: 4500,
+  POM: 1410,
+  PVC: 1400,
+  acrylic: 1190,
+  ABS: 1050,
+  plywood: 680,
+};
+
+// What a plate is made of, for the tool that gives a link its mass.
+class PlateFields {
+  constructor() {
+    const field = (label, value, attributes) => {
+      const input = element('input', {type: 'text', ...attributes});
+      input.value = value;
+      return [element('label', {}, `${label} `, input), input];
+    };
+    const [thickness_label, thickness] = field('Thickness', '5', {size: 6, title: 'In the unit of the scene; a number or an expression'});
+    const [density_label, density] = field('kg/m³', String(materials.steel), {size: 6});
+    const [holes_label, holes] = field('Holes', '', {size: 10, placeholder: 'A 8, B 6', title: 'Points of the link with diameters'});
+    const material = element(
+      'select',
+      {
+        'aria-label': 'Material',
+        change: () => {
+          density.value = materials[material.value];
+        },
+      },
+      ...Object.keys(materials).map((name) => element('option', {value: name}, name))
+    );
+    Object.assign(this, {thickness, density, holes});
+    this.element = element(
+      'span',
+      {class: 'draw-plate', hidden: true},
+      thickness_label,
+      material,
+      density_label,
+      holes_label
+    );
+  }
+
+  get values() {
+    const number = (text) => (text.trim() !== '' && Number.isFinite(Number(text)) ? Number(text) : text.trim());
+    const out = {thickness: number(this.thickness.value), density: number(this.density.value)};
+    if (this.holes.value.trim()) out.holes = this.holes.value;
+    return out;
+  }
+}
+
 /// The toolbar and the sheet over the picture. `ask(request, options)` sends requests; `selected(names)` is told of the
 /// items that are chosen, and returns those of them that there are.
 export class DrawingTools {
@@ -96,6 +151,7 @@ export class DrawingTools {
         this.snaps = on;
       }),
       this.typed_line,
+      (this.plate = new PlateFields()).element,
       (this.selection = new Selection(this, ask, selected)).element,
       this.hint
     );
@@ -141,6 +197,7 @@ export class DrawingTools {
     }
     this.cover.hidden = this.tool === null;
     this.typed_line.hidden = this.tool === null || Object.hasOwn(own_tools, name);
+    this.plate.element.hidden = name !== 'plate';
     // Its keys are those of the page again.
     if (this.typed_line.hidden) this.typed.blur();
     this.at = null;
@@ -353,15 +410,17 @@ export class DrawingTools {
   end() {
     if (!this.tool || this.picked.length < this.tool.picks) return;
     const [at, pressed, typed] = [this.picked, this.pressed, this.typed_places];
-    const {request} = this.tool;
+    const own_request = this.tool.request;
     this.forget();
-    if (request) {
+    if (own_request) {
       this.choose('select');
-      this.ask(request(at));
+      this.ask(own_request(at));
       return;
     }
     this.tell();
-    this.ask({do: 'draw', tool: this.tool.name, at, pressed, typed, within: near_point / this.density, grain: this.grain});
+    const request = {do: 'draw', tool: this.tool.name, at, pressed, typed, within: near_point / this.density, grain: this.grain};
+    if (this.tool.name === 'plate') request.values = this.plate.values;
+    this.ask(request);
   }
 
   forget() {

@@ -7,10 +7,13 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 
+#include "app/draw/symbols.hpp"
 #include "model/nearest_name.hpp"
+#include "model/one_line.hpp"
 #include "model/toml_text.hpp"
 
 namespace poise::app {
@@ -74,6 +77,7 @@ class Sketcher {
     if (tool_.name == "link") return link();
     if (tool_.name == "point") return scene().name_of(point_at(0, Pick::moving, {}));
     if (tool_.name == "mass") return mass();
+    if (tool_.name == "plate") return plate();
     if (tool_.name == "pin" || tool_.name == "weld") return joint_at_place();
     return item();
   }
@@ -342,29 +346,53 @@ class Sketcher {
     return poses_[static_cast<std::size_t>(b)].angle - poses_[static_cast<std::size_t>(a)].angle;
   }
 
-  /// Mass, centre and inertia of a link: of a bar, or of the polygon of its points.
-  std::string mass() {
-    const int body = body_at(drawn_.pressed[0], {}, within(0));
-    if (body == 0) throw InputError("expected a place on a moving body");
-    const std::vector<NamedPoint>& points = scene().bodies[static_cast<std::size_t>(body)].points;
-    const auto given = drawn_.values.find("mass");
-    const std::string mass = given != drawn_.values.end() ? given->second : "1";
-    const bool is_text = mass.size() > 1 && mass.front() == '"';
-    const std::string factor = is_text ? "(" + mass.substr(1, mass.size() - 2) + ")" : mass;
-    double area = 0.0, second = 0.0;
+  /// Of an area, m: its size, its first moment and its second moment about the origin.
+  struct Area {
+    double size = 0.0;
     Vec2 moment{};
+    double second = 0.0;
+
+    Vec2 center() const { return (1.0 / size) * moment; }
+    /// About its centre, m^4.
+    double polar() const { return second - dot(moment, moment) / size; }
+  };
+
+  /// The polygon of a link's points in their order; counterclockwise ones have a positive area.
+  static Area polygon(const std::vector<NamedPoint>& points) {
+    Area out;
     for (std::size_t p = 0; p < points.size(); ++p) {
       const Vec2 a = points[p].at, b = points[(p + 1) % points.size()].at;
       const double twice = cross(a, b);
-      area += 0.5 * twice;
-      moment += (twice / 6.0) * (a + b);
-      second += twice / 12.0 * (dot(a, a) + dot(a, b) + dot(b, b));
+      out.size += 0.5 * twice;
+      out.moment += (twice / 6.0) * (a + b);
+      out.second += twice / 12.0 * (dot(a, a) + dot(a, b) + dot(b, b));
     }
+    return out;
+  }
+
+  int pressed_link() const {
+    const int body = body_at(drawn_.pressed[0], {}, within(0));
+    if (body == 0) throw InputError("expected a place on a moving body");
+    return body;
+  }
+
+  /// A value as it reads within an expression.
+  static std::string as_factor(const std::string& value) {
+    const bool is_text = value.size() > 1 && value.front() == '"';
+    return is_text ? "(" + value.substr(1, value.size() - 2) + ")" : value;
+  }
+
+  /// Mass, centre and inertia of a link: of a bar, or of the polygon of its points.
+  std::string mass() {
+    const int body = pressed_link();
+    const std::vector<NamedPoint>& points = scene().bodies[static_cast<std::size_t>(body)].points;
+    const auto given = drawn_.values.find("mass");
+    const std::string mass = given != drawn_.values.end() ? given->second : "1";
+    const Area area = polygon(points);
     const double least = 1e-9 * size_ * size_;
-    const bool is_bar = std::abs(area) < least;
     Vec2 center{};
     double radius_squared = 0.0;
-    if (is_bar) {
+    if (std::abs(area.size) < least) {  // a bar
       double longest = 0.0;
       for (const NamedPoint& a : points) {
         for (const NamedPoint& b : points) {
@@ -375,14 +403,103 @@ class Sketcher {
       }
       radius_squared = longest * longest / 12.0;
     } else {
-      center = (1.0 / area) * moment;
-      radius_squared = second / area - dot(center, center);
+      center = area.center();
+      radius_squared = area.polar() / area.size;
     }
     const double in_unit = std::sqrt(std::max(0.0, radius_squared)) / unit();
     const std::string arm = rounded(in_unit, drawn_.grain / unit());
-    text_.set(
-        body_name(body),
-        {{"mass", mass}, {"center", pair(center)}, {"inertia", toml_string(fmt::format("{}*{}^2", factor, arm))}});
+    text_.set(body_name(body), {{"mass", mass},
+                                {"center", pair(center)},
+                                {"inertia", toml_string(fmt::format("{}*{}^2", as_factor(mass), arm))}});
+    return body_name(body);
+  }
+
+  struct Hole {
+    std::string point, written;
+    Vec2 at{};              // m
+    double diameter = 0.0;  // m
+  };
+
+  static double positive(const char* key, const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !(value > 0.0) || !std::isfinite(value))
+      throw InputError(fmt::format("{}: expected a number above 0, found \"{}\"", key, one_line(text)));
+    return value;
+  }
+
+  /// Of "A 8, B 6", a TOML string.
+  std::vector<Hole> holes_of(const Body& link, const std::string& text) const {
+    std::vector<Hole> out;
+    std::istringstream list(text.substr(1, text.size() - 2));
+    for (std::string one; std::getline(list, one, ',');) {
+      std::istringstream words(one);
+      Hole hole;
+      std::string more;
+      if (!(words >> hole.point)) continue;
+      words >> hole.written;
+      const auto at = std::find_if(link.points.begin(), link.points.end(),
+                                   [&](const NamedPoint& point) { return point.name == hole.point; });
+      if (at == link.points.end() || hole.written.empty() || words >> more) {
+        throw InputError(fmt::format("holes: expected points of {} with diameters, \"{} 8\", found \"{}\"", link.name,
+                                     link.points.front().name, one_line(one)));
+      }
+      hole.at = at->at;
+      hole.diameter = positive("holes", hole.written) * unit();
+      out.push_back(std::move(hole));
+    }
+    return out;
+  }
+
+  /// The points of a plate's edge in their order: a hole inside is no corner of it.
+  static std::vector<NamedPoint> outline_around(const std::vector<NamedPoint>& points, const std::vector<Hole>& holes) {
+    std::vector<Vec2> all;
+    for (const NamedPoint& point : points) all.push_back(point.at);
+    const std::vector<Vec2> hull = convex_hull(std::move(all));
+    std::vector<NamedPoint> out;
+    for (const NamedPoint& point : points) {
+      const bool has_hole =
+          std::any_of(holes.begin(), holes.end(), [&](const Hole& hole) { return hole.point == point.name; });
+      if (!has_hole || std::find(hull.begin(), hull.end(), point.at) != hull.end()) out.push_back(point);
+    }
+    return out;
+  }
+
+  /// The same of a plate with the outline of its points: "thickness" in the scene's length, a number or an expression,
+  /// at first 5, "density" in kg/m^3, at first that of steel, "holes" round points of it, by their names with their
+  /// diameters: "A 8, B 6".
+  std::string plate() {
+    const int body = pressed_link();
+    const Body& link = scene().bodies[static_cast<std::size_t>(body)];
+    const auto given = [&](const char* key, const char* otherwise) {
+      const auto found = drawn_.values.find(key);
+      return found != drawn_.values.end() ? found->second : std::string(otherwise);
+    };
+    const std::string thickness = given("thickness", "5");
+    if (thickness.front() != '"') positive("thickness", thickness);
+    // A mass per area and thickness, in the units of the scene.
+    const double per_volume = positive("density", given("density", "7850")) * std::pow(unit(), 3) / scene().units.mass;
+    std::vector<Hole> holes = holes_of(link, given("holes", "\"\""));
+    const std::vector<NamedPoint> outline = outline_around(link.points, holes);
+    Area area = polygon(outline);
+    if (area.size < 0.0) area = {-area.size, -1.0 * area.moment, -area.second};
+    if (area.size < 1e-9 * size_ * size_)
+      throw InputError("expected a link whose points enclose an area; the tool Mass is for bars");
+    std::string in_words = fmt::format("{:.7g}", area.size / (unit() * unit())), squares;
+    for (const Hole& hole : holes) {
+      const double part = std::numbers::pi / 4.0 * hole.diameter * hole.diameter;
+      area.size -= part;
+      area.moment += -part * hole.at;
+      area.second -= part * (dot(hole.at, hole.at) + hole.diameter * hole.diameter / 8.0);
+      squares += (squares.empty() ? "" : " + ") + hole.written + "^2";
+    }
+    if (!(area.size > 0.0) || !(area.polar() > 0.0)) throw InputError("holes: expected smaller ones than the link");
+    if (!squares.empty()) in_words = fmt::format("({} - pi/4*({}))", in_words, squares);
+    const std::string of_area = fmt::format("{:.6g}*{}", per_volume, as_factor(thickness));
+    const double polar = area.polar() / std::pow(unit(), 4);
+    text_.set(body_name(body), {{"mass", toml_string(of_area + "*" + in_words)},
+                                {"center", pair(area.center())},
+                                {"inertia", toml_string(fmt::format("{}*{:.7g}", of_area, polar))}});
     return body_name(body);
   }
 
@@ -613,6 +730,14 @@ std::span<const DrawingTool> drawing_tools() {
        "Click its points; on a point or a link it is pinned. Enter or a double click ends it."},
       {"point", "Point on a link", "Bodies", "", {place}, false, "", "Click on a link."},
       {"mass", "Mass", "Bodies", "", {place}, false, "", "Click a link: its mass is spread over it."},
+      {"plate",
+       "Mass of a plate",
+       "Bodies",
+       "",
+       {place},
+       false,
+       "",
+       "Click a link: its mass is that of a plate with the outline of its points."},
       {"pin", "Pin", "Joints", "pin", {place}, false, "", "Click where two links meet, or one on the ground."},
       {"slide",
        "Slide",

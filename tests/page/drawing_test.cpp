@@ -102,6 +102,45 @@ TEST(Drawing, TheFourBarOfTheReadmeFromAnEmptySheet) {
   std::printf("%d gestures\n", hand.gestures);
 }
 
+// A rectangle of 100 by 40 by 5 mm of steel with a hole of 20 mm in it, whose numbers are known in closed form.
+TEST(Drawing, MassOfAPlateFromItsOutlineThicknessAndHoles) {
+  const TempFolder folder;
+  const std::string text =
+      "[units]\nlength = \"mm\"\n[numbers]\nt = 5\n[body.plate]\n"
+      "points = { A = [0, 0], B = [100, 0], H = [30, 20], C = [100, 40], D = [0, 40] }\n"
+      "[[pin]]\npoints = [\"ground.O\", \"plate.A\"]\n[ground]\npoints = { O = [0, 0] }\n";
+  Hand hand(folder.write("plate.toml", text));
+  const json of_steel = {{"thickness", "t"}, {"density", 7850}, {"holes", "H 20"}};
+  ASSERT_EQ(error_of(hand.draw("plate", {{50, 5}}, of_steel)), "");
+  const auto expect_plate = [&](double thickness) {
+    const Scene scene = parse_sketch(hand.text(), "plate.toml");
+    const double k = 7850.0 * thickness, whole = 0.1 * 0.04, hole = M_PI / 4 * 0.02 * 0.02, area = whole - hole;
+    const Vec2 center = (1.0 / area) * (whole * Vec2{0.05, 0.02} - hole * Vec2{0.03, 0.02});
+    const double inertia = k * (whole * ((0.1 * 0.1 + 0.04 * 0.04) / 12 + std::pow(0.05 - center.x, 2)) -
+                                hole * (0.02 * 0.02 / 8 + std::pow(0.03 - center.x, 2)));
+    EXPECT_NEAR(scene.bodies[1].mass, k * area, 1e-5 * k * area);
+    EXPECT_NEAR(scene.bodies[1].center.x, center.x, 1e-6);
+    EXPECT_NEAR(scene.bodies[1].center.y, center.y, 1e-6);
+    EXPECT_NEAR(scene.bodies[1].inertia, inertia, 1e-5 * inertia);
+  };
+  expect_plate(0.005);
+  // The mass follows its thickness.
+  ASSERT_EQ(error_of(hand.ask({{"do", "set"}, {"path", "numbers.t"}, {"value", 8}})), "");
+  expect_plate(0.008);
+  const std::string before = hand.text();
+  for (const auto& [key, value] : std::vector<std::pair<const char*, json>>{{"holes", "K 20"},
+                                                                            {"holes", "H"},
+                                                                            {"holes", "H -3"},
+                                                                            {"holes", "H 200"},
+                                                                            {"density", 0},
+                                                                            {"thickness", -1}}) {
+    json wrong = of_steel;
+    wrong[key] = value;
+    EXPECT_NE(error_of(hand.draw("plate", {{50, 5}}, wrong)), "") << key << " " << value;
+  }
+  EXPECT_EQ(hand.text(), before);
+}
+
 // The message about an unknown key lists all keys of a scene file.
 TEST(Drawing, EveryTableHasATool) {
   const std::string message = test::message_of([] { parse_scene("nothing = 1\n", "s.toml"); });

@@ -554,6 +554,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"link", {{60, 150}, {120, 150}}},
                                                 {"point", {on_crank}},
                                                 {"mass", {on_crank}},
+                                                {"plate", {on_rod}},
                                                 {"pin", {on_rod}},
                                                 {"slide", along},
                                                 {"pin_in_slot", along},
