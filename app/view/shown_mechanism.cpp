@@ -1,7 +1,13 @@
 #include "app/view/shown_mechanism.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
+
+#include <fmt/format.h>
+
+#include "model/couplings.hpp"
 
 namespace poise::app {
 namespace {
@@ -36,6 +42,96 @@ BodyPose<double> joined(const Scene& scene, std::size_t joint_index, bool from_a
   }
   out.origin = base.world(scene.local(near)) + way - scene.local(far) * out.direction();
   return out;
+}
+
+/// Bodies that something connects, however many lie between, have one number.
+class Connections {
+ public:
+  explicit Connections(const Scene& scene) : scene_(scene), number_(scene.bodies.size()) {
+    std::iota(number_.begin(), number_.end(), 0);
+    for (const Joint& joint : scene.joints) connect(joint.a.body, joint.b.body);
+    for (const Element& element : scene.elements) first_of(element.on);
+    for (const Stop& stop : scene.stops) first_of(stop.on);
+  }
+
+  /// The first moving body that nothing connects with the ground; 0 where there is none.
+  std::size_t first_free() const {
+    const auto free = std::find_if(number_.begin(), number_.end(), [&](int one) { return one != number_[0]; });
+    return free == number_.end() ? 0 : static_cast<std::size_t>(free - number_.begin());
+  }
+
+ private:
+  int connect(int a, int b) {
+    const int from = number_[static_cast<std::size_t>(b)], to = number_[static_cast<std::size_t>(a)];
+    std::replace(number_.begin(), number_.end(), from, to);
+    return a;
+  }
+
+  /// Connects all bodies that a measure is taken between, and returns one of them.
+  int first_of(const Measure& measure) {
+    switch (measure.kind) {
+      case Measure::Kind::angle:
+        return connect(measure.body_a, measure.body_b);
+      case Measure::Kind::distance:
+      case Measure::Kind::component:
+        return connect(measure.a.body, measure.b.body);
+      case Measure::Kind::x:
+      case Measure::Kind::y:
+        return connect(0, measure.b.body);
+      case Measure::Kind::travel:
+        return scene_.joints[static_cast<std::size_t>(measure.joint)].a.body;
+      case Measure::Kind::rope:
+        for (const RopeContact& contact : measure.contacts) connect(measure.contacts.front().at.body, contact.at.body);
+        return measure.contacts.front().at.body;
+      case Measure::Kind::sum:
+        for (const Measure::Term& term : measure.terms)
+          connect(first_of(measure.terms.front().measure), first_of(term.measure));
+        return first_of(measure.terms.front().measure);
+    }
+    return 0;
+  }
+
+  const Scene& scene_;
+  std::vector<int> number_;
+};
+
+/// Throws InputError for what can neither rest nor be asked where it does.
+void expect_something_held(const Scene& scene) {
+  if (scene.bodies.size() < 2) throw InputError("no link is drawn yet");
+  const std::size_t free = Connections(scene).first_free();
+  if (free > 0) throw InputError(fmt::format("body \"{}\" is free: nothing holds it", scene.bodies[free].name));
+}
+
+/// By how much a joint is open, m.
+double gap_of(const Scene& scene, const Joint& joint, const BodyPoses& poses) {
+  const BodyPose<double>& a = poses[static_cast<std::size_t>(joint.a.body)];
+  const Vec2 apart =
+      poses[static_cast<std::size_t>(joint.b.body)].world(scene.local(joint.b)) - a.world(scene.local(joint.a));
+  if (joint.keeps_length()) return std::abs(norm(apart) - joint.length);
+  return joint.has_travel() ? std::abs(cross(joint.direction() * a.direction(), apart)) : norm(apart);
+}
+
+/// "pin C is 12 mm open", of the joint that is the farthest; empty where none is.
+std::string widest_gap(const Scene& scene, const BodyPoses& poses) {
+  double widest = 1e-9 * scene.units.length;
+  std::string out;
+  for (const Joint& joint : scene.joints) {
+    const double gap = gap_of(scene, joint, poses);
+    if (gap <= widest) continue;
+    widest = gap;
+    std::string kind(joint.traits().key);
+    std::replace(kind.begin(), kind.end(), '_', ' ');
+    out = fmt::format("{} {} is {:.3g} {} open", kind, joint.name, gap / scene.units.length, scene.units.length_name);
+  }
+  return out;
+}
+
+/// Whether the first of two lists of poses has those of the second in the same places, to the last bit.
+bool begins_with(const BodyPoses& all, const BodyPoses& first) {
+  return all.size() >= first.size() &&
+         std::equal(first.begin(), first.end(), all.begin(), [](const auto& one, const auto& other) {
+           return one.angle == other.angle && one.origin == other.origin;
+         });
 }
 
 }  // namespace
@@ -78,7 +174,7 @@ void ShownMechanism::settle(Scene scene) {
   std::string missing;
   std::optional<TrackedEquilibrium> tracked;
   try {
-    if (scene.bodies.size() < 2) throw InputError("no link is drawn yet");
+    expect_something_held(scene);
     tracked.emplace(scene, options_);
   } catch (const InputError& error) {
     missing = without_place(error.what(), scene.file);
@@ -86,8 +182,32 @@ void ShownMechanism::settle(Scene scene) {
       missing = "nothing moves under load yet, which takes a link that turns or slides, and a load, a mass or a spring";
   }
   tracked_ = std::move(tracked);
-  sketch_ = tracked_ ? Scene{} : std::move(scene);
   missing_ = std::move(missing);
+  if (tracked_) {
+    sketch_ = {};
+    drawn_.clear();
+  } else {
+    show_sketch(std::move(scene));
+  }
+}
+
+/// Where it was drawn, with its loops closed near there if they can be.
+void ShownMechanism::show_sketch(Scene scene) {
+  BodyPoses drawn = drawn_poses(scene);
+  closes_ = false;
+  try {
+    if (std::optional<BodyPoses> closed = closed_near(scene, drawn)) {
+      closes_ = true;
+      if (!begins_with(*closed, drawn)) scene = started_at(std::move(scene), *closed);
+      drawn = std::move(*closed);
+    } else if (const std::string gap = widest_gap(scene, drawn); !gap.empty()) {
+      missing_ = "the loops do not close: " + gap;
+    }
+  } catch (const InputError&) {
+    // The scene contradicts itself, which was said already.
+  }
+  sketch_ = std::move(scene);
+  drawn_ = std::move(drawn);
 }
 
 const TrackedEquilibrium& ShownMechanism::at_rest() const {
@@ -99,6 +219,7 @@ Transition ShownMechanism::change(Scene wanted) {
   if (tracked_) {
     const bool has_others = has_other_items(tracked_->scene(), wanted);
     try {
+      expect_something_held(wanted);
       TrackedEquilibrium changed = *tracked_;
       Transition way = changed.change(wanted);
       // Where nothing is loaded any more nothing is left that could rest.
@@ -113,24 +234,37 @@ Transition ShownMechanism::change(Scene wanted) {
   }
   const bool rested = tracked_.has_value();
   settle(std::move(wanted));
+  if (tracked_ && !rested) {
+    return tracked_->settled_from_start(tracked_->equilibrium().found()
+                                            ? "released where it was drawn, it moved to where it rests"
+                                            : "the mechanism is complete, but comes to rest nowhere");
+  }
   Transition out;
   out.kind = Transition::Kind::settled;
-  out.why = tracked_ ? "the mechanism is complete, and rests" : rested ? "nothing holds it any more" : "";
+  out.why = tracked_ ? "the mechanism is complete, and rests" : rested ? "it rests nowhere any more: " + missing_ : "";
   return out;
 }
 
 void ShownMechanism::restore(Scene scene) { settle(std::move(scene)); }
 
 Transition ShownMechanism::drag(PointRef point, Vec2 place) {
-  at_rest();
-  return tracked_->drag(point, place);
+  if (tracked_) return tracked_->drag(point, place);
+  if (!closes_) throw InputError("nothing can be dragged yet: " + missing_);
+  MovedPoint moved = moved_point(sketch_, drawn_, point, place, options_.interrupt);
+  sketch_ = started_at(std::move(sketch_), moved.poses);
+  drawn_ = std::move(moved.poses);
+  return std::move(moved.transition);
 }
 
 Transition ShownMechanism::release() { return tracked_ ? tracked_->release() : Transition{}; }
 
 void ShownMechanism::stay_at(const BodyPoses& poses) {
-  at_rest();
-  tracked_->stay_at(poses);
+  if (tracked_) {
+    tracked_->stay_at(poses);
+  } else if (closes_ && poses.size() >= sketch_.bodies.size() && !begins_with(poses, drawn_)) {
+    sketch_ = started_at(std::move(sketch_), poses);
+    drawn_ = poses;
+  }
 }
 
 }  // namespace poise::app

@@ -12,7 +12,7 @@ namespace poise::app {
 BodyPoses drawn_poses(const Scene& scene);
 
 /// What a page shows: a mechanism where it rests, or a sketch, a scene that does not carry anything yet, where it was
-/// drawn.
+/// drawn, with its loops closed near there. Joints alone decide how a sketch is moved by hand.
 class ShownMechanism {
  public:
   /// Settles from the start of the scene; a sketch where it cannot rest.
@@ -20,13 +20,15 @@ class ShownMechanism {
 
   /// Without the hand, with the present position as its start.
   const Scene& scene() const { return tracked_ ? tracked_->scene() : sketch_; }
-  BodyPoses poses() const { return tracked_ ? tracked_->poses() : drawn_poses(sketch_); }
+  BodyPoses poses() const { return tracked_ ? tracked_->poses() : drawn_; }
   /// Null of a sketch.
   const TrackedEquilibrium* tracked() const { return tracked_ ? &*tracked_ : nullptr; }
   /// Throws InputError, saying what is missing, of a sketch.
   const TrackedEquilibrium& at_rest() const;
   /// Of a sketch: why it cannot rest, in one sentence; empty otherwise.
   const std::string& missing() const { return missing_; }
+  /// Whether points can be dragged: not of a sketch whose loops are open.
+  bool can_be_dragged() const { return tracked_ || closes_; }
   bool found() const { return tracked_ && tracked_->equilibrium().found(); }
   std::optional<PointRef> hand() const { return tracked_ ? tracked_->hand() : std::nullopt; }
 
@@ -36,14 +38,18 @@ class ShownMechanism {
   void restore(Scene scene);
   Transition drag(PointRef point, Vec2 place);
   Transition release();
+  /// Of a sketch too, whose loops are closed in these poses.
   void stay_at(const BodyPoses& poses);
 
  private:
   void settle(Scene scene);
+  void show_sketch(Scene scene);
 
   TrackedOptions options_;
   std::optional<TrackedEquilibrium> tracked_;
   Scene sketch_;
+  BodyPoses drawn_;      // of the sketch
+  bool closes_ = false;  // the loops of the sketch are closed there
   std::string missing_;
 };
 

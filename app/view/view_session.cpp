@@ -597,7 +597,7 @@ Transition ViewSession::take_moved(const SceneText& moved) {
 /// Takes the mechanism of the scene to where it stood, stable or not.
 void ViewSession::return_to(const BodyPoses& poses) {
   now_.shown.restore(effective(now_.scene));
-  if (now_.shown.tracked() != nullptr && now_.shown.poses().size() == poses.size()) {
+  if (now_.shown.poses().size() == poses.size()) {
     try {
       now_.shown.stay_at(poses);
     } catch (const InputError&) {
@@ -1025,8 +1025,7 @@ json ViewSession::handles() const {
   // Of the ground those points on which something rests or pulls.
   for (const PointRef& point : used_of_ground(scene))
     add("ground", scene.bodies[0].points[static_cast<std::size_t>(point.point)].name, point);
-  // Nothing of a sketch follows the hand.
-  for (int b = 1; now_.shown.tracked() != nullptr && b < static_cast<int>(scene.bodies.size()); ++b) {
+  for (int b = 1; now_.shown.can_be_dragged() && b < static_cast<int>(scene.bodies.size()); ++b) {
     for (int p = 0; p < static_cast<int>(scene.bodies[static_cast<std::size_t>(b)].points.size()); ++p) {
       add("point", scene.name_of({b, p}), {b, p});
     }

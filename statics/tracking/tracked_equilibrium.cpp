@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "solvers/newton.hpp"
 #include "statics/equilibrium/settle.hpp"
 #include "statics/tracking/private/dragged_point.hpp"
 #include "statics/tracking/private/followed_change.hpp"
@@ -18,8 +19,9 @@ constexpr double expected_place = 1e-6;  // the same: a search ended where it wa
 constexpr double near_place = 0.1;       // the same: near a position that is asked for
 constexpr double cosine_of_turn = 0.95;  // of a way along which a hand holds in one direction
 
-constexpr int few_tries = 6;             // of steps, before it is known whether a place can be reached
+constexpr int few_tries = 6;  // of steps, before it is known whether a place can be reached
 
+constexpr const char* cannot_move = "{} cannot move";
 constexpr const char* no_further = "it can go no further that way";
 
 std::string unused_name(const Scene& scene, std::string name) {
@@ -148,6 +150,25 @@ Scene started_at(Scene scene, const BodyPoses& poses) {
   return scene;
 }
 
+std::optional<BodyPoses> closed_near(const Scene& scene, const BodyPoses& poses) {
+  const StaticModel model(started_at(scene, poses));
+  if (model.mechanism().constraints() == 0) return poses;
+  solvers::NewtonOptions settings;
+  settings.closing_starts = 0;
+  solvers::Newton closing(model.problem(), settings);
+  const solvers::NewtonResult& closed = closing.close(model.start());
+  if (closed.end != solvers::NewtonEnd::converged) return std::nullopt;
+  return model.poses(closed.x);
+}
+
+MovedPoint moved_point(const Scene& scene, const BodyPoses& poses, PointRef point, Vec2 place,
+                       const std::atomic<bool>* interrupt) {
+  DraggedPoint walk(started_at(scene, poses), point, interrupt);
+  if (walk.directions().empty()) throw InputError(fmt::format(cannot_move, scene.name_of(point)));
+  walk.go_to(place);
+  return {walk.poses(), way_of(walk)};
+}
+
 TrackedEquilibrium::TrackedEquilibrium(Scene scene, const TrackedOptions& options) : options_(options) {
   restore(std::move(scene));
 }
@@ -167,6 +188,22 @@ void TrackedEquilibrium::stay_at(const BodyPoses& poses) {
   Found found = found_at(scene_, poses, near_place);
   if (!found.equilibrium.found()) throw InputError("no equilibrium was found there: " + found.equilibrium.why);
   take(scene_, std::nullopt, std::move(found));
+}
+
+Transition TrackedEquilibrium::settled_from_start(const std::string& why) const {
+  Transition out;
+  out.kind = Transition::Kind::settled;
+  out.why = why;
+  if (!equilibrium_.found()) return out;
+  const Settling rest =
+      settle(*model_, model_->start(), {.sides = false, .course = true, .interrupt = options_.interrupt});
+  if (rest.end != Settling::End::settled) return out;
+  Transition::Course course{why, {}};
+  for (const std::vector<double>& x : rest.course) course.poses.push_back(model_->poses(x));
+  course.poses.push_back(poses());
+  const double way = largest_difference(scene_, course.poses.front(), course.poses.back(), model_->scales().length);
+  if (way > expected_place) out.courses.push_back(std::move(course));
+  return out;
 }
 
 void TrackedEquilibrium::take(Scene scene, std::optional<Hand> hand, Found found) {
@@ -317,7 +354,7 @@ Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
   DraggedPoint walk(scene_, point, options_.interrupt);
   const std::vector<Vec2> along = walk.directions();
   if (along.empty() && movable_ && hand_ && hand_->at == point) return drag_back(point, place);
-  if (along.empty()) throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
+  if (along.empty()) throw InputError(fmt::format(cannot_move, scene_.name_of(point)));
   BodyPoses begin = poses();
   Transition way = walk.freedoms() > static_cast<int>(along.size()) ? drag_in_equilibrium(point, place)
                                                                     : drag_all(walk, along, point, place);
@@ -332,7 +369,7 @@ Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
   const std::vector<Vec2> along = DraggedPoint(started_at(scene_, there), point).directions();
   Found before = found_at(with_hand(scene_, point, along, place_of(scene_, there, point)), there, expected_place);
   if (along.empty() || !before.equilibrium.found()) {
-    throw InputError(fmt::format("{} cannot move", scene_.name_of(point)));
+    throw InputError(fmt::format(cannot_move, scene_.name_of(point)));
   }
   TrackedEquilibrium now = *this;
   take(started_at(scene_, there), Hand{point, along}, std::move(before));

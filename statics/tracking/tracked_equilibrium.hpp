@@ -98,6 +98,8 @@ class TrackedEquilibrium {
   /// The hand lets go, and the mechanism is taken to an equilibrium near these positions, stable or not. Throws
   /// InputError where none is found.
   void stay_at(const BodyPoses& poses);
+  /// How it came here from the start of its scene, where it has settled from there and nothing was done since.
+  Transition settled_from_start(const std::string& why) const;
 
  private:
   struct Hand {
@@ -138,5 +140,18 @@ class TrackedEquilibrium {
 
 /// The scene with its start where these bodies stand: angles of bodies, travels of joints and places of bodies.
 Scene started_at(Scene scene, const BodyPoses& poses);
+
+/// A scene of which only the joints count, whatever acts on it and whether it could rest at all. Its loops closed near
+/// these poses, by the shortest steps; none where that fails. Throws InputError if the scene contradicts itself.
+std::optional<BodyPoses> closed_near(const Scene& scene, const BodyPoses& poses);
+
+/// The same from poses with closed loops, with a point as near to a place, m in the world, as joints and stops let it
+/// come. Throws InputError where it cannot move.
+struct MovedPoint {
+  BodyPoses poses;
+  Transition transition;
+};
+MovedPoint moved_point(const Scene& scene, const BodyPoses& poses, PointRef point, Vec2 place,
+                       const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace poise

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/view/drawing_tools.hpp"
-#include "app/view/view_session.hpp"
 #include "statics/equilibrium/named_equilibrium.hpp"
 #include "tests/app/run_poise.hpp"
+#include "tests/page/hand.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/seed.hpp"
 
@@ -21,31 +21,11 @@ namespace {
 
 using app_tests::contents;
 using app_tests::dataset;
+using app_tests::error_of;
+using app_tests::Hand;
 using app_tests::run_poise;
 using app_tests::TempFolder;
 using nlohmann::json;
-
-/// A hand that draws on a sheet, in the units of the scene.
-class Hand {
- public:
-  explicit Hand(const std::string& file) : session(file) {}
-
-  json ask(json request) {
-    request["revision"] = session.poll(0)["revision"];
-    return json::parse(session.act(request));
-  }
-  json draw(const std::string& tool, const std::vector<std::vector<double>>& at, const json& values = json::object()) {
-    ++gestures;
-    return ask({{"do", "draw"}, {"tool", tool}, {"at", at}, {"within", 8.0}, {"grain", 0.001}, {"values", values}});
-  }
-  json look() { return ask({{"do", "look"}}); }
-  std::string text() { return look()["text"]; }
-
-  ViewSession session;
-  int gestures = 0;
-};
-
-std::string error_of(const json& answer) { return answer.contains("error") ? answer["error"]["text"] : ""; }
 
 // The four-bar of the README, drawn from nothing: the same numbers, and the same equilibrium.
 TEST(Drawing, TheFourBarOfTheReadmeFromAnEmptySheet) {
