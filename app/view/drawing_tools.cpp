@@ -306,10 +306,56 @@ class Sketcher {
            std::none_of(scene().stops.begin(), scene().stops.end(), is_taken);
   }
 
-  bool are_joined(int a, int b) const {
-    return std::any_of(scene().joints.begin(), scene().joints.end(), [&](const Joint& joint) {
+  /// None where nothing joins the bodies.
+  const Joint* joint_between(int a, int b) const {
+    const auto found = std::find_if(scene().joints.begin(), scene().joints.end(), [&](const Joint& joint) {
       return (joint.a.body == a && joint.b.body == b) || (joint.a.body == b && joint.b.body == a);
     });
+    return found == scene().joints.end() ? nullptr : &*found;
+  }
+
+  static bool are_same_ends(PointRef a, PointRef b, PointRef c, PointRef d) {
+    return (a == c && b == d) || (a == d && b == c);
+  }
+
+  static bool is_same_measure(const Measure& one, const Measure& other) {
+    if (one.kind != other.kind) return false;
+    if (one.kind == Measure::Kind::distance) return are_same_ends(one.a, one.b, other.a, other.b);
+    return one.kind == Measure::Kind::angle &&
+           std::minmax(one.body_a, one.body_b) == std::minmax(other.body_a, other.body_b);
+  }
+
+  /// Whether two items of the tool's table do the same between the same points or bodies.
+  bool does_the_same(const SceneItem& one, const SceneItem& other) const {
+    const auto i = static_cast<std::size_t>(one.index), k = static_cast<std::size_t>(other.index);
+    if (one.owner == Owner::joint) {
+      const Joint &a = scene().joints[i], &b = scene().joints[k];
+      return are_same_ends(a.a, a.b, b.a, b.b);
+    }
+    if (one.owner == Owner::element) {
+      const Element &a = scene().elements[i], &b = scene().elements[k];
+      return a.law.index() == b.law.index() && is_same_measure(a.on, b.on);
+    }
+    return one.owner == Owner::stop && is_same_measure(scene().stops[i].on, scene().stops[k].on);
+  }
+
+  /// Throws InputError where the new item is there already.
+  void expect_unlike_others(const SceneItem& added) const {
+    for (const SceneItem& other : text_.items()) {
+      const bool is_like = other.owner == added.owner && other.index != added.index && other.point == added.point &&
+                           is_of_table(other) && does_the_same(other, added);
+      if (is_like) throw InputError(fmt::format("{} is there already, between the same two", other.name));
+    }
+  }
+
+  /// Throws InputError where what has two ends has both at one place.
+  void expect_apart(const std::vector<PointRef>& points) const {
+    const bool has_ends = tool_.picks.front() == Pick::point || tool_.name == "distributed_load";
+    for (std::size_t k = 0; has_ends && k + 1 < points.size(); ++k) {
+      if (norm(world(points[k + 1]) - world(points[k])) < 0.5 * drawn_.grain)
+        throw InputError(
+            fmt::format("place {}: expected another one; both ends are at {}", k + 2, scene().name_of(points[k])));
+    }
   }
 
   /// A pin or weld of two bodies where both are, or of one and the ground.
@@ -329,9 +375,13 @@ class Sketcher {
       there.push_back(new_point(body, exact, letter));
     }
     if (bodies.size() == 1 && !bodies.contains(0)) there.insert(there.begin(), new_point(0, exact, letter));
+    std::string joined_by;
     for (std::size_t j = 1; j < there.size(); ++j) {
       for (std::size_t i = 0; i < j; ++i) {
-        if (are_joined(there[i].body, there[j].body)) continue;
+        if (const Joint* const joint = joint_between(there[i].body, there[j].body)) {
+          joined_by += fmt::format("{}{} {}", joined_by.empty() ? "" : ", ", joint->traits().key, joint->name);
+          continue;
+        }
         TomlKeys more;
         if (tool_.name == "weld") more = {{"angle", angle(turned(there[i].body, there[j].body))}};
         add_joint(std::string(tool_.name), there[i], scene().name_of(there[j]), more);
@@ -339,7 +389,7 @@ class Sketcher {
       }
     }
     throw InputError(there.empty() ? "expected a place where two bodies meet, or one body"
-                                   : "the bodies there are joined already");
+                                   : "the bodies there are joined already; see " + joined_by);
   }
 
   double turned(int a, int b) const {
@@ -589,6 +639,7 @@ class Sketcher {
           break;
       }
     }
+    expect_apart(points);
     // A slide runs along a line of the body behind it.
     if (tool_.name == "slide" || tool_.name == "pin_in_slot" || tool_.name == "rolling" ||
         tool_.name == "rolling_profile") {
@@ -622,7 +673,9 @@ class Sketcher {
     }
     text_.add_item(std::string(tool_.table), keys);
     for (auto one = text_.items().rbegin(); one != text_.items().rend(); ++one) {
-      if (one->owner != Owner::body && one->owner != Owner::point && is_of_table(*one)) return one->name;
+      if (one->owner == Owner::body || one->owner == Owner::point || !is_of_table(*one)) continue;
+      expect_unlike_others(*one);
+      return one->name;
     }
     return "";
   }

@@ -141,5 +141,39 @@ TEST(Sketch, AFreeBodyIsMissingSomethingThatHoldsIt) {
   }
 }
 
+/// What a tool is told that draws the same twice: which item is there.
+TEST(Sketch, RefusesWhatIsThereAlready) {
+  const TempFolder folder;
+  Hand hand(folder.write("twice.toml", two_links_across(300, 200, 220)));
+  ASSERT_EQ(error_of(hand.draw("ground_point", {{0, -100}}, {{"name", "S"}})), "");
+  const Vec2 c = place_of(hand.look(), "left.C");
+  const std::vector<std::vector<double>> ends{{0, -100}, {c.x, c.y}};
+  ASSERT_EQ(error_of(hand.draw("spring", ends, {{"name", "holder"}})), "");
+  const std::string before = hand.text();
+  EXPECT_EQ(error_of(hand.draw("spring", ends)), "spring holder is there already, between the same two");
+  EXPECT_EQ(error_of(hand.draw("spring", {ends[1], ends[0]})), "spring holder is there already, between the same two");
+  EXPECT_EQ(error_of(hand.draw("pin", {{c.x, c.y}})), "the bodies there are joined already; see pin C");
+  EXPECT_EQ(error_of(hand.draw("pin", {{0, 0}})), "the bodies there are joined already; see pin A");
+  EXPECT_EQ(hand.text(), before);
+  // Another kind of spring may lie beside it.
+  EXPECT_EQ(error_of(hand.draw("gas_strut", ends)), "");
+  EXPECT_EQ(error_of(hand.draw("damper", ends)), "");
+  ASSERT_EQ(error_of(hand.draw("bar", ends, {{"name", "rod"}})), "");
+  EXPECT_EQ(error_of(hand.draw("bar", {ends[1], ends[0]})), "bar rod is there already, between the same two");
+}
+
+TEST(Sketch, RefusesTwoEndsAtOnePlace) {
+  const TempFolder folder;
+  Hand hand(folder.write("one.toml", two_links_across(300, 200, 220)));
+  const Vec2 c = place_of(hand.look(), "left.C");
+  const std::string before = hand.text();
+  for (const char* const tool : {"spring", "bar", "gas_strut", "rope", "damper", "constant_force"}) {
+    EXPECT_EQ(error_of(hand.draw(tool, {{c.x, c.y}, {c.x, c.y}})),
+              "place 2: expected another one; both ends are at left.C")
+        << tool;
+    EXPECT_EQ(hand.text(), before);
+  }
+}
+
 }  // namespace
 }  // namespace poise::app::sketch_test
