@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/commands.hpp"
 #include "app/draw/figure_json.hpp"
 #include "app/present/document.hpp"
 #include "app/present/html.hpp"
@@ -39,6 +40,9 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t most_steps_back = 200;
+
+constexpr const char* solve_differs =
+    "poise solve of this text finds another equilibrium; poise solve --seek any finds the one shown";
 
 constexpr std::string_view empty_sheet =
     "title = \"New mechanism\"\ngravity = [0, -9810]\n\n[units]\nlength = \"mm\"\nangle = \"deg\"\n";
@@ -337,6 +341,31 @@ void ViewSession::expect_file() const {
 
 /// The command line that shows the scene; empty where there is none.
 std::string ViewSession::line() const { return has_file_ ? "poise view " + file_.string() : ""; }
+
+/// The command line that finds what is shown in the file, or shows it where none does.
+std::string ViewSession::solving_line() const {
+  if (!has_file_ || now_.shown.hand()) return line();
+  std::vector<std::string> words{"solve", file_.string()};
+  if (solve_finds_another()) words.insert(words.end(), {"--seek", "any"});
+  return line_of(words);
+}
+
+/// Whether the mechanism was taken to an equilibrium from which it falls where the text has its place rounded.
+bool ViewSession::solve_finds_another() const {
+  constexpr double same = 1e-3;  // rad: more than what the text leaves out
+  if (!now_.shown.found() || now_.shown.hand()) return false;
+  if (now_.shown.at_rest().equilibrium().certificate.stability != Stability::unstable) return false;
+  SolveOptions options;
+  options.prove = false;
+  options.interrupt = interrupt_;
+  const StaticModel model(read(present_text()));
+  const BodyPoses found = model.poses(solve(model, options).x), shown = now_.shown.poses();
+  for (std::size_t b = 1; b < model.scene().bodies.size(); ++b) {
+    if (std::abs(std::remainder(found[b].angle - shown[b].angle, 2 * M_PI)) > same) return true;
+    if (norm(found[b].origin - shown[b].origin) > same * model.scales().length) return true;
+  }
+  return false;
+}
 
 /// Throws InputError for what is no file: it is looked at again and again, and a pipe would wait for a writer.
 /// Nothing where there is no file yet.
@@ -704,7 +733,7 @@ Transition ViewSession::do_go(const json& request) {
   return out;
 }
 
-void ViewSession::do_save(const json& request) {
+Transition ViewSession::do_save(const json& request) {
   const bool anyway = request.value("anyway", false);
   expect_file();
   expect_regular_file(file_);
@@ -716,12 +745,14 @@ void ViewSession::do_save(const json& request) {
   now_.on_disk = now_.text = text;
   now_.scene = read(text);
   now_.off.clear();
-  now_.shown.restore(now_.scene);
-  sync();
+  return_to(now_.shown.poses());
   now_.saved_text = present_text();
+  Transition way;
+  if (solve_finds_another()) way.why = solve_differs;
   OutputFile out(file_, "save");
   out.prepare(text);
   out.commit();
+  return way;
 }
 
 Transition ViewSession::carry_out(const std::string& what, const json& request) {
@@ -757,7 +788,7 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   } else if (what == "redo") {
     go_back(what, now_.redo, now_.undo);
   } else if (what == "save") {
-    do_save(request);
+    return do_save(request);
   } else if (what != "look") {
     throw InputError(fmt::format("unknown request \"{}\"", one_line(what)));
   }
@@ -1087,7 +1118,7 @@ std::string ViewSession::report() const {
   const TrackedEquilibrium& tracked = now_.shown.at_rest();
   Answer answer = measure(tracked.model(), tracked.equilibrium());
   const Result result = solve_result(tracked.model(), answer, {});
-  return html_page(page_document(result, {.command = "solve", .line = line()}, {Screen::figure(now_.shown)}));
+  return html_page(page_document(result, {.command = "solve", .line = solving_line()}, {Screen::figure(now_.shown)}));
 }
 
 }  // namespace poise::app

@@ -86,6 +86,8 @@ class ViewSession {
   void keep_draft(const std::string& text, bool is_saved);
   void expect_file() const;
   std::string line() const;
+  std::string solving_line() const;
+  bool solve_finds_another() const;
   std::optional<std::string> text_on_disk() const;
   void allow_files_of(const std::string& text);
   Scene read(const std::string& text) const;
@@ -133,7 +135,7 @@ class ViewSession {
   Transition do_place(const nlohmann::json& request);
   Transition do_items(const std::string& what, const nlohmann::json& request);
   Transition do_go(const nlohmann::json& request);
-  void do_save(const nlohmann::json& request);
+  Transition do_save(const nlohmann::json& request);
 
   std::filesystem::path file_;
   bool has_file_ = true;                 ///< otherwise file_ is a name alone
