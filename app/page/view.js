@@ -611,7 +611,8 @@ class LiveView {
     this.ask({do: 'reload'}, {note});
   }
 
-  polled({revision, others, file}) {
+  polled({revision, others, file, company}) {
+    if (company !== this.company) this.setCompany(company);
     if (this.program.busy || this.moving.playing) return;
     if (revision > this.state.revision && !this.handles.held) this.askAboutOthers();
     if (others) {
@@ -623,6 +624,20 @@ class LiveView {
       }
     }
     this.followFile(file);
+  }
+
+  // Of programs that show one file each may save over what the other has saved.
+  setCompany(company) {
+    this.company = company;
+    if (company) {
+      this.bars.show(
+        'company',
+        'Another poise view shows this file too.',
+        button('Close', () => this.bars.hide('company'))
+      );
+    } else {
+      this.bars.hide('company');
+    }
   }
 
   askAboutOthers() {

@@ -236,6 +236,7 @@ ViewSession::ViewSession(std::filesystem::path file, const std::atomic<bool>* in
       interrupt_(interrupt),
       now_(opened(text_on_disk().value_or(std::string(empty_sheet)), std::nullopt)) {
   now_.on_disk = text_on_disk();
+  draft_.emplace(file_);
   begin();
 }
 
@@ -259,63 +260,25 @@ void ViewSession::begin() {
   look_for_others();
 }
 
-/// Where drafts of the file stand: of two programs that show it each has its own.
-std::vector<std::filesystem::path> ViewSession::draft_files() const {
-  constexpr int most = 9;
-  std::vector<std::filesystem::path> out{file_.string() + ".draft"};
-  for (int k = 2; k <= most; ++k) out.emplace_back(fmt::format("{}.draft{}", file_.string(), k));
-  return out;
-}
-
 /// Shows what was drawn when the program ended without saving it, as a change of the file that can be undone.
 void ViewSession::take_draft() {
+  if (!draft_) return;
   std::error_code unknown;
-  if (!has_file_) return;
-  for (const std::filesystem::path& draft : draft_files()) {
-    if (!std::filesystem::is_regular_file(draft, unknown)) continue;
+  for (const std::filesystem::path& file : draft_->left_behind()) {
     const State before = now_;
     try {
-      const std::string text = read_text_file(draft);
+      const std::string text = read_text_file(file);
       if (text.empty() || text == now_.saved_text) continue;
       remember(snapshot());
       do_text(text);
-      draft_ = text;
-      draft_file_ = draft;
-      has_draft_ = true;
+      draft_->take_over(file, text);
       // A file that others have changed since is not saved over without a question.
-      if (std::filesystem::last_write_time(file_, unknown) > std::filesystem::last_write_time(draft, unknown))
+      if (std::filesystem::last_write_time(file_, unknown) > std::filesystem::last_write_time(file, unknown))
         now_.on_disk = "";
       return;
     } catch (const InputError&) {
       now_ = before;  // no scene: it stays as it is
     }
-  }
-}
-
-/// Writes the text beside the file while that has not been saved, so that nothing is lost with the program.
-void ViewSession::keep_draft(const std::string& text, bool is_saved) {
-  if (!has_file_) return;
-  std::error_code ignored;
-  if (is_saved) {
-    if (!draft_.empty()) std::filesystem::remove(draft_file_, ignored);
-    draft_.clear();
-    has_draft_ = false;
-    return;
-  }
-  if (text == draft_) return;
-  if (draft_.empty()) {
-    const std::vector<std::filesystem::path> files = draft_files();
-    const auto is_free = [&](const std::filesystem::path& file) { return !std::filesystem::exists(file, ignored); };
-    const auto free = std::find_if(files.begin(), files.end(), is_free);
-    draft_file_ = free != files.end() ? *free : files.front();
-  }
-  try {
-    OutputFile out(draft_file_, "draft");
-    out.prepare(text);
-    out.commit();
-    draft_ = text;
-  } catch (const InputError&) {
-    // A folder that cannot be written to has no draft; the page asks before it is closed.
   }
 }
 
@@ -873,7 +836,12 @@ std::string ViewSession::act(const json& request) {
     throw;
   }
   // Where a mechanism was only moved nothing would be lost.
-  if (out.contains("text")) keep_draft(out["text"], out["saved"] || now_.undo.empty());
+  if (draft_ && out.contains("text")) {
+    if (out["saved"] || now_.undo.empty())
+      draft_->remove();
+    else
+      draft_->keep(out["text"]);
+  }
   out["server_ms"] = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return with_drawing(out, drawing);
 }
@@ -947,7 +915,7 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
   out["text"] = present_text();
   out["file"] = file_.filename().string();
   out["has_file"] = has_file_;
-  out["draft"] = has_draft_;
+  out["draft"] = draft_ && draft_->is_taken_over();
   out["saved"] = out["text"] == now_.saved_text;
   return out;
 }
@@ -992,10 +960,11 @@ json ViewSession::switches() const {
 }
 
 /// What can be renamed and taken away, by the names that the picture has.
-json ViewSession::items() const {
+json ViewSession::items() {
   json out = json::array();
-  const SceneText text(now_.text, file_.string());
-  for (const SceneItem& item : text.items()) {
+  if (!now_.parsed || now_.parsed->text() != now_.text)
+    now_.parsed = std::make_shared<const SceneText>(now_.text, file_.string());
+  for (const SceneItem& item : now_.parsed->items()) {
     if (item.owner == Owner::body && item.index == 0) continue;
     out.push_back({{"item", item.name}, {"name", item.own_name}, {"point", item.owner == Owner::point}});
   }
@@ -1102,7 +1071,11 @@ json ViewSession::others_json(const OtherEquilibria::Found& found) const {
 }
 
 json ViewSession::poll(long revision) {
-  json out = {{"revision", now_.revision}, {"others", nullptr}, {"file", "same"}, {"searching", others_.searching()}};
+  json out = {{"revision", now_.revision},
+              {"others", nullptr},
+              {"file", "same"},
+              {"company", draft_ && draft_->has_company()},
+              {"searching", others_.searching()}};
   try {
     const std::optional<std::string> there = has_file_ ? text_on_disk() : now_.on_disk;
     if (there != now_.on_disk) out["file"] = there ? "changed" : "gone";

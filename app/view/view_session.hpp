@@ -11,6 +11,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "app/view/draft.hpp"
 #include "app/view/other_equilibria.hpp"
 #include "app/view/page_commands.hpp"
 #include "app/view/screen.hpp"
@@ -45,8 +46,9 @@ class ViewSession {
   std::string act(const nlohmann::json& request);
   /// The document of the page, with the whole state under "view".
   nlohmann::json page();
-  /// {"revision", "file", "searching", "others"}: of the file on disk whether it is as it was read, and the other
-  /// equilibria where they are known by now and belong to a later state than `revision`.
+  /// {"revision", "file", "company", "searching", "others"}: of the file on disk whether it is as it was read, whether
+  /// another program shows it too, and the other equilibria where they are known by now and belong to a later state
+  /// than `revision`.
   nlohmann::json poll(long revision);
   /// The present state as a report for others.
   std::string report() const;
@@ -76,14 +78,13 @@ class ViewSession {
     bool in_gesture = false;   ///< the last request said that it goes on
     long revision = 1;
     std::shared_ptr<Screen> screen{};
+    std::shared_ptr<const SceneText> parsed{};  ///< of a text, in most cases the present one
   };
   enum class Parts { moving, all };
 
   State opened(const std::string& text, std::optional<Scene> scene);
   void begin();
-  std::vector<std::filesystem::path> draft_files() const;
   void take_draft();
-  void keep_draft(const std::string& text, bool is_saved);
   void expect_file() const;
   std::string line() const;
   std::string solving_line() const;
@@ -111,7 +112,7 @@ class ViewSession {
   double size_of_mechanism() const;
   nlohmann::json numbers() const;
   nlohmann::json switches() const;
-  nlohmann::json items() const;
+  nlohmann::json items();
   nlohmann::json sheet() const;
   nlohmann::json position() const;
   nlohmann::json handles() const;
@@ -139,9 +140,7 @@ class ViewSession {
 
   std::filesystem::path file_;
   bool has_file_ = true;                 ///< otherwise file_ is a name alone
-  std::string draft_;                    ///< what stands beside the file; empty where nothing does
-  std::filesystem::path draft_file_;     ///< where that is
-  bool has_draft_ = false;               ///< what is shown began with it
+  std::optional<Draft> draft_;           ///< none of what is no file
   std::set<std::string> allowed_files_;  ///< that the scene on disk names, as it names them
   const std::atomic<bool>* interrupt_;
   State now_;
