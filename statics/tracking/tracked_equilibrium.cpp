@@ -165,7 +165,7 @@ MovedPoint moved_point(const Scene& scene, const BodyPoses& poses, PointRef poin
                        const std::atomic<bool>* interrupt) {
   DraggedPoint walk(started_at(scene, poses), point, interrupt);
   if (walk.directions().empty()) throw InputError(fmt::format(cannot_move, scene.name_of(point)));
-  walk.go_to(place);
+  walk.go_to(place, false);
   return {walk.poses(), way_of(walk)};
 }
 

@@ -71,6 +71,18 @@ TEST(Sketch, FollowsTheHandByItsJoints) {
   // Farther than the links reach it is stretched out.
   ASSERT_EQ(error_of(hand.ask({{"do", "drag"}, {"point", tip}, {"px", {x + 5000.0, y}}})), "");
   EXPECT_NEAR(norm(place_of(hand.look(), tip)), 100.0 + std::hypot(60.0, 60.0), 0.1);
+  // So it goes round with a hand that is out of reach, and comes back with it.
+  const json sheet = after["sheet"];
+  const Vec2 origin{sheet["origin"][0], sheet["origin"][1]};
+  for (const double turn : {0.5, 1.5, 2.0, 4.0}) {
+    const Vec2 far = origin + 2000.0 * Vec2{std::cos(turn), -std::sin(turn)};
+    ASSERT_EQ(error_of(hand.ask({{"do", "drag"}, {"point", tip}, {"px", {far.x, far.y}}})), "");
+    const Vec2 at = place_of(hand.look(), tip);
+    EXPECT_NEAR(std::remainder(std::atan2(at.y, at.x) - turn, 2 * M_PI), 0.0, 1e-3);
+  }
+  const json back = hand.ask({{"do", "drag"}, {"point", tip}, {"px", {x, y}}});
+  const json again = handle_of(back, tip)["px"];
+  EXPECT_LT(std::hypot(again[0].get<double>() - x, again[1].get<double>() - y), 0.05);
 }
 
 TEST(Sketch, IsShownWithItsLoopsClosed) {

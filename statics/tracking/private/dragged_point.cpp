@@ -79,7 +79,7 @@ void DraggedPoint::expect_no_interrupt() const {
   if (interrupt_ != nullptr && *interrupt_) throw InputError("interrupted");
 }
 
-void DraggedPoint::go_to(Vec2 target) {
+void DraggedPoint::go_to(Vec2 target, bool is_held) {
   target = (1 / model_.scales().length) * target;
   passed_.clear();
   locked_ = false;
@@ -91,6 +91,7 @@ void DraggedPoint::go_to(Vec2 target) {
   last_balanced_ = {x_, passed_.size(), sense_};
   const double at_start = least_rate(motions({}));
   approach(target, false);
+  if (!is_held && moves_in_an_area_) return;
   if (const Motions now = motions({}); holds_at(now) || least_rate(now) >= at_start) return;
   // It has come to where no force on the point holds it: up to there, then.
   x_ = last_balanced_.x;

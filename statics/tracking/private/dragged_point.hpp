@@ -33,8 +33,9 @@ class DraggedPoint {
   /// It can go no further, though no stop holds it up.
   bool locked() const { return locked_; }
 
-  /// Throws InputError where it is interrupted.
-  void go_to(Vec2 target);
+  /// Throws InputError where it is interrupted. `is_held`: no farther than a force on the point holds the mechanism,
+  /// which it does not at the end of the reach of a point that moves in an area.
+  void go_to(Vec2 target, bool is_held = true);
   /// Moves off stops that it touches by next to nothing: where the hand alone holds the mechanism they would share the
   /// load with it in ways that nothing determines.
   void clear_stops();
