@@ -88,7 +88,7 @@ Command import_command() {
   request->common.kind = "file";
   Command command{"import", "Read a file of another program as a scene"};
   command.add({"FILE", &request->common.scene, "", "File of another program (docs/exchange.md)", Presence::required})
-      .ending = readable_endings();
+      .reads(readable_endings());
   command.add({"--format", &request->format, "NAME", readable_help()}).choices = readable_names();
   command
       .add({"--units", &request->units, "UNIT",

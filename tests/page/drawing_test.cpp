@@ -1,6 +1,7 @@
 // Mechanisms drawn by hand, without a browser: what each tool writes, and that text, picture and undo agree.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -184,8 +185,9 @@ TEST(Drawing, EveryToolWritesWhatIsRead) {
         case Pick::place:
           at.push_back(tool.name == "ground_point" ? std::vector<double>{-50, 50}
                        : tool.name == "link" ? std::vector<double>{-50.0 + 60.0 * static_cast<double>(at.size()), 120}
-                       : tool.name == "pin" || tool.name == "weld" ? std::vector<double>{95, 64.95}
-                                                                   : std::vector<double>{25, 43.3});
+                       : tool.name == "pin" || tool.name == "weld" || tool.name == "plate"
+                           ? std::vector<double>{95, 64.95}
+                           : std::vector<double>{25, 43.3});
           break;
         case Pick::direction:
           at.push_back({at.back()[0] + 100, at.back()[1]});
@@ -274,7 +276,10 @@ TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
     const auto compare = [&](const std::string& text) {
       SolveOptions any;
       any.seek = Seek::any;
-      const NamedEquilibrium found = solve(parse_scene(text, "random.toml"), any);
+      std::optional<NamedEquilibrium> solved;
+      const std::string why = test::message_of([&] { solved = solve(parse_scene(text, "random.toml"), any); });
+      ASSERT_EQ(why, "") << text;
+      const NamedEquilibrium& found = *solved;
       if (!found.found()) return;
       ++compared;
       const TrackedEquilibrium& tracked = hand.session.tracked();
