@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "model/couplings.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {
@@ -222,6 +223,7 @@ Transition ShownMechanism::change(Scene wanted) {
       expect_something_held(wanted);
       TrackedEquilibrium changed = *tracked_;
       Transition way = changed.change(wanted);
+      if (has_others) expect_movable(changed.model(), analyse_mobility(changed.model()));
       // Where nothing is loaded any more nothing is left that could rest.
       if (!has_others || !changed.equilibrium().x.empty()) {
         tracked_ = std::move(changed);

@@ -85,6 +85,21 @@ TEST(Sketch, FollowsTheHandByItsJoints) {
   EXPECT_LT(std::hypot(again[0].get<double>() - x, again[1].get<double>() - y), 0.05);
 }
 
+// A joint that takes the last freedom leaves a structure, which rests nowhere, as `poise solve` says of its text.
+TEST(Sketch, IsWhatLosesItsLastFreedom) {
+  const TempFolder folder;
+  Hand hand(folder.write("swing.toml",
+                         "gravity = [0, -9810]\n[units]\nlength = \"mm\"\nangle = \"deg\"\n[ground]\n"
+                         "points = { A = [0, 100], D = [0, 0] }\n[body.link]\npoints = { A = [0, 0], C = [100, 0] }\n"
+                         "[[pin]]\npoints = [\"ground.A\", \"link.A\"]\n[[force]]\nat = \"link.C\"\n"
+                         "vector = [0, -100]\n[start]\nlink = -90\n"));
+  ASSERT_EQ(hand.look()["missing"], "");
+  ASSERT_EQ(error_of(hand.draw("pin_in_slot", {{0, 0}, {100, 3}})), "");
+  EXPECT_NE(verdict_of(hand.look()).find("no degree of freedom left"), std::string::npos) << verdict_of(hand.look());
+  ASSERT_EQ(error_of(hand.ask({{"do", "undo"}})), "");
+  EXPECT_EQ(hand.look()["missing"], "");
+}
+
 TEST(Sketch, IsShownWithItsLoopsClosed) {
   const TempFolder folder;
   Hand hand(folder.write("rigid.toml", two_links_across(300, 200, 220)));
