@@ -270,7 +270,7 @@ std::string CopiedItems::ground_point(const std::string& name) {
                                                            direction_.sin.value * own.x + direction_.cos.value * own.y};
   const bool stays = norm(after - before) <= 1e-12 * (norm(before) + norm(Vec2{at_.x.value, at_.y.value}));
   const bool is_taken_along = in_place_ && !selection_.shared_points.contains(name);
-  const std::string out = stays || is_taken_along ? name : names_.point(name);
+  std::string out = stays || is_taken_along ? name : names_.point(name);
   point_names_[name] = out;
   if (!stays) (is_taken_along ? placed_points : ground_points).emplace_back(out, text_of(moved::array_of(to), nullptr));
   return out;

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "model/toml_reader.hpp"
 
 namespace poise {
@@ -35,8 +37,8 @@ std::vector<std::string> files_beside(std::string_view text, const std::string& 
   std::vector<std::string> out;
   for (const NamedFile& one : named_files(text, scene)) {
     if (!written.empty() && folder_of(written) != folder_of(scene)) {
-      throw InputError("--scene " + written + ": expected a file in the folder of " + scene +
-                       ", beside which it reads " + one.name);
+      throw InputError(fmt::format("--scene {}: expected a file in the folder of {}, beside which it reads {}", written,
+                                   scene, one.name));
     }
     out.push_back((fs::path(scene).parent_path() / one.name).string());
   }

@@ -67,9 +67,9 @@ std::vector<std::string> wanted_positions(const std::string& words) {
 void expect_one_position(const Request& request, std::size_t positions) {
   const std::string fix = fmt::format("expected one position, found {}; several are for --dxf alone", positions);
   for (const auto& [option, path] : request.exported) {
-    if (positions > 1 && !path.empty() && option != "--dxf") throw InputError(option + ": " + fix);
+    if (positions > 1 && !path.empty() && option != "--dxf") throw InputError(fmt::format("{}: {}", option, fix));
   }
-  if (positions > 1 && !request.svg.empty()) throw InputError("--svg: " + fix);
+  if (positions > 1 && !request.svg.empty()) throw InputError(fmt::format("--svg: {}", fix));
 }
 
 int run_export(const ExportRequest& words, const Palette& palette) {

@@ -441,7 +441,10 @@ TEST(SceneBuilder, WritesNamesAndNumbersExactly) {
 
 // The file counts from the current folder, as that of a scene in it does.
 TEST(SceneBuilder, BringsPartsAsAFileDoes) {
-  const std::string stage = std::filesystem::relative(test::dataset("parts/scissor_stage.toml")).string();
+  // Files count from the current folder.
+  const std::filesystem::path before = std::filesystem::current_path();
+  const std::string stage = "scissor_stage.toml";
+  std::filesystem::current_path(std::filesystem::path(test::dataset("parts/" + stage)).parent_path());
   SceneBuilder builder("two stages", {.length = "mm", .angle = "deg"});
   builder.number("turn", 5)
       .ground_point("O", {0, 0})
@@ -475,6 +478,7 @@ TEST(SceneBuilder, BringsPartsAsAFileDoes) {
     EXPECT_NE(std::string(error.what()).find("two stages: part 2.angel: expected one of the keys"), std::string::npos)
         << error.what();
   }
+  std::filesystem::current_path(before);
 }
 
 TEST(SceneBuilder, IsInSiWithoutUnits) {
