@@ -142,40 +142,12 @@ TEST(Drawing, EveryTableHasATool) {
   EXPECT_TRUE(tables.empty()) << *tables.begin() << " has no tool";
 }
 
-constexpr const char* two_links = R"([units]
-length = "mm"
-angle = "deg"
-[ground]
-points = { A = [0, 0], D = [300, 0], S = [0, 200] }
-[body.crank]
-points = { A = [0, 0], B = [100, 0] }
-[body.rod]
-points = { B = [0, 0], C = [200, 0], G = [100, 50] }
-[body.block]
-points = { C = [0, 0], E = [40, 0] }
-mass = 2
-[[pin]]
-points = ["ground.A", "crank.A"]
-[[pin]]
-points = ["crank.B", "rod.B"]
-[[pin]]
-points = ["rod.C", "block.C"]
-[[slide]]
-name = "guide"
-points = ["ground.A", "block.C"]
-axis = [1, 0]
-[start]
-crank = 60
-rod = -25.66
-guide = 230.28
-)";
-
 // What each tool writes at first is a scene that is read back.
 TEST(Drawing, EveryToolWritesWhatIsRead) {
   const TempFolder folder;
   for (const DrawingTool& tool : drawing_tools()) {
     SCOPED_TRACE(std::string(tool.name));
-    Hand hand(folder.write(std::string(tool.name) + ".toml", two_links));
+    Hand hand(folder.write(std::string(tool.name) + ".toml", app_tests::slider_crank));
     const std::string before = hand.text();
     std::vector<std::vector<double>> at;
     // On the crank, on the rod, on the ground, elsewhere: as the picks want.

@@ -9,6 +9,35 @@
 
 namespace poise::app_tests {
 
+/// A crank, a rod and a block that slides along x, on which every tool has something to draw.
+inline constexpr const char* slider_crank = R"([units]
+length = "mm"
+angle = "deg"
+[ground]
+points = { A = [0, 0], D = [300, 0], S = [0, 200] }
+[body.crank]
+points = { A = [0, 0], B = [100, 0] }
+[body.rod]
+points = { B = [0, 0], C = [200, 0], G = [100, 50] }
+[body.block]
+points = { C = [0, 0], E = [40, 0] }
+mass = 2
+[[pin]]
+points = ["ground.A", "crank.A"]
+[[pin]]
+points = ["crank.B", "rod.B"]
+[[pin]]
+points = ["rod.C", "block.C"]
+[[slide]]
+name = "guide"
+points = ["ground.A", "block.C"]
+axis = [1, 0]
+[start]
+crank = 60
+rod = -25.66
+guide = 230.28
+)";
+
 /// A hand that draws on a sheet, in the units of the scene.
 class Hand {
  public:

@@ -27,6 +27,7 @@
 #include "model/scene.hpp"
 #include "model/scene_text.hpp"
 #include "tests/app/run_poise.hpp"
+#include "tests/page/hand.hpp"
 #include "tests/support/browser.hpp"
 #include "tests/support/seed.hpp"
 
@@ -516,34 +517,6 @@ TEST_F(ViewPage, TheFourBarOfTheReadmeIsDrawnByMouse) {
   expect_silence();
 }
 
-constexpr const char* slider_crank = R"([units]
-length = "mm"
-angle = "deg"
-[ground]
-points = { A = [0, 0], D = [300, 0], S = [0, 200] }
-[body.crank]
-points = { A = [0, 0], B = [100, 0] }
-[body.rod]
-points = { B = [0, 0], C = [200, 0], G = [100, 50] }
-[body.block]
-points = { C = [0, 0], E = [40, 0] }
-mass = 2
-[[pin]]
-points = ["ground.A", "crank.A"]
-[[pin]]
-points = ["crank.B", "rod.B"]
-[[pin]]
-points = ["rod.C", "block.C"]
-[[slide]]
-name = "guide"
-points = ["ground.A", "block.C"]
-axis = [1, 0]
-[start]
-crank = 60
-rod = -25.66
-guide = 230.28
-)";
-
 // Where each tool of the toolbar is clicked on the slider-crank; after the last place of some Enter is pressed.
 TEST_F(ViewPage, EveryToolDrawsByMouse) {
   using Places = std::vector<std::pair<double, double>>;
@@ -588,7 +561,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"rolling", along},
                                                 {"rolling_on_circle", {block, pivot}}};
   const std::set<std::string> of_the_page{"", "select", "move_point"};
-  show_file(folder_.write("slider_crank.toml", slider_crank));
+  show_file(folder_.write("slider_crank.toml", app_tests::slider_crank));
   const std::string before = shown_text();
   const std::vector<std::string> tools =
       browser().run("return [...document.querySelectorAll('[data-tool]')].map((one) => one.dataset.tool)");
@@ -634,7 +607,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
 
 // A box is dragged over all links; they are copied to a place, mirrored, repeated, grouped, moved and taken away.
 TEST_F(ViewPage, ChosenItemsAreCopiedByMouse) {
-  show_file(folder_.write("slider_crank.toml", slider_crank));
+  show_file(folder_.write("slider_crank.toml", app_tests::slider_crank));
   const std::string before = shown_text();
   const auto undo = [&] {
     browser().chord("Control", "z");
