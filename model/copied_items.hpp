@@ -43,9 +43,9 @@ class FreeNames {
 
   /// "crank_2" beside "crank", "link_3" beside "link_1".
   std::string item(const std::string& like);
-  /// The same, but beside a single letter another one that no point has either.
+  /// Finds a name for a joint; beside a single letter it is another letter, which no point has either.
   std::string joint(const std::string& like);
-  /// The same among the points.
+  /// Finds a name for a point in the same way, among the points.
   std::string point(const std::string& like);
   bool take_item(const std::string& name) { return items_.insert(name).second; }
 

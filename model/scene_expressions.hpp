@@ -20,7 +20,7 @@ class SceneExpressions final : public ExpressionReader {
 
   /// Reads [numbers] into the scene. Fails with the nearest name for one that is not there, and names a cycle.
   void read_named(const TomlTable& root, Scene& scene);
-  /// That of a part, from its expression.
+  /// Computes the scale of a part from its expression.
   double scale(const std::string& text) const;
   double value(const toml::value<std::string>& node, const TomlPlace& place) override;
   /// Finds for each expression that was read the number of the scene that follows from it. Fails where there is none.

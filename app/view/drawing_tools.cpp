@@ -396,7 +396,7 @@ class Sketcher {
     return poses_[static_cast<std::size_t>(b)].angle - poses_[static_cast<std::size_t>(a)].angle;
   }
 
-  /// Of an area, m: its size, its first moment and its second moment about the origin.
+  /// An area has a size, a first moment and a second moment about the origin; lengths are in m.
   struct Area {
     double size = 0.0;
     Vec2 moment{};
@@ -478,7 +478,7 @@ class Sketcher {
     return value;
   }
 
-  /// Of "A 8, B 6", a TOML string.
+  /// Reads holes from a TOML string, "A 8, B 6".
   std::vector<Hole> holes_of(const Body& link, const std::string& text) const {
     std::vector<Hole> out;
     std::istringstream list(text.substr(1, text.size() - 2));
@@ -515,9 +515,9 @@ class Sketcher {
     return out;
   }
 
-  /// The same of a plate with the outline of its points: "thickness" in the scene's length, a number or an expression,
-  /// at first 5, "density" in kg/m^3, at first that of steel, "holes" round points of it, by their names with their
-  /// diameters: "A 8, B 6".
+  /// Gives a link the mass, centre and inertia of a plate with the outline of its points. "thickness" is a number in
+  /// the scene's length or an expression, at first 5; "density" is in kg/m^3, at first that of steel; "holes" lie round
+  /// points of the link, by their names with their diameters: "A 8, B 6".
   std::string plate() {
     const int body = pressed_link();
     const Body& link = scene().bodies[static_cast<std::size_t>(body)];

@@ -7,7 +7,7 @@
 namespace poise::app {
 namespace {
 
-/// Of the whole file. A lock belongs to what was opened, so that two sessions of one program see each other's.
+/// The lock covers the whole file. It belongs to what was opened, so that two sessions of one program see each other's.
 struct flock whole_file(short type) {
   struct flock out {};
   out.l_type = type;

@@ -103,7 +103,7 @@ void expect_something_held(const Scene& scene) {
   if (free > 0) throw InputError(fmt::format("body \"{}\" is free: nothing holds it", scene.bodies[free].name));
 }
 
-/// By how much a joint is open, m.
+/// Measures how far a joint is open, m.
 double gap_of(const Scene& scene, const Joint& joint, const BodyPoses& poses) {
   const BodyPose<double>& a = poses[static_cast<std::size_t>(joint.a.body)];
   const Vec2 apart =

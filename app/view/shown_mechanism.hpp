@@ -38,7 +38,7 @@ class ShownMechanism {
   void restore(Scene scene);
   Transition drag(PointRef point, Vec2 place);
   Transition release();
-  /// Of a sketch too, whose loops are closed in these poses.
+  /// A sketch stays there too; its loops are closed in these poses.
   void stay_at(const BodyPoses& poses);
 
  private:

@@ -145,8 +145,8 @@ Scene started_at(Scene scene, const BodyPoses& poses);
 /// these poses, by the shortest steps; none where that fails. Throws InputError if the scene contradicts itself.
 std::optional<BodyPoses> closed_near(const Scene& scene, const BodyPoses& poses);
 
-/// The same from poses with closed loops, with a point as near to a place, m in the world, as joints and stops let it
-/// come. Throws InputError where it cannot move.
+/// Such a scene moved from poses with closed loops so that a point comes as near to a place, m in the world, as joints
+/// and stops let it. Throws InputError where it cannot move.
 struct MovedPoint {
   BodyPoses poses;
   Transition transition;

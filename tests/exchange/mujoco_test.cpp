@@ -177,7 +177,7 @@ class ChainMaker {
     return {random_.uniform(-size, size), random_.uniform(-size, size), random_.uniform(-size, size)};
   }
 
-  // Of two texts the first is drawn first, as with every compiler.
+  // The first of two texts is drawn first, whatever the compiler does with arguments.
   template <class First, class Second>
   static std::string in_order(First first, Second second) {
     const std::string begin = first();

@@ -25,8 +25,8 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
 /// Steps that a change is tried with at most.
 inline constexpr int most_tries = 200;
 
-/// The same by proved steps alone, `tries` of them at most; empty where they do not lead there
-/// (statics/tracking/private/small_step.hpp), or are interrupted.
+/// Follows the same change by proved steps alone, `tries` of them at most; the result is empty where they do not lead
+/// there (statics/tracking/private/small_step.hpp), or are interrupted.
 std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
                                          const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
                                          int tries = most_tries);
