@@ -25,10 +25,11 @@ int run_check(const Request& request, const Palette& palette) {
   const Mobility mobility = analyse_mobility(model);
   const Result result = check_result(model, mobility, moving, request.settings);
   // The error of solve where the scene cannot be assembled: then the report shows why, and no file is written. A scene
-  // without loads can be checked.
+  // without loads can be checked, and so can a structure.
   std::exception_ptr error;
   try {
-    if (model.mechanism().coordinates() > 0) assemble(model);
+    const bool is_structure = mobility.assembled && mobility.freedoms == 0;
+    if (!is_structure) assemble(model);
   } catch (const InputError&) {
     error = std::current_exception();
   }

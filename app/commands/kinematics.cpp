@@ -50,8 +50,10 @@ int run_kinematics(const KinematicsRequest& request, const Palette& palette) {
   const bool reached = found.complete || found.stop;
   Pictures pictures;
   if (files.wants_svg() && !found.samples.empty()) {
-    pictures.svg = stacked(kinematics_picture(scene, found, request.view.points, result.verdict.text, reached),
-                           draw_plot(kinematics_panels(scene, found, ranges)));
+    const std::vector<std::string>& points = request.view.points;
+    const std::vector<Panel> panels =
+        points.empty() ? kinematics_panels(scene, found, ranges) : point_panels(scene, found, ranges, points);
+    pictures.svg = stacked(kinematics_picture(scene, found, points, result.verdict.text, reached), draw_plot(panels));
   }
   if (files.wants_html() && !found.samples.empty()) {
     progress.now("drawing");
@@ -80,7 +82,7 @@ Command kinematics_command() {
   command.add({"--all", &request->view.all, "", "Show every angle and slide too"});
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism at the start, middle and end of the range, and\nits angles and slides "
-                             "over the drive, into FILE",
+                             "over the drive, or the motion of --point, into FILE",
                       .csv = "Write all angles, slides and points, one line for each sample,\nto FILE"});
   command.run = [request](const Palette& palette) { return run_kinematics(*request, palette); };
   return command;

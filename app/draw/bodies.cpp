@@ -62,12 +62,30 @@ void draw_shadow(Stage& stage, const std::vector<Vec2>& shape) {
   }
 }
 
+/// The axis of a beam with corners, all of whose points lie on it: such a body is no plate. Empty for others.
+std::vector<Vec2> bent_axis(const Stage& stage, int index) {
+  const Body& body = stage.scene.bodies[static_cast<std::size_t>(index)];
+  std::vector<Vec2> out;
+  if (!body.section || body.section->line.size() < 3 || body.section->line.size() != body.points.size()) return out;
+  const BodyPose<double>& pose = stage.now.poses[static_cast<std::size_t>(index)];
+  for (const int point : body.section->line) {
+    out.push_back(stage.page(pose.world(body.points[static_cast<std::size_t>(point)].at)));
+  }
+  return out;
+}
+
 void draw_body(Stage& stage, int body) {
   const std::vector<Vec2> shape = stage.outline(body, stage.now);
+  const std::vector<Vec2> axis = bent_axis(stage, body);
   const Colour colour = body_colour(body - 1);
   stage.canvas.item(stage.scene.bodies[body].name, "at " + stage.reading(stage.now.poses[body].angle, Quantity::angle));
   if (stage.cylinder_of_body(body) != nullptr) {
     // Barrel and rod are drawn together.
+  } else if (!axis.empty()) {
+    for (std::size_t i = 1; i < axis.size(); ++i) {
+      draw_bar(stage.canvas, axis[i - 1], axis[i], stage.bar_width, colour);
+      stage.setter.avoid(axis[i - 1], axis[i], stage.bar_width);
+    }
   } else if (shape.size() == 2) {
     draw_bar(stage.canvas, shape[0], shape[1], stage.bar_width, colour);
     stage.setter.avoid(shape[0], shape[1], stage.bar_width);

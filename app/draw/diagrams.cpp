@@ -20,10 +20,12 @@ void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
   }
   if (std::abs(diagram.value[top]) <= negligible_load * largest) return;
   const std::string text = stage.value(diagram.value[top], diagram.quantity);
+  // Each part is an item, so that a reader who points at it is told its value.
+  for (std::size_t k = 1; k < area.size(); ++k) {
+    stage.canvas.item(diagram.name, stage.value(0.5 * (diagram.value[k - 1] + diagram.value[k]), diagram.quantity));
+    stage.canvas.polygon({area[k - 1], area[k], line[k], line[k - 1]}, {.fill = diagram.colour, .opacity = 0.25});
+  }
   stage.canvas.item(diagram.name, text);
-  std::vector<Vec2> outline = area;
-  outline.insert(outline.end(), line.rbegin(), line.rend());
-  stage.canvas.polygon(outline, {.fill = diagram.colour, .opacity = 0.25});
   stage.canvas.line(line.front(), area.front(), {.stroke = diagram.colour, .width = 1.0});
   stage.canvas.polyline(area, {.stroke = diagram.colour, .width = 1.6});
   stage.canvas.line(area.back(), line.back(), {.stroke = diagram.colour, .width = 1.0});

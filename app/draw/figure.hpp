@@ -85,6 +85,7 @@ struct Figure {
   std::string title{};
   Drawing drawing{};           ///< without frames: charts alone
   std::optional<Play> play{};  ///< of several frames; without it they are shown side by side, as cards
+  bool switched = false;       ///< one frame at a time, large, chosen by its caption
   Charts charts{};
 };
 

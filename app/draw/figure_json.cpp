@@ -64,7 +64,7 @@ std::string figure_json(const Figure& figure) {
   const bool are_cards = figure.drawing.frames.size() > 1 && !figure.play;
   JsonWriter out;
   out.begin('{');
-  out.add("kind", are_cards ? "cards" : is_drawn ? "drawing" : "charts");
+  out.add("kind", are_cards && figure.switched ? "switched" : are_cards ? "cards" : is_drawn ? "drawing" : "charts");
   out.add("title", figure.title);
   if (is_drawn) {
     out.key("drawing");

@@ -143,7 +143,8 @@ Figure loads_figure(const Scene& scene, const Poses& poses, const std::vector<Li
   return {.title = "Internal loads",
           .drawing = draw_frames(std::move(positions),
                                  "Normal force, shear force, bending moment and deflection of the "
-                                 "links, drawn on the mechanism")};
+                                 "links, drawn on the mechanism"),
+          .switched = true};
 }
 
 Figure loads_figure(const VariedScene& varied, const LoadsAlong& answer, std::vector<Panel> panels, bool confirmed) {

@@ -23,6 +23,17 @@ Charts with_cursors(std::vector<Panel> panels, const std::vector<double>& x) {
   return charts;
 }
 
+/// The place on the first path of a panel at each of these samples; nowhere where there are several.
+ChartCursor cursor_on_path(const Panel& paths, const std::vector<std::size_t>& samples) {
+  ChartCursor out;
+  if (paths.curves.size() != 1) return out;
+  for (const std::size_t k : samples) {
+    out.x.push_back(paths.curves.front().x[k]);
+    out.y.push_back(paths.curves.front().y[k]);
+  }
+  return out;
+}
+
 std::string caption_of(const std::string& name, double value, const std::string& unit) {
   return fmt::format("{} = {} {}", name, significant(value, 4), unit);
 }
@@ -75,7 +86,8 @@ Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, cons
   const std::vector<double> values = in_unit(drive.value, drive.quantity, scene.units);
   Play play{.label = drive.name, .unit = unit, .seconds = usual_seconds};
   std::vector<Position> positions;
-  for (const std::size_t k : evenly(found.samples.size(), most_frames(scene, false))) {
+  const std::vector<std::size_t> shown = evenly(found.samples.size(), most_frames(scene, false));
+  for (const std::size_t k : shown) {
     Position& position = positions.emplace_back();
     position.scene = &scene;
     position.picture = {.poses = poses_of(found.samples[k].bodies),
@@ -86,7 +98,12 @@ Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, cons
   }
   positions.back().picture.heading += up_to_stop(scene, found.stop);
   Figure figure{.title = "Driven motion"};
-  figure.charts = with_cursors(kinematics_panels(scene, found, ranges), play.values);
+  if (points.empty()) {
+    figure.charts = with_cursors(kinematics_panels(scene, found, ranges), play.values);
+  } else {
+    figure.charts = with_cursors(point_panels(scene, found, ranges, points), play.values);
+    figure.charts.cursors.front() = cursor_on_path(figure.charts.panels.front(), shown);
+  }
   animate(figure, std::move(positions), std::move(play), "The mechanism over the driven range", points);
   return figure;
 }

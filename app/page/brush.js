@@ -3,6 +3,7 @@
 import {svgElement} from './dom.js';
 import {colourNow} from './theme.js';
 import {minorPlaces} from './axes.js';
+import {markLabels} from './mark_labels.js';
 
 export const chart_font = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, 'DejaVu Sans', sans-serif";
 export const chart_text_size = 12;
@@ -102,7 +103,7 @@ export class Brush {
     });
     // uPlot remembers what it set on the canvas: all else is put back.
     this.ctx.save();
-    for (const mark of this.chart.panel.marks ?? []) this.mark(mark);
+    this.marks();
     this.ctx.restore();
   }
 
@@ -215,26 +216,31 @@ export class Brush {
     ctx.fill();
   }
 
-  // A dot with its label above; at the right end of the chart the label is to its left.
-  mark({x, y, label}) {
+  // Dots with their labels beside them.
+  marks() {
     const {ctx, unit, area} = this;
-    const [px, py] = [this.x(x), this.y(y)];
-    const inside =
-      px >= area.left - 1 && px <= area.left + area.width + 1 && py >= area.top - 1 && py <= area.top + area.height + 1;
-    if (!inside) return;
+    const graph = {left: area.left, right: area.left + area.width, top: area.top, bottom: area.top + area.height};
+    const shown = (this.chart.panel.marks ?? [])
+      .map(({x, y, label}) => ({x: this.x(x), y: this.y(y), label}))
+      .filter(({x, y}) => x >= graph.left - 1 && x <= graph.right + 1 && y >= graph.top - 1 && y <= graph.bottom + 1);
     this.pen('dark', 1.4, []);
-    ctx.beginPath();
-    ctx.arc(px, py, 3.4 * unit, 0, 2 * Math.PI);
-    ctx.fill();
+    for (const {x, y} of shown) {
+      ctx.beginPath();
+      ctx.arc(x, y, 3.4 * unit, 0, 2 * Math.PI);
+      ctx.fill();
+    }
     ctx.font = `bold ${chart_text_size * unit}px ${chart_font}`;
-    ctx.textAlign = px > area.left + area.width - 20 * unit ? 'right' : 'left';
-    ctx.textBaseline = py < area.top + 20 * unit ? 'top' : 'bottom';
-    const place = [px + (ctx.textAlign === 'left' ? 5 : -5) * unit, py + (ctx.textBaseline === 'top' ? 4 : -3) * unit];
+    ctx.textAlign = 'center';
+    ctx.textBaseline = 'middle';
     ctx.strokeStyle = colourNow('paper');
     ctx.lineWidth = 3 * unit;
     ctx.lineJoin = 'round';
-    ctx.strokeText(label, ...place);
-    ctx.fillText(label, ...place);
+    const widthOf = (text) => ctx.measureText(text).width;
+    for (const {label, box} of markLabels(shown, graph, widthOf, chart_text_size * unit, unit)) {
+      const place = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
+      ctx.strokeText(label, ...place);
+      ctx.fillText(label, ...place);
+    }
   }
 
   cursor() {

@@ -5,6 +5,7 @@ import {reportView, verdictView, warningsView} from './report.js';
 import {drawingView} from './figure.js';
 import {Player} from './player.js';
 import {cardsView} from './cards.js';
+import {switchView} from './switch.js';
 import {isLong} from './tables.js';
 import {chartsView} from './chart.js';
 import {canPlot, forgetCharts, plotThis, withPlots} from './plot_this.js';
@@ -42,6 +43,8 @@ function figureBody(figure, palette) {
   switch (figure.kind) {
     case 'cards':
       return cardsView(figure.drawing, palette);
+    case 'switched':
+      return switchView(figure.drawing, palette);
     case 'charts':
       return withPlots(chartsView(figure.charts)).element;
     default:
@@ -49,7 +52,7 @@ function figureBody(figure, palette) {
   }
 }
 
-const figure_names = {drawing: 'Drawing', cards: 'Positions', charts: 'Charts'};
+const figure_names = {drawing: 'Drawing', cards: 'Positions', switched: 'Drawing', charts: 'Charts'};
 
 function figureView(figure, palette) {
   const heading = element(

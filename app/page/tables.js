@@ -12,6 +12,11 @@ function columnTitle(column) {
   return column.unit ? `${column.title} (${column.unit})`.trim() : column.title;
 }
 
+// As a person types it and other programs read it.
+function plainSigns(text) {
+  return text.replaceAll('\u2212', '-').replaceAll('\u00b1', '+-');
+}
+
 // By number where the column has numbers, by text otherwise; what has no value comes last in both directions.
 function compareRows(column, sign) {
   const text = new Intl.Collator(undefined, {numeric: true});
@@ -62,7 +67,7 @@ function csvField(text) {
 }
 
 function csvText(columns, rows) {
-  const cell = (column, row) => (column.values ? String(column.values[row] ?? '') : column.cells[row]);
+  const cell = (column, row) => (column.values ? String(column.values[row] ?? '') : plainSigns(column.cells[row]));
   const lines = [columns.map(columnTitle), ...rows.map((row) => columns.map((column) => cell(column, row)))];
   return lines.map((line) => line.map(csvField).join(',')).join('\n') + '\n';
 }
@@ -169,7 +174,7 @@ class TableView {
   rows(everything = false) {
     const rows = [...Array(this.size).keys()].filter(
       (row) =>
-        everything || !this.words || this.columns.some((column) => column.cells[row].toLowerCase().includes(this.words))
+        everything || !this.words || this.columns.some((column) => plainSigns(column.cells[row]).toLowerCase().includes(plainSigns(this.words)))
     );
     if (this.sorted.column !== null) rows.sort(compareRows(this.columns[this.sorted.column], this.sorted.sign));
     return rows;

@@ -9,6 +9,7 @@
 
 #include "app/draw/figure_json.hpp"
 #include "app/present/json.hpp"
+#include "app/present/signs.hpp"
 #include "app/result/cells.hpp"
 #include "model/one_line.hpp"
 
@@ -44,11 +45,11 @@ json values_of(const TextColumn& column) {
 }
 
 json column_of(const TextColumn& column) {
-  json out = {{"title", column.title},
+  json out = {{"title", with_true_signs(column.title)},
               {"unit", column.unit},
               {"align", column.column->is_words() ? "left" : "right"},
               {"cells", json::array()}};
-  for (const std::string& cell : column.cells) out["cells"].push_back(trimmed(cell));
+  for (const std::string& cell : column.cells) out["cells"].push_back(with_true_signs(trimmed(cell)));
   if (!column.column->is_words() && !column.column->numbers.empty()) out["values"] = values_of(column);
   const std::vector<Tone>& tones = column.column->tones;
   if (std::any_of(tones.begin(), tones.end(), [](Tone tone) { return tone != Tone::plain; })) {
@@ -58,19 +59,19 @@ json column_of(const TextColumn& column) {
 }
 
 json fact(const std::string& label, const std::string& text, Tone tone) {
-  return {{"kind", "fact"}, {"label", label}, {"text", text}, {"tone", name_of(tone)}};
+  return {{"kind", "fact"}, {"label", label}, {"text", with_true_signs(text)}, {"tone", name_of(tone)}};
 }
 
 json items_of(const Group& group);
 
 json item_of(const Line& line) {
   if (!line.label.empty()) return fact(line.label, line.text, line.tone);
-  return {{"kind", "note"}, {"text", line.text}, {"tone", name_of(line.tone)}};
+  return {{"kind", "note"}, {"text", with_true_signs(line.text)}, {"tone", name_of(line.tone)}};
 }
 
 json item_of(const Entry& entry) { return fact(entry.label, text_of(entry), Tone::plain); }
 
-json item_of(const Listing& list) { return {{"kind", "list"}, {"items", list.items}}; }
+json item_of(const Listing& list) { return {{"kind", "list"}, {"items", each(list.items, with_true_signs)}}; }
 
 json item_of(const Table& table) {
   json out = {{"kind", "table"}, {"footnotes", table.footnotes}, {"columns", json::array()}};
@@ -96,7 +97,8 @@ json item_of(const Branch& branch) {
 json items_of(const Group& group) {
   json out = json::array();
   for (const Item& item : group.items()) {
-    if (!is_shown(item, Verbosity::verbose)) continue;
+    const auto* table = std::get_if<Table>(&item.content);
+    if (!is_shown(item, Verbosity::verbose) || (table != nullptr && table->charted)) continue;
     json one = std::visit([](const auto& content) { return item_of(content); }, item.content);
     if (one["kind"] != "fact" && one["kind"] != "note") one["title"] = item.title;
     one["level"] = item.level == Verbosity::verbose ? "verbose" : "normal";
@@ -105,7 +107,7 @@ json items_of(const Group& group) {
   return out;
 }
 
-json in_tone(const Line& line) { return {{"text", line.text}, {"tone", name_of(line.tone)}}; }
+json in_tone(const Line& line) { return {{"text", with_true_signs(line.text)}, {"tone", name_of(line.tone)}}; }
 
 }  // namespace
 

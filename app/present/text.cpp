@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/present/signs.hpp"
 #include "app/result/cells.hpp"
 #include "app/result/numbers.hpp"
 #include "model/one_line.hpp"
@@ -11,13 +12,15 @@
 namespace poise::app {
 namespace {
 
+constexpr std::size_t widest_table = 120;  // columns of a terminal
+
 class TextWriter {
  public:
   TextWriter(const Palette& palette, Verbosity level) : palette_(palette), level_(level) {}
 
   std::string text;
 
-  void line(const std::string& words, Tone tone) { text += palette_.paint(tone, words) + "\n"; }
+  void line(const std::string& words, Tone tone) { text += palette_.paint(tone, signed_text(words)) + "\n"; }
 
   void items(const Group& group) {
     for (const Item& item : group.items()) {
@@ -28,36 +31,75 @@ class TextWriter {
   }
 
  private:
+  std::string signed_text(const std::string& words) const {
+    return palette_.has_true_signs() ? with_true_signs(words) : words;
+  }
+
   void fact(const std::string& label, const std::string& words) {
     text += "  " + palette_.paint(Tone::faint, fmt::format("{:<12} ", label)) + words + "\n";
   }
 
   void write(const Line& content) {
-    const std::string words = palette_.paint(content.tone, content.text);
+    const std::string words = palette_.paint(content.tone, signed_text(content.text));
     if (content.label.empty())
       text += words + "\n";
     else
       fact(content.label, words);
   }
-  void write(const Entry& content) { fact(content.label, text_of(content)); }
+  void write(const Entry& content) { fact(content.label, signed_text(text_of(content))); }
   void write(const Listing& content) {
     const std::size_t all = content.items.size();
     const std::size_t shown = all <= most_rows + 1 || level_ == Verbosity::verbose ? all : most_rows;
-    for (std::size_t i = 0; i < shown; ++i) text += "  " + content.items[i] + "\n";
+    for (std::size_t i = 0; i < shown; ++i) text += "  " + signed_text(content.items[i]) + "\n";
     more(all - shown);
   }
   void write(const Branch& content) {
     for (const Group& part : content.parts) items(part);
   }
   void write(const Table& table) {
-    const std::vector<TextColumn> columns = text_columns(table);
+    std::vector<TextColumn> columns = text_columns(table);
     const std::vector<std::size_t> rows = shown_rows(table);
+    std::size_t used = 0;  // of the line
+    bool is_continued = false;
+    std::vector<TextColumn> block;
     std::vector<std::size_t> widths;
-    for (const TextColumn& column : columns) {
+    for (TextColumn& column : columns) {
+      column.title = signed_text(column.title);
+      for (std::string& cell : column.cells) cell = signed_text(cell);
       std::size_t width = screen_width(column.heading());
       for (const std::size_t r : rows) width = std::max(width, screen_width(column.cells[r]));
+      // What does not fit goes on below, beside the first column again.
+      if (block.size() > 1 && used + 2 + width > widest_table) {
+        write_block(block, widths, is_continued ? told_rows(block, rows) : rows);
+        is_continued = true;
+        text += "\n";
+        block.resize(1);
+        widths.resize(1);
+        used = 2 + widths.front();
+      }
+      block.push_back(column);
       widths.push_back(width);
+      used += 2 + width;
     }
+    write_block(block, widths, is_continued ? told_rows(block, rows) : rows);
+    if (table.shown == Table::Shown::first) more(table.size() - rows.size());
+    for (const std::string& note : table.footnotes) line("  " + note, Tone::faint);
+  }
+
+  /// The rows of a block that say something beside their first column.
+  static std::vector<std::size_t> told_rows(const std::vector<TextColumn>& block,
+                                            const std::vector<std::size_t>& rows) {
+    std::vector<std::size_t> out;
+    for (const std::size_t r : rows) {
+      const bool says = std::any_of(block.begin() + 1, block.end(),
+                                    [&](const TextColumn& column) { return !column.cells[r].empty(); });
+      if (says) out.push_back(r);
+    }
+    return out;
+  }
+
+  void write_block(const std::vector<TextColumn>& columns, const std::vector<std::size_t>& widths,
+                   const std::vector<std::size_t>& rows) {
     row(columns, widths, [](const TextColumn& column) { return Piece{column.heading(), Tone::faint}; });
     for (const std::size_t r : rows) {
       row(columns, widths, [r](const TextColumn& column) {
@@ -65,8 +107,6 @@ class TextWriter {
         return Piece{column.cells[r], tones.empty() ? Tone::plain : tones[r]};
       });
     }
-    if (table.shown == Table::Shown::first) more(table.size() - rows.size());
-    for (const std::string& note : table.footnotes) line("  " + note, Tone::faint);
   }
 
   struct Piece {

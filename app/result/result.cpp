@@ -45,7 +45,8 @@ Column& Table::words(std::string key, std::string title, std::vector<std::string
 
 Column& Table::remarks(std::vector<std::string> cells, Tone tone) {
   Column& column = words("", "", std::move(cells));
-  column.tones.assign(column.words.size(), tone);
+  // Where nothing is remarked, nothing is to be seen.
+  column.tones = each(column.words, [tone](const std::string& text) { return text.empty() ? Tone::plain : tone; });
   return column;
 }
 

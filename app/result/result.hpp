@@ -97,6 +97,7 @@ struct Table {
   Rows rows = Rows::list;
   Shown shown = Shown::first;
   bool csv = false;                      ///< this is the table of the CSV file
+  bool charted = false;                  ///< a picture made of signs, in whose place pages have a chart
   std::deque<Column> columns{};          ///< a deque, in which a column keeps its place while others are added
   std::vector<std::string> footnotes{};  ///< below it, as text
 

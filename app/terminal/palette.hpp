@@ -7,7 +7,7 @@
 
 namespace poise::app {
 
-/// Colours for the output on a terminal; no colours anywhere else.
+/// Colours and signs for the output on a terminal; plain ASCII signs and no colours anywhere else.
 class Palette {
  public:
   /// Without colours.
@@ -16,10 +16,15 @@ class Palette {
   /// which gives ranks terminals of its own and may write what they print into a file.
   static Palette for_stream(std::FILE* stream);
 
+  /// With the signs of print and without colours: what a terminal shows whose locale is UTF-8.
+  static Palette with_signs();
+
   std::string paint(Tone tone, const std::string& text) const;
+  /// Whether "±" and a minus sign can be shown: on a terminal whose locale is UTF-8.
+  bool has_true_signs() const { return true_signs_; }
 
  private:
-  bool coloured_ = false;
+  bool coloured_ = false, true_signs_ = false;
 };
 
 }  // namespace poise::app

@@ -379,7 +379,7 @@ void expect_movable(const ScaledModel& model) {
 void expect_movable(const ScaledModel& model, const Mobility& mobility) {
   if (mobility.freedoms > 0) return;
   throw InputError(fmt::format(
-      "{}no degree of freedom left: {} coordinates, {} independent closure equations; remove a joint, bar or weld; {}",
+      "{}no degree of freedom left: {} coordinates, {} independent closure equations, so that it is a structure; {}",
       where(model), mobility.coordinates, mobility.rank, asked_of_structures));
 }
 

@@ -143,7 +143,10 @@ TEST(FigureBuilders, Kinematics) {
   EXPECT_EQ(std::count_if(figure.play->points.begin(), figure.play->points.end(),
                           [](const FollowedPoint& p) { return p.traced; }),
             1);
-  EXPECT_EQ(read["charts"]["panels"][0]["cursor"]["x"][0], 0.2);
+  const json& panels = read["charts"]["panels"];
+  ASSERT_EQ(panels.size(), 3u) << "path, speed and acceleration of the point";
+  EXPECT_EQ(panels[0]["cursor"]["y"].size(), figure.drawing.frames.size()) << "the place on its path";
+  EXPECT_EQ(panels[1]["cursor"]["x"][0], 0.2);
   EXPECT_EQ(read["play"]["label"], "obd");
 }
 

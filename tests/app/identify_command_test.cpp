@@ -30,7 +30,7 @@ std::filesystem::path measured_pendulum() {
 TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
   const TempFolder folder;
   const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
-  const ProgramRun run = run_poise({"identify", file});
+  const ProgramRun run = run_poise({"identify", file, "--verbose"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::size_t at = 0;
   for (const char* part : {"Converged: residuals agree with the stated noise.\n", "\nEstimates\n", "standard error",

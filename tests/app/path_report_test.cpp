@@ -36,10 +36,67 @@ TEST(PathReport, SaysHowFarAndWhatIsProved) {
   const VariedScene varied = varied_toggle();
   const Path path = toggle_path(varied);
   const std::string text = text_of(varied, path, with_guide(varied));
-  EXPECT_TRUE(contains(text, "Equilibria followed from load.P = 0 N to ")) << text;
+  EXPECT_TRUE(contains(text, "followed     load.P from 0 N to ")) << text;
   EXPECT_TRUE(contains(text, ", as low as -4")) << text;
-  EXPECT_TRUE(contains(text, ": 2 folds and 1 snap; all 112 points are proved; other curves of equilibria may exist."))
-      << text;
+  EXPECT_TRUE(contains(text, ": 2 folds and 1 snap\n")) << text;
+  EXPECT_TRUE(contains(text, "all 112 points are proved; other curves of equilibria may exist\n")) << text;
+}
+
+TEST(PathReport, SaysWhereTheMechanismSnapsAndFromWhereToWhere) {
+  const VariedScene varied = varied_toggle();
+  const Path path = toggle_path(varied);
+  const std::string text = path_result(varied, path, with_guide(varied), {}).verdict.text;
+  EXPECT_TRUE(text.starts_with("Snaps at P = 42.91 N: guide 0.2")) << text;
+  EXPECT_TRUE(text.ends_with(" to -0.6 m.")) << text;
+}
+
+TEST(PathReport, SaysThatNothingSnaps) {
+  const VariedScene varied = varied_toggle();
+  Path path = toggle_path(varied);
+  path.events.clear();
+  path.branches.front().points.resize(11);
+  path.branches.front().events.clear();
+  const std::string text = path_result(varied, path, with_guide(varied), {}).verdict.text;
+  EXPECT_TRUE(text.starts_with("Follows P from 0 N to ")) << text;
+  EXPECT_TRUE(text.ends_with(" N without a snap: guide 0.5 to 0.4 m.")) << text;
+}
+
+TEST(PathReport, NamesTheStopsBetweenWhichItSnaps) {
+  const VariedScene varied(read_scene(app_tests::dataset("toggle_clamp")), "load.P", 0.0, 60.0);
+  PathEvent stop;
+  stop.kind = PathEvent::Kind::stop;
+  stop.at.parameter = 37.0;
+  stop.at.x = varied.model_at(varied.generic())->start();
+  stop.item = 0;
+  PathEvent snap = stop;
+  snap.kind = PathEvent::Kind::snap;
+  snap.item = -1;
+  snap.landing = stop.at;
+  snap.landing->active_stops = {1};
+  Path path;
+  path.branches.emplace_back().points = {stop.at};
+  path.events = {stop, snap};
+  const std::string text = path_result(varied, path, {}, {}).verdict.text;
+  EXPECT_TRUE(text.starts_with("Snaps at P = 37 N, leaving stop over_centre, onto stop open")) << text;
+}
+
+TEST(PathReport, GivesATextToEveryToneOfATable) {
+  const VariedScene varied = varied_toggle();
+  Path path = toggle_path(varied);
+  path.branches.front().points[23].proof = PointProof::critical;
+  int tones = 0;
+  const Result result = path_result(varied, path, with_guide(varied), {});
+  for (const Item& item : result.content.items()) {
+    const auto* table = std::get_if<Table>(&item.content);
+    if (table == nullptr) continue;
+    for (const Column& column : table->columns) {
+      for (std::size_t row = 0; column.is_words() && row < column.tones.size(); ++row) {
+        EXPECT_TRUE(column.tones[row] == Tone::plain || !column.words[row].empty()) << item.title << ", row " << row;
+        tones += column.tones[row] == Tone::doubtful ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(tones, 0) << "the critical point";
 }
 
 TEST(PathReport, WritesAFoldWithTheDigitsThatAreKnown) {
@@ -116,8 +173,8 @@ TEST(PathReport, CountsCriticalPointsApart) {
   Path path = toggle_path(varied);
   path.branches.front().points[23].proof = PointProof::critical;
   const Result result = path_result(varied, path, with_guide(varied), {});
-  EXPECT_TRUE(contains(result.verdict.text, "111 of 112 points are proved, the other is critical;"))
-      << result.verdict.text;
+  EXPECT_TRUE(
+      contains(plain_text(result, {}, Verbosity::normal), "111 of 112 points are proved, the other is critical;"));
   EXPECT_EQ(result.verdict.tone, Tone::good);
   EXPECT_TRUE(result.warnings.empty());
 }
@@ -129,7 +186,7 @@ TEST(PathReport, WarnsOfABranchThatEndsEarly) {
   path.branches.front().end = PathBranch::End::stuck;
   path.branches.front().why = "the corrector does not converge";
   const Result result = path_result(varied, path, with_guide(varied), {});
-  EXPECT_TRUE(contains(result.verdict.text, "not followed to the end")) << result.verdict.text;
+  EXPECT_TRUE(contains(result.verdict.text, "Not followed to the end.")) << result.verdict.text;
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_TRUE(contains(result.warnings.front().text, "where no step succeeds: the corrector does not converge."))
       << result.warnings.front().text;
@@ -151,8 +208,8 @@ TEST(PathReport, KeepsWhatWasFollowedUntilItWasInterrupted) {
   path.status = Path::Status::interrupted;
   path.branches.front().points.back().proof = PointProof::not_tried;
   const Result result = path_result(varied, path, with_guide(varied), {});
-  EXPECT_TRUE(result.verdict.text.starts_with("Interrupted; equilibria followed from")) << result.verdict.text;
-  EXPECT_TRUE(contains(result.verdict.text, "; 1 of 112 points not checked;")) << result.verdict.text;
+  EXPECT_TRUE(result.verdict.text.starts_with("Interrupted. Snaps at P = ")) << result.verdict.text;
+  EXPECT_TRUE(contains(result.verdict.text, "; 1 of 112 points not checked.")) << result.verdict.text;
   const json answer = json::parse(json_text(result));
   EXPECT_EQ(answer["status"], "interrupted");
   EXPECT_EQ(answer["points"].size(), 112u);
@@ -167,7 +224,7 @@ TEST(PathReport, TellsLoadingFromUnloading) {
   PathView view = with_guide(varied);
   view.follow = PathOptions::Follow::jump;
   const std::string text = text_of(varied, path, view);
-  EXPECT_TRUE(contains(text, "followed from load.P = 0 N to 55.547 N, and back to 0 N: 2 folds")) << text;
+  EXPECT_TRUE(contains(text, "load.P from 0 N to 55.547 N, and back to 0 N: 2 folds")) << text;
   EXPECT_TRUE(contains(text, "where 1 ends")) << text;
 }
 

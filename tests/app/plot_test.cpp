@@ -17,6 +17,7 @@
 
 #include "app/draw/chart/axis.hpp"
 #include "app/draw/chart/gnuplot.hpp"
+#include "app/draw/chart/mark_labels.hpp"
 #include "app/draw/chart/thinned.hpp"
 #include "app/draw/palette.hpp"
 #include "model/scene.hpp"
@@ -306,6 +307,28 @@ TEST(Plot, ReportsTheErrorOfGnuplot) {
     FAIL() << "must not pass for success";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("invalid command"), std::string::npos) << error.what();
+  }
+}
+
+TEST(MarkLabels, StandApart) {
+  const PageBox graph{0.0, 400.0, 0.0, 300.0};
+  // Two marks in one place, two a few pixels apart, one in a corner.
+  const std::vector<PlacedMark> marks = {
+      {200.0, 150.0, "start"}, {200.5, 150.0, "1"}, {208.0, 152.0, "a"}, {213.0, 148.0, "2"}, {399.0, 1.0, "end"}};
+  const std::vector<MarkLabel> texts = mark_labels(marks, graph, 12.0);
+  ASSERT_EQ(texts.size(), 4u);
+  EXPECT_EQ(texts.front().text, "start, 1");
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const PageBox& box = texts[i].box;
+    EXPECT_TRUE(box.left >= graph.left && box.right <= graph.right && box.top >= graph.top &&
+                box.bottom <= graph.bottom)
+        << texts[i].text;
+    for (std::size_t k = 0; k < i; ++k) {
+      const PageBox& other = texts[k].box;
+      EXPECT_TRUE(box.left >= other.right || other.left >= box.right || box.top >= other.bottom ||
+                  other.top >= box.bottom)
+          << texts[i].text << " over " << texts[k].text;
+    }
   }
 }
 

@@ -199,6 +199,30 @@ TEST(Presenters, RowsOfLongTablesAreChosenAsAskedFor) {
   }
 }
 
+TEST(Presenters, WideTablesGoOnBelowTheirFirstColumn) {
+  Result result;
+  Table& table = result.content.table("", "", Rows::list);
+  for (int c = 0; c < 12; ++c) table.words("", c == 0 ? "name" : "column", {"a cell of 20 letters", "another cell"});
+  table.remarks({"", "a remark"});
+  const std::string text = plain_text(result, {});
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120U) << line;
+  std::size_t titles = 0;
+  for (std::size_t at = text.find("name"); at != std::string::npos; at = text.find("name", at + 1)) ++titles;
+  EXPECT_EQ(titles, 3U) << text;
+}
+
+TEST(Presenters, TerminalsInUtf8HaveTheSignsOfPrint) {
+  Result result;
+  result.verdict.text = "moves it by +-2 N, from -3 N to -1e-05 N in arm-2";
+  result.content.table("", "", Rows::list).numbers("x", "x", "N", {-1.5, 2.5}, {.digits = 2});
+  const std::string ascii = plain_text(result, {}), print = plain_text(result, Palette::with_signs());
+  EXPECT_NE(ascii.find("+-2 N, from -3 N"), std::string::npos);
+  EXPECT_NE(print.find("±2 N, from −3 N to −1e-05 N in arm-2"), std::string::npos) << print;
+  EXPECT_NE(print.find("−1.5"), std::string::npos) << print;
+  EXPECT_NE(json_text(result).find("+-2 N"), std::string::npos) << "data are plain";
+}
+
 TEST(Presenters, EmptyTablesAndSectionsAreLeftOut) {
   Result result;
   result.content.table("a", "Title", Rows::list);

@@ -4,12 +4,14 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/result/numbers.hpp"
 #include "motion/courses.hpp"
 #include "motion/force_courses.hpp"
 
@@ -104,6 +106,10 @@ Panel energy_panel(const MotionRecord& record, const Units& units) {
   return panel;
 }
 
+std::string label_of_drive(const Scene& scene, const KinematicsResult& found, const Course& drive) {
+  return fmt::format("{} ({}){}", drive.name, unit_name(drive.quantity, scene.units), up_to_stop(found.stop, scene));
+}
+
 }  // namespace
 
 std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
@@ -121,8 +127,7 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
   const std::vector<Course> courses = coordinate_courses(scene, found);
   const Course drive = drive_course(scene, found, 0, ranges);
   const std::vector<double> x = in_unit(drive.value, drive.quantity, scene.units);
-  const std::string label =
-      fmt::format("{} ({}){}", drive.name, unit_name(drive.quantity, scene.units), up_to_stop(found.stop, scene));
+  const std::string label = label_of_drive(scene, found, drive);
   std::vector<Panel> panels;
   for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
     for (const Derivative& d : derivatives) {
@@ -142,6 +147,42 @@ std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult&
       }
       if (!panel.curves.empty()) panels.push_back(std::move(panel));
     }
+  }
+  return panels;
+}
+
+std::vector<Panel> point_panels(const Scene& scene, const KinematicsResult& found,
+                                const std::vector<DriveRange>& ranges, const std::vector<std::string>& points) {
+  const std::string& unit = scene.units.length_name;
+  const Course drive = drive_course(scene, found, 0, ranges);
+  const std::vector<double> over = in_unit(drive.value, drive.quantity, scene.units);
+  const std::string label = label_of_drive(scene, found, drive);
+  std::vector<Panel> panels = {
+      {.title = points.size() > 1 ? "Paths" : "Path of " + listed(points),
+       .x_label = fmt::format("x ({})", unit),
+       .y_label = fmt::format("y ({})", unit),
+       .tall = true},
+      {.title = points.size() > 1 ? "Speeds" : "Its speed", .x_label = label, .y_label = unit + "/s"},
+      {.title = points.size() > 1 ? "Accelerations" : "Its acceleration", .x_label = label, .y_label = unit + "/s²"}};
+  const auto sizes = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<double> out;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      out.push_back(in_unit(std::hypot(x[k], y[k]), Quantity::length, scene.units));
+    }
+    return out;
+  };
+  const std::vector<Course> courses = point_courses(scene, found);
+  for (const std::string& point : points) {
+    const auto x =
+        std::find_if(courses.begin(), courses.end(), [&](const Course& c) { return c.name == point + ".x"; });
+    if (x == courses.end()) continue;  // a point of the ground, which stays
+    const Course& y = *std::next(x);
+    const std::string name = points.size() > 1 ? point : "";
+    panels[0].curves.push_back({.name = name,
+                                .x = in_unit(x->value, Quantity::length, scene.units),
+                                .y = in_unit(y.value, Quantity::length, scene.units)});
+    panels[1].curves.push_back({.name = name, .x = over, .y = sizes(x->rate, y.rate)});
+    panels[2].curves.push_back({.name = name, .x = over, .y = sizes(x->acceleration, y.acceleration)});
   }
   return panels;
 }

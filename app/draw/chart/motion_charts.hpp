@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "app/draw/chart/plot.hpp"
@@ -14,6 +15,10 @@ namespace poise::app {
 /// Values, rates and second derivatives of angles and of lengths over the first drive.
 std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
                                      const std::vector<DriveRange>& ranges);
+
+/// Of points "crank.B": first their paths, then their speeds and their accelerations over the first drive.
+std::vector<Panel> point_panels(const Scene& scene, const KinematicsResult& found,
+                                const std::vector<DriveRange>& ranges, const std::vector<std::string>& points);
 
 /// Angles, travels and energies over time: of those that move most; where all move little for how far apart they are,
 /// counted from where they start.

@@ -12,6 +12,7 @@
 #include "app/draw/canvas.hpp"
 #include "app/draw/chart/axis.hpp"
 #include "app/draw/chart/gnuplot.hpp"
+#include "app/draw/chart/mark_labels.hpp"
 #include "app/draw/chart/thinned.hpp"
 #include "app/draw/palette.hpp"
 #include "app/draw/sheet.hpp"
@@ -275,16 +276,29 @@ class Script {
       add("set arrow from {},{} to {},{} size screen 0.008,20 filled front lt 1 lw 1 lc rgb '{}'\n", arrow.from_x,
           arrow.from_y, arrow.to_x, arrow.to_y, light_value(ink::ground));
     }
-    for (const Mark& mark : panel.marks) {
-      // Within the graph: at its right edge to the left of the mark.
-      constexpr double right_part = 0.85;
-      const bool at_right = mark.x > chart.x.low + right_part * (chart.x.high - chart.x.low);
-      add("set label {} at {},{} {} front font '{}:Bold,{}' textcolor rgb '{}' point pt 7 ps 0.5 lc rgb '{}' offset "
-          "character {},0.5\n",
-          gnuplot_string(mark.label), mark.x, mark.y, at_right != panel.x_falls ? "right" : "left", font_name,
-          sheet::text_size, light_value(ink::dark), light_value(ink::dark), at_right != panel.x_falls ? -0.7 : 0.7);
-    }
+    draw_marks(chart, frame);
     draw_curves(chart, frame);
+  }
+
+  void draw_marks(const Chart& chart, const PlotFrame& frame) {
+    const Panel& panel = *chart.panel;
+    const auto share = [](double value, const Axis& axis, bool is_log) {
+      return is_log ? std::log(value / axis.low) / std::log(axis.high / axis.low)
+                    : (value - axis.low) / (axis.high - axis.low);
+    };
+    std::vector<PlacedMark> placed;
+    for (const Mark& mark : panel.marks) {
+      add("set label '' at {},{} front point pt 7 ps 0.5 lc rgb '{}'\n", mark.x, mark.y, light_value(ink::dark));
+      const double x = share(mark.x, chart.x, panel.log_x);
+      placed.push_back({frame.left + (panel.x_falls ? 1.0 - x : x) * (frame.right - frame.left),
+                        frame.bottom - share(mark.y, chart.y, panel.log_y) * (frame.bottom - frame.top), mark.label});
+    }
+    const PageBox graph{frame.left, frame.right, frame.top, frame.bottom};
+    for (const MarkLabel& text : mark_labels(placed, graph, sheet::text_size)) {
+      label(text.text, (text.box.left + text.box.right) / 2, (text.box.top + text.box.bottom) / 2,
+            fmt::format("center front font '{}:Bold,{}' textcolor rgb '{}'", font_name, sheet::text_size,
+                        light_value(ink::dark)));
+    }
   }
 
   static std::string dashes(double on, double off) { return fmt::format("dt ({},{})", on, off); }

@@ -148,7 +148,7 @@ void add_exact_balance(Result& out, const BalanceProblem& problem, const WeightB
         doubtful("Loops may relate the terms in more ways than by the products of their closures that "
                  "were used, so that this is not proved."));
   }
-  Group& numerics = content.group("check", "Numerics");
+  Group& numerics = content.group("check", "Numerics", Verbosity::verbose);
   const int terms = static_cast<int>(found.terms.size());
   numerics.fact(
       "terms",
@@ -208,7 +208,7 @@ void add_near_balance(Result& out, const BalanceProblem& problem, const NearBala
   }
   torque.fact("reached", at);
   torque.entry("without", "without springs", found.without / of.unit(units), of.unit_name(units));
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("search",
                 fmt::format("{}, {} in the program, {} enclosed", count(found.exchanges, "exchange", "exchanges"),
                             count(found.poses, "pose", "poses"), count(found.boxes, "box", "boxes")));
@@ -338,7 +338,7 @@ Result shaking_balance_result(const BalanceProblem& problem, const ShakingBalanc
   add_counterweights(content, problem, found);
   add_moment_terms(content, found, units);
   if (found.after) add_shaking_range(content, problem, found);
-  Group& numerics = content.group("check", "Numerics");
+  Group& numerics = content.group("check", "Numerics", Verbosity::verbose);
   numerics.data("residual", found.residual);
   numerics.data("complete", found.complete);
   numerics.fact("left", significant(found.residual, 2) + " of the largest term of a body is not cancelled");

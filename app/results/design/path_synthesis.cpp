@@ -237,7 +237,7 @@ Result path_synthesis_result(const PathProblem& problem, const PathAnswer& answe
   if (answer.solutions.size() > shown.size()) {
     content.note(fmt::format("{} more are in the data (--json).", answer.solutions.size() - shown.size()));
   }
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("search", fmt::format("{}, {} at a linkage that keeps the limits, {}",
                                       count(answer.starts, "random start", "random starts"),
                                       count(answer.converged, "fit ended", "fits ended"), duration(microseconds)));

@@ -90,7 +90,7 @@ std::string rank_in_words(const Identifiability& known) {
 
 void add_numerics(Group& content, const FitProblem& problem, const Identifiability& known, const BaseParameters& base,
                   bool list_base) {
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   if (known.ok) {
     numerics.fact("rank", rank_in_words(known));

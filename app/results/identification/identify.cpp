@@ -752,7 +752,7 @@ Result identify_result(const FitProblem& problem, const Identification& answer,
   add_identifiability_data(content, problem, fitted.identifiability);
   add_residuals(content, problem, answer);
   add_fit_data(content, problem, answer);
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   if (!fitted.start.empty()) numerics.fact("start", fitted.start);
   const std::string checks =

@@ -128,7 +128,7 @@ Result monte_carlo_result(const FitProblem& problem, const MonteCarloOptions& op
     out.warnings.push_back(doubtful(
         fmt::format("The complete chunks are in {}: the same command with --resume goes on.", options.study.folder)));
   }
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   numerics.fact("start", options.use_starts ? fmt::format("within {} % of the true parameters, at random",
                                                           significant(100 * options.start_error, 3))

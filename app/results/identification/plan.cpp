@@ -162,7 +162,7 @@ Result plan_result(const FitProblem& problem, const ExperimentText& text, const 
   for (std::size_t k = 0; k < plan.steps.size(); ++k) {
     add_step_data(steps.parts.emplace_back(), problem, plan.steps[k], k + 1);
   }
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   numerics.fact("criterion",
                 limits.criterion == PlanCriterion::determinant ? "D: the determinant of the relative covariance"

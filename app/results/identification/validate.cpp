@@ -95,7 +95,7 @@ Result validation_result(const FitProblem& problem, const Identification& answer
   add_parameters(content, problem, validation);
   add_residuals(content, problem, answer);
   add_fit_data(content, problem, answer);
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   numerics.fact("starts", answer.fit.start);
   return out;

@@ -153,7 +153,7 @@ Result design_result(const DesignProblem& problem, const DesignResult& found, co
     add_goals(content, problem, facts);
     add_dimensions(content, found.scene);
   }
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("search", fmt::format("{}, {}, {}", count(found.starts, "random start", "random starts"),
                                       count(static_cast<int>(found.evaluations), "candidate", "candidates"),
                                       duration(microseconds)));

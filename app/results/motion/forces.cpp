@@ -422,7 +422,7 @@ void add_numerics(Group& group, const MotionModel& model, const ForcesAlong& fou
   }
   group.data("work_error", work);
   group.data("power_error", power);
-  Group& numerics = group.group("", "Numerics");
+  Group& numerics = group.group("", "Numerics", Verbosity::verbose);
   numerics.fact("imbalance", fmt::format("{} {} at \"{}\" (largest force {})",
                                          small_number(in_unit(f.imbalance, Quantity::force, model.scene().units)),
                                          model.scene().units.force_name, f.worst_body,

@@ -43,16 +43,14 @@ Table& course_table(Group& group, const std::string& title, Verbosity level) {
 }
 
 struct Derivative {
-  const char* angles;
-  const char* lengths;
+  const char* title;
   const char* per;
   std::vector<double> Course::*values;
   int digits;
 };
-constexpr Derivative derivative_columns[] = {
-    {"Angles", "Slides and places", "", &Course::value, digits_of_values},
-    {"Angular velocities", "Slide velocities", "/s", &Course::rate, digits_of_rates},
-    {"Angular accelerations", "Slide accelerations", "/s²", &Course::acceleration, digits_of_rates}};
+constexpr Derivative derivative_columns[] = {{"Positions", "", &Course::value, digits_of_values},
+                                             {"Velocities", "/s", &Course::rate, digits_of_rates},
+                                             {"Accelerations", "/s²", &Course::acceleration, digits_of_rates}};
 
 /// Second derivatives of what turns evenly are nothing against the square of its speed, not against themselves.
 double scale_of(const std::vector<Course>& courses, std::vector<double> Course::*values, const Course& drive) {
@@ -61,23 +59,23 @@ double scale_of(const std::vector<Course>& courses, std::vector<double> Course::
   return largest;
 }
 
+/// A table of positions, one of velocities and one of accelerations, of all angles and lengths. Positions are shown at
+/// one level, the others at another.
 void add_courses(Group& group, const Scene& scene, const std::vector<Course>& courses, const Course& drive,
-                 Verbosity level) {
+                 Verbosity positions, Verbosity others) {
   const auto of = [&](Quantity quantity) {
     return chosen_of(courses, [&](const Course& course) { return course.quantity == quantity; });
   };
-  for (const std::vector<Course>& kind : {merge_welded(scene, of(Quantity::angle)), of(Quantity::length)}) {
-    if (kind.empty()) continue;
-    const Quantity quantity = kind.front().quantity;
-    for (const Derivative& d : derivative_columns) {
-      const std::string unit = unit_name(quantity, scene.units) + d.per;
-      Table& table =
-          course_table(group, fmt::format("{} ({})", quantity == Quantity::angle ? d.angles : d.lengths, unit), level);
-      add_drive(table, drive, scene.units);
+  const std::vector<std::vector<Course>> kinds = {merge_welded(scene, of(Quantity::angle)), of(Quantity::length)};
+  for (const Derivative& d : derivative_columns) {
+    Table& table = course_table(group, d.title, d.values == &Course::value ? positions : others);
+    add_drive(table, drive, scene.units);
+    for (const std::vector<Course>& kind : kinds) {
       const double largest = scale_of(kind, d.values, drive);
       for (const Course& course : kind) {
         if (d.values == &Course::value && course.name == drive.name) continue;
-        add_values(table, course.name, "", course.*d.values, quantity, scene.units, d.digits, largest);
+        add_values(table, course.name, unit_name(course.quantity, scene.units) + d.per, course.*d.values,
+                   course.quantity, scene.units, d.digits, largest);
       }
     }
   }
@@ -293,7 +291,7 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
   const std::vector<Course> cams = pressure_angles(scene, found);
   add_pressure_angles(content, scene, cams, drives, pace);
   add_singular(content, scene, found, ranges);
-  if (view.points.empty()) add_drives(content, scene, drives);
+  if (drives.size() > 1) add_drives(content, scene, drives);
   add_points(content, scene, view.points, points, drives.front());
   const std::vector<std::vector<QuantityValue>> shown = quantities_in_samples(scene, found, ranges, view.show);
   if (!view.show.empty()) {
@@ -301,13 +299,16 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
     add_drive(table, drives[pace], scene.units);
     add_quantity_columns(table, view.show, shown, scene.units, false);
   }
-  add_courses(content, scene, courses, drives.front(), view.all ? Verbosity::normal : Verbosity::verbose);
+  const bool asks_nothing = view.points.empty() && view.show.empty();
+  add_courses(content, scene, courses, drives.front(),
+              view.all || asks_nothing ? Verbosity::normal : Verbosity::verbose,
+              view.all ? Verbosity::normal : Verbosity::verbose);
   add_quantity_columns(add_samples(content, scene, found, drives, courses, points, cams), view.show, shown, scene.units,
                        true, false);
   if (!found.samples.empty()) {
     double closest = 1.0;
     for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);
-    content.group("", "Numerics")
+    content.group("", "Numerics", Verbosity::verbose)
         .fact("closeness", significant(closest, 3) +
                                " at worst (0: singular pose, 1: farthest from one): smallest over largest singular "
                                "value of the closures");

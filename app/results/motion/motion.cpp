@@ -276,7 +276,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   add_drives(content, model, motion);
   if (motion.trajectory.nodes() > 0 && !asked) add_energies(content, model, motion);
   if (!asked) add_record(content, model.scene().units, measured, answer.shown, answer.found.confirmed());
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
   if (!motion.gap_of.empty()) {

@@ -12,6 +12,7 @@
 #include "model/dependent_number.hpp"
 #include "model/one_line.hpp"
 #include "model/parameters.hpp"
+#include "statics/model/readings.hpp"
 #include "statics/quantities/quantity.hpp"
 
 namespace poise::app {
@@ -20,7 +21,9 @@ namespace {
 Line verdict(const Mobility& mobility, const std::optional<Freedoms>& freedoms) {
   if (!mobility.assembled) return bad("Cannot be assembled: " + mobility.gap + ".");
   if (mobility.freedoms == 0) {
-    return doubtful("All loops close; no degree of freedom that carries a load.");
+    return good(
+        "All loops close; a structure: no degree of freedom that carries a load. poise forces and poise loads "
+        "find its forces.");
   }
   if (freedoms && freedoms->is_shaky()) return doubtful("All loops close; " + shaky_in_words(*freedoms) + ".");
   return good(fmt::format("All loops close; {}.", count(mobility.freedoms, "degree of freedom", "degrees of freedom")));
@@ -229,6 +232,51 @@ void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving)
   drives.words("numbers", "numbers", motions_of_drives(moving));
 }
 
+/// Where the start is beyond a stop, and how far closing the loops moves what the scene guesses.
+void tell_of_start(Result& out, const StaticModel& model, const Mobility& mobility) {
+  const Scene& scene = model.scene();
+  const std::vector<double> guess = model.start();
+  const Readings readings = read_off(model, guess);
+  for (std::size_t i = 0; i < scene.stops.size(); ++i) {
+    const Stop& stop = scene.stops[i];
+    const double value = readings.stops[i];
+    if (stop.table != "stop" || !(value < stop.min || value > stop.max)) continue;
+    const Quantity quantity = quantity_of(stop.on);
+    const bool is_above = value > stop.max;
+    const double beyond = is_above ? value - stop.max : stop.min - value;
+    constexpr double rounding = 1e-9;
+    if (beyond <= rounding * (quantity == Quantity::angle ? 1.0 : model.scales().length)) continue;
+    constexpr int digits = 4;
+    out.warnings.push_back(
+        doubtful(fmt::format("The start is beyond stop \"{}\": {}, {} {} its {} of {}.", stop.name,
+                             with_unit(model, value, quantity, digits), with_unit(model, beyond, quantity, digits),
+                             is_above ? "above" : "below", is_above ? "max" : "min",
+                             with_unit(model, is_above ? stop.max : stop.min, quantity, digits))));
+  }
+  if (!mobility.assembled) return;
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < guess.size(); ++i) {
+    constexpr double visible = 1e-3;  // rad, mechanism sizes
+    if (std::abs(mobility.x[i] - guess[i]) > visible) moved.push_back(i);
+  }
+  std::stable_sort(moved.begin(), moved.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(mobility.x[a] - guess[a]) > std::abs(mobility.x[b] - guess[b]);
+  });
+  const std::vector<double> from = shown_coordinates(model, guess), to = shown_coordinates(model, mobility.x);
+  constexpr std::size_t most = 3;
+  std::vector<std::string> words;
+  for (const std::size_t i : moved) {
+    if (words.size() == most) break;
+    const Coordinate& coordinate = model.layout().coordinates[i];
+    const auto shown = [&](double si) { return with_unit(model, si, quantity_of(coordinate), 4); };
+    words.push_back(fmt::format("{} from {} to {}", coordinate.name, shown(from[i]), shown(to[i])));
+  }
+  if (words.empty()) return;
+  const std::size_t others = moved.size() - words.size();
+  if (others > 0) words.push_back(count(static_cast<int>(others), "more coordinate", "more coordinates"));
+  out.content.fact("start", "closing the loops moves " + listed(words));
+}
+
 }  // namespace
 
 Result check_result(const StaticModel& model, const Mobility& mobility, const Scene& moving,
@@ -262,6 +310,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
                   freedoms && freedoms->is_shaky() ? fmt::format(", {} of finite motion", *freedoms->finite) : "",
                   mobility.gruebler),
       mobility.freedoms > 0 ? Tone::plain : Tone::doubtful);
+  tell_of_start(out, model, mobility);
   content.fact("constraints",
                mobility.redundant.empty() ? "no constraint repeats or contradicts another"
                : mobility.assembled       ? "some constraints are redundant"

@@ -1,8 +1,10 @@
 #include "app/results/statics/equilibria.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -66,13 +68,60 @@ std::vector<QuantityValue> quantities_of(const StaticModel& model, const Equilib
   return quantity_values(resting_place(model, equilibrium.x, active, view.driven, other_quantity), view.show);
 }
 
-void add_table(Group& content, const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& answers,
-               bool assemblies, const std::vector<SoughtQuantity>& show,
-               const std::vector<std::vector<QuantityValue>>& shown) {
-  Table& table = content.table("", assemblies ? "Assemblies" : "Equilibria", Rows::list);
-  table.csv = true;
+/// Whether two equilibria differ by whole turns of bodies alone, so that a mechanism looks the same in both.
+bool differ_by_turns(const StaticModel& model, const Answer& a, const Answer& b) {
+  constexpr double same = 1e-6;  // rad, mechanism sizes, parts of the energy
+  const Certificate &first = a.equilibrium.certificate, &second = b.equilibrium.certificate;
+  const double energy = energy_of(model, a), other_energy = energy_of(model, b);
+  if (first.stability != second.stability || first.active_stops != second.active_stops) return false;
+  if (!(std::abs(energy - other_energy) <= same * std::max(std::abs(energy), std::abs(other_energy)))) return false;
+  const std::vector<double> p = shown_coordinates(model, a.equilibrium.x),
+                            q = shown_coordinates(model, b.equilibrium.x);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const bool is_angle = quantity_of(model.layout().coordinates[i]) == Quantity::angle;
+    const double apart = is_angle ? std::remainder(p[i] - q[i], 2 * M_PI) : (p[i] - q[i]) / model.scales().length;
+    if (std::abs(apart) > same) return false;
+  }
+  return true;
+}
+
+/// The rows that text shows: of equilibria that differ by whole turns the first; and how many others look like it.
+struct ShownRows {
+  std::vector<std::size_t> rows;
+  std::vector<int> alike;  ///< of each row
+};
+
+ShownRows distinct_rows(const StaticModel& model, const std::vector<Answer>& answers) {
+  constexpr std::size_t most = 2000;  // every two are compared
+  ShownRows out;
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    const auto like = [&](std::size_t row) { return differ_by_turns(model, answers[row], answers[k]); };
+    const auto shown = k < most ? std::find_if(out.rows.begin(), out.rows.end(), like) : out.rows.end();
+    if (shown == out.rows.end()) {
+      out.rows.push_back(k);
+      out.alike.push_back(0);
+    } else {
+      ++out.alike[static_cast<std::size_t>(shown - out.rows.begin())];
+    }
+  }
+  return out;
+}
+
+/// These rows of all equilibria, as text or, of all, as CSV.
+void add_table(Group& content, const StaticModel& model, const EquilibriumSet& set, const std::vector<Answer>& all,
+               const ShownRows& chosen, bool is_csv, bool assemblies, const std::vector<SoughtQuantity>& show,
+               const std::vector<std::vector<QuantityValue>>& all_shown) {
+  Table& table = content.table("", assemblies ? "Assemblies" : "Equilibria", Rows::list,
+                               is_csv ? Verbosity::data : Verbosity::normal);
+  table.csv = is_csv;
   table.shown = Table::Shown::first;
-  const std::vector<std::size_t> rows = places(answers.size());
+  const std::vector<std::size_t>& rows = chosen.rows;
+  std::vector<Answer> answers;
+  std::vector<std::vector<QuantityValue>> shown;
+  for (const std::size_t k : rows) {
+    answers.push_back(all[k]);
+    if (!all_shown.empty()) shown.push_back(all_shown[k]);
+  }
   table.numbers("index", "no.", "", each(rows, [](std::size_t k) { return static_cast<double>(k); })).texts =
       numbers_in_list(rows);
   if (!assemblies) {
@@ -80,10 +129,17 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
                                    each(answers, [&](const Answer& a) { return energy_of(model, a); }),
                                    format_of_energies(model, answers));
     energy.shown = !model.mechanism().has_follower_loads();
-    table.words("stability", "stability", each(answers, [](const Answer& a) { return kind_of(a); })).tones =
-        each(answers, [](const Answer& a) { return tone_of(a.equilibrium.certificate.stability); });
-    table.counts("unstable_directions", "unstable directions",
-                 each(answers, [](const Answer& a) { return a.equilibrium.certificate.unstable_directions; }));
+    Column& stability =
+        table.words("stability", "stability", each(answers, [](const Answer& a) { return kind_of(a); }));
+    stability.tones = each(answers, [](const Answer& a) { return tone_of(a.equilibrium.certificate.stability); });
+    stability.texts = each(answers, [](const Answer& a) {
+      const int directions = a.equilibrium.certificate.unstable_directions;
+      return kind_of(a) + (directions > 1 ? fmt::format(", {} directions", directions) : "");
+    });
+    table
+        .counts("unstable_directions", "",
+                each(answers, [](const Answer& a) { return a.equilibrium.certificate.unstable_directions; }))
+        .shown = false;
   }
   add_coordinate_columns(table, model, answers);
   if (!shown.empty()) add_quantity_columns(table, show, shown, model.scene().units);
@@ -91,8 +147,9 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
               each(rows, [&](std::size_t k) { return static_cast<int>(k) == set.settles_into ? 1.0 : 0.0; }));
   table.flags("change_point",
               each(answers, [](const Answer& a) { return is_change_point(a.equilibrium) ? 1.0 : 0.0; }));
-  table.remarks(each(rows, [&](std::size_t k) {
-    const Equilibrium& equilibrium = answers[k].equilibrium;
+  table.remarks(each(places(rows.size()), [&](std::size_t row) {
+    const std::size_t k = rows[row];
+    const Equilibrium& equilibrium = all[k].equilibrium;
     std::vector<std::string> remarks;
     if (static_cast<int>(k) == set.settles_into) {
       remarks.emplace_back(assemblies ? "the start closes this way" : "solve settles here");
@@ -103,6 +160,7 @@ void add_table(Group& content, const StaticModel& model, const EquilibriumSet& s
       const Stop& held = model.scene().stops[static_cast<std::size_t>(stop)];
       if (held.min < held.max) remarks.push_back(fmt::format("on stop \"{}\"", held.name));
     }
+    if (!is_csv && chosen.alike[row] > 0) remarks.push_back(fmt::format("{} more by whole turns", chosen.alike[row]));
     return fmt::format("{}", fmt::join(remarks, ", "));
   }));
   if (!assemblies) table.footnotes.push_back(fmt::format("energy: {}", energy_note));
@@ -141,6 +199,42 @@ void add_balanced(Group& content, const StaticModel& model, const EquilibriumSet
   }
 }
 
+/// Boxes as text, of those that read alike one.
+void add_distinct_boxes(Group& content, const StaticModel& model, const std::vector<UndecidedBox>& all,
+                        bool undecided) {
+  const auto number = std::min(most_coordinates_shown, static_cast<std::size_t>(model.mechanism().coordinates()));
+  const auto range = [&](const UndecidedBox& box, std::size_t i) {
+    const Quantity quantity = quantity_of(model.layout().coordinates[i]);
+    const auto end = [&](const std::vector<double>& x) {
+      return significant(in_unit(shown_coordinates(model, x)[i], quantity, model.scene().units), force_digits);
+    };
+    return end(box.lower) + " to " + end(box.upper);
+  };
+  std::vector<UndecidedBox> boxes;
+  std::set<std::string> known;
+  for (const UndecidedBox& box : all) {
+    std::string words = box.why + (box.neutral ? " neutral" : "");
+    for (std::size_t i = 0; i < number; ++i) words += "; " + range(box, i);
+    if (known.insert(words).second) boxes.push_back(box);
+  }
+  Table& table = content.table("", undecided ? "Undecided boxes" : "Boxes around singular poses", Rows::list);
+  if (undecided) {
+    table.words("", "kind", each(boxes, [](const UndecidedBox& box) -> std::string {
+                  return box.neutral ? "neutral: a curve of equilibria" : "undecided";
+                }));
+  }
+  for (std::size_t i = 0; i < number; ++i) {
+    const Coordinate& coordinate = model.layout().coordinates[i];
+    table.words("", fmt::format("{} ({})", coordinate.name, unit_name(quantity_of(coordinate), model.scene().units)),
+                each(boxes, [&](const UndecidedBox& box) { return range(box, i); }));
+  }
+  if (undecided) table.words("", "why", each(boxes, [](const UndecidedBox& box) { return box.why; }));
+  if (boxes.size() < all.size()) {
+    table.footnotes.push_back(fmt::format("{} that differ by less than is shown here are one line",
+                                          count(static_cast<int>(all.size()), "box", "boxes")));
+  }
+}
+
 void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& set, bool undecided) {
   const std::vector<UndecidedBox>& boxes = undecided ? set.undecided : set.singular;
   Branch& branch = content.array(undecided ? "undecided" : "singular");
@@ -156,23 +250,42 @@ void add_boxes(Group& content, const StaticModel& model, const EquilibriumSet& s
     one.data("why", box.why);
   }
   if (boxes.empty()) return;
-  Table& table = content.table("", undecided ? "Undecided boxes" : "Boxes around singular poses", Rows::list);
-  if (undecided) {
-    table.words("", "kind", each(boxes, [](const UndecidedBox& box) -> std::string {
-                  return box.neutral ? "neutral: a curve of equilibria" : "undecided";
-                }));
+  add_distinct_boxes(content, model, boxes, undecided);
+}
+
+/// "balanced in every position", of all coordinates or of those named; empty where nothing is.
+std::string balanced_in_words(const StaticModel& model, const EquilibriumSet& set) {
+  std::vector<std::string> names;
+  for (const EquilibriumSet::Balanced& balanced : set.balanced) {
+    if (!balanced.keeping.empty()) return "";
+    names.insert(names.end(), balanced.coordinates.begin(), balanced.coordinates.end());
   }
-  const auto number = std::min(most_coordinates_shown, static_cast<std::size_t>(model.mechanism().coordinates()));
-  for (std::size_t i = 0; i < number; ++i) {
-    const Coordinate& coordinate = model.layout().coordinates[i];
-    const Quantity quantity = quantity_of(coordinate);
-    const auto end = [&](const std::vector<double>& x) {
-      return significant(in_unit(shown_coordinates(model, x)[i], quantity, model.scene().units), force_digits);
-    };
-    table.words("", fmt::format("{} ({})", coordinate.name, unit_name(quantity, model.scene().units)),
-                each(boxes, [&](const UndecidedBox& box) { return end(box.lower) + " to " + end(box.upper); }));
+  if (names.empty()) return "";
+  const bool is_all = names.size() == static_cast<std::size_t>(model.mechanism().coordinates());
+  return "Balanced in every position" + (is_all ? "" : " of " + listed(names)) + ".";
+}
+
+/// Of a complete set: what there is, and that there is no more. What is left out, the statement says in full.
+std::string complete_in_words(const StaticModel& model, const EquilibriumSet& set, bool assemblies) {
+  const std::string balanced = balanced_in_words(model, set);
+  if (!balanced.empty()) return balanced;
+  const int number = static_cast<int>(set.equilibria.size());
+  const auto stable = std::count_if(set.equilibria.begin(), set.equilibria.end(), [](const Equilibrium& equilibrium) {
+    return equilibrium.certificate.stability == Stability::stable;
+  });
+  std::string text = assemblies ? count(number, "assembly", "assemblies") : count(number, "equilibrium", "equilibria");
+  if (!assemblies && number > 0) {
+    const std::string of_them = number == 1 ? (stable == 1 ? "stable" : "") : fmt::format("{} of them stable", stable);
+    if (!of_them.empty()) text += ", " + of_them;
   }
-  if (undecided) table.words("", "why", each(boxes, [](const UndecidedBox& box) { return box.why; }));
+  text += "; no others";
+  if (set.angles_within) {
+    const bool is_turn = std::abs(*set.angles_within - 2 * M_PI) < 1e-9;
+    text += " within " + (is_turn ? "a full turn" : with_unit(model, *set.angles_within, Quantity::angle, 4)) +
+            " of the start";
+  }
+  if (!set.singular.empty()) return text + ", dead centres excepted.";
+  return text + (set.statement.find(';') == std::string::npos ? "." : ", but for what the claim leaves out.");
 }
 
 }  // namespace
@@ -181,7 +294,13 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
                          const AllEquilibriaOptions& options, const EquilibriaView& view,
                          const std::vector<std::string>& settings) {
   Result out = scene_result(model.scene(), settings);
-  out.verdict = {"", (set.interrupted ? "Interrupted: " + set.statement + "." : sentence_of(set.statement)),
+  // What is balanced in part only takes the whole statement to say.
+  const bool is_short = set.claim == Claim::complete && !set.interrupted &&
+                        (set.balanced.empty() ? !set.equilibria.empty() : !balanced_in_words(model, set).empty());
+  out.verdict = {"",
+                 set.interrupted ? "Interrupted: " + set.statement + "."
+                 : is_short      ? complete_in_words(model, set, options.assemblies)
+                                 : sentence_of(set.statement),
                  set.interrupted ? Tone::bad : tone_of_claim(set.claim)};
   warn_of_friction(out, model.scene());
   if (!set.settles_nowhere.empty()) {
@@ -192,6 +311,10 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
   Group& content = out.content;
   content.data("claim", to_string(set.claim));
   content.data("statement", set.statement);
+  if (is_short) {
+    const bool is_plain = set.statement.ends_with(", complete, proved");
+    content.fact("claim", set.statement, Tone::plain, is_plain ? Verbosity::verbose : Verbosity::normal);
+  }
   content.data("interrupted", set.interrupted);
   content.data("assemblies", options.assemblies);
   content.data("settles_into", set.settles_into >= 0 ? std::optional(set.settles_into) : std::nullopt);
@@ -200,7 +323,10 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
   if (!view.show.empty()) {
     for (const Answer& answer : answers) shown.push_back(quantities_of(model, answer.equilibrium, view));
   }
-  add_table(content, model, set, answers, options.assemblies, view.show, shown);
+  const std::vector<std::size_t> all_rows = places(answers.size());
+  add_table(content, model, set, answers, {all_rows, std::vector<int>(answers.size(), 0)}, true, options.assemblies,
+            view.show, shown);
+  add_table(content, model, set, answers, distinct_rows(model, answers), false, options.assemblies, view.show, shown);
   Branch& equilibria = content.array("equilibria");
   for (std::size_t k = 0; k < answers.size(); ++k) {
     Group& one = equilibria.parts.emplace_back();
@@ -213,7 +339,7 @@ Result equilibria_result(const StaticModel& model, const EquilibriumSet& set, co
   add_boxes(content, model, set, true);
   add_boxes(content, model, set, false);
   content.list("left_out", "Left out of statics", model.layout().dropped);
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.data("starts", set.starts);
   numerics.data("met_once", set.met_once);
   numerics.data("seed", options.seed);

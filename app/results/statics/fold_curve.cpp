@@ -275,7 +275,7 @@ Result fold_curve_result(const VariedPair& pair, const FoldCurve& found, const s
   add_cusps(out.content, report);
   add_points(out.content, report, rows);
   add_curves(out.content, report);
-  out.content.group("", "Numerics")
+  out.content.group("", "Numerics", Verbosity::verbose)
       .fact("effort", fmt::format("{}, {}", count(found.steps, "step", "steps"), duration(found.microseconds)));
   return out;
 }

@@ -184,6 +184,14 @@ std::string margin_in_words(const HeldPose& pose) {
   return fmt::format("{} times as much would be needed", significant(k, 6, radius));
 }
 
+/// ": uses 69.9 % of it, a safety of 1.43"; empty where it needs none.
+std::string share_in_words(const HeldPose& pose) {
+  const double k = pose.least_factor;
+  if (!(k > 0.0 && k < 1.0)) return "";
+  constexpr int digits = 3;
+  return fmt::format(": uses {} % of it, a safety of {}", significant(100.0 * k, digits), significant(1.0 / k, digits));
+}
+
 std::string bracket_in_words(const HeldPose& pose) {
   if (!std::isfinite(pose.factor_lower) || !std::isfinite(pose.factor_upper)) return "in double precision";
   return fmt::format("proved to {}", small_number(pose.factor_upper - pose.factor_lower));
@@ -191,13 +199,13 @@ std::string bracket_in_words(const HeldPose& pose) {
 
 Line verdict_of(const HeldPose& pose, const HoldView& view) {
   const std::string where = view.at_rest ? "at the equilibrium without friction" : "as drawn";
-  const std::string proved = pose.proved ? "proved" : "in double precision";
+  const std::string doubt = pose.proved ? "" : ", in double precision";
   switch (pose.verdict) {
     case Holding::held:
-      return {.text = fmt::format("Held by friction {}, {}.", where, proved),
+      return {.text = fmt::format("Held by friction {}{}{}.", where, doubt, share_in_words(pose)),
               .tone = pose.proved ? Tone::good : Tone::doubtful};
     case Holding::slips:
-      return {.text = fmt::format("Slips {}, {}: friction cannot hold it.", where, proved),
+      return {.text = fmt::format("Slips {}{}: friction cannot hold it.", where, doubt),
               .tone = pose.proved ? Tone::plain : Tone::doubtful};
     case Holding::not_decided:
       break;
@@ -241,7 +249,9 @@ Result hold_result(const StaticModel& model, const std::vector<double>& x, const
   content.data("at_rest", view.at_rest);
   add_held_data(content, model, pose);
   content.fact("friction", margin_in_words(pose));
-  if (pose.least_factor > 0.0 && std::isfinite(pose.least_factor)) content.fact("margin", bracket_in_words(pose));
+  if (pose.least_factor > 0.0 && std::isfinite(pose.least_factor)) {
+    content.fact("margin", bracket_in_words(pose), Tone::plain, Verbosity::verbose);
+  }
   if (!pose.slips.empty()) content.fact("slips first", slips_in_words(all, pose.slips));
   if (view.range) add_range(content, model, *view.range, view, all);
   add_efforts(content, model, pose, all);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <set>
@@ -311,8 +312,10 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
       each(points, [](const PathPoint* point) { return tone_of(point->stability); });
   std::vector<std::string> proofs = each(points, [](const PathPoint* point) { return proof_in_words(*point); });
   if (std::all_of(proofs.begin(), proofs.end(), [](const std::string& proof) { return proof.empty(); })) return;
-  table.remarks(std::move(proofs)).tones = each(
-      points, [](const PathPoint* point) { return point->proof == PointProof::failed ? Tone::bad : Tone::doubtful; });
+  table.remarks(std::move(proofs)).tones = each(points, [](const PathPoint* point) {
+    if (point->proof == PointProof::proved) return Tone::plain;
+    return point->proof == PointProof::failed ? Tone::bad : Tone::doubtful;
+  });
 }
 
 /// "guide = -0.548 m": the first measure shown; empty where there is none.
@@ -581,31 +584,38 @@ std::string events_in_words(const Path& found) {
   return parts.empty() ? "no folds" : listed(parts);
 }
 
-/// "from load.P = 0 N to 60 N, and back to 0 N".
+/// "from 0 N to 60 N, and back to 0 N".
 std::string cycle_in_words(const PathReport& report, const std::vector<PathRow>& rows) {
   const double rises = report.varied.to() > report.varied.from() ? 1.0 : -1.0;
   const auto farthest = std::max_element(rows.begin(), rows.end(), [&](const PathRow& a, const PathRow& b) {
     return rises * a.point->parameter < rises * b.point->parameter;
   });
-  std::string text = fmt::format("from {} to {}", report.at(rows.front().point->parameter, force_digits),
+  std::string text = fmt::format("from {} to {}", report.amount(rows.front().point->parameter, force_digits),
                                  report.amount(farthest->point->parameter, force_digits));
   if (rows.back().branch > farthest->branch)
     text += ", and back to " + report.amount(rows.back().point->parameter, force_digits);
   return text;
 }
 
-/// How far the first curve goes: "from load.P = 0 N to 60 N", with its extremes where they lie beyond its ends.
+/// How far the first curve goes: "from 0 N to 60 N", with its extremes where they lie beyond its ends.
 std::string extent_in_words(const PathReport& report, const std::vector<PathPoint>& points) {
   const double first = points.front().parameter, last = points.back().parameter;
   const auto [least, most] = std::minmax_element(
       points.begin(), points.end(), [](const PathPoint& a, const PathPoint& b) { return a.parameter < b.parameter; });
   const double rounding = 1e-9 * std::abs(report.varied.to() - report.varied.from());
-  std::string text = fmt::format("from {} to {}", report.at(first, force_digits), report.amount(last, force_digits));
+  std::string text =
+      fmt::format("from {} to {}", report.amount(first, force_digits), report.amount(last, force_digits));
   if (most->parameter > std::max(first, last) + rounding)
     text += ", as high as " + report.amount(most->parameter, force_digits);
   if (least->parameter < std::min(first, last) - rounding)
     text += ", as low as " + report.amount(least->parameter, force_digits);
   return text;
+}
+
+std::string followed_in_words(const PathReport& report, const std::vector<PathRow>& rows) {
+  return report.view.follow == PathOptions::Follow::jump
+             ? cycle_in_words(report, rows)
+             : extent_in_words(report, report.found.branches.front().points);
 }
 
 std::string proof_of_all(const Path& found, const std::vector<PathRow>& rows) {
@@ -625,29 +635,107 @@ std::string proof_of_all(const Path& found, const std::vector<PathRow>& rows) {
   return all == 1 ? "its point is proved" : fmt::format("all {} points are proved", all);
 }
 
-Line verdict(const PathReport& report, const std::vector<PathRow>& rows) {
+/// "P" of "load.P": in a sentence, which says what moves, a name goes without its kind.
+std::string short_name(const std::string& name) {
+  for (const char* kind : {"load.", "angle.", "travel."}) {
+    if (name.starts_with(kind) && name.find('.', std::strlen(kind)) == std::string::npos) {
+      return name.substr(std::strlen(kind));
+    }
+  }
+  return name;
+}
+
+constexpr int digits_of_verdict = 4;
+
+/// ": handle 93.61 to 23.41 deg", of the first measure shown; empty where there is none.
+std::string move_in_words(PathReport& report, const PathPoint& from, const PathPoint& to) {
+  if (report.view.measures.empty()) return "";
+  const SoughtQuantity& measure = report.view.measures.front();
+  const std::string unit = measure.dimension.unit_name(report.units());
+  const std::string first = significant(report.measures(from).front(), digits_of_verdict);
+  const std::string last = significant(report.measures(to).front(), digits_of_verdict);
+  const std::string values = first == last ? "stays at " + first : first + " to " + last;
+  return fmt::format(": {} {}{}{}", short_name(measure.name), values, unit.empty() ? "" : " ", unit);
+}
+
+/// ", leaving stop over_centre": what comes off where the mechanism snaps.
+std::string stops_left(const PathReport& report, const PathEvent& snap) {
+  constexpr double same = 1e-6;  // parts of the range, rad, mechanism sizes
+  const double range = std::abs(report.varied.to() - report.varied.from());
+  const auto is_there = [&](const PathPoint& at) {
+    const auto near = [](double a, double b) { return std::abs(a - b) <= same; };
+    return std::abs(at.parameter - snap.at.parameter) <= same * range &&
+           std::equal(at.x.begin(), at.x.end(), snap.at.x.begin(), snap.at.x.end(), near);
+  };
+  std::vector<std::string> names;
+  for (const PathEvent& event : report.found.events) {
+    if (event.kind != PathEvent::Kind::stop || event.on || !is_there(event.at)) continue;
+    names.push_back(item_of(report, event));
+  }
+  return names.empty() ? "" : ", leaving stop " + listed(names);
+}
+
+/// "at P = 37.09 N, leaving stop over_centre, onto stop open: handle 93.61 to 23.41 deg".
+std::string snap_in_words(PathReport& report, const PathEvent& event) {
+  std::string text = fmt::format("at {} = {}", short_name(report.varied.name()),
+                                 report.amount(event.at.parameter, digits_of_verdict)) +
+                     stops_left(report, event);
+  if (!event.landing) return text + ", and " + landing_in_words(report, event);
+  const std::vector<std::string> onto =
+      names_of(event.landing->active_stops, [&](std::size_t i) { return report.scene().stops[i].name; });
+  if (!onto.empty()) text += ", onto stop " + listed(onto);
+  text += move_in_words(report, event.at, *event.landing);
+  return text + (event.landing->proof == PointProof::failed ? ", which is not proved" : "");
+}
+
+/// What the mechanism does while the number changes: its snaps, or that there is none.
+std::string course_in_words(PathReport& report, const std::vector<PathRow>& rows) {
+  std::vector<std::string> snaps;
+  for (const PathEvent& event : report.found.events) {
+    if (event.kind == PathEvent::Kind::snap) snaps.push_back(snap_in_words(report, event));
+  }
+  constexpr std::size_t most = 2;
+  const int others = static_cast<int>(snaps.size()) - static_cast<int>(most);
+  if (others > 0) {
+    snaps.resize(most);
+    snaps.push_back(count(others, "more snap", "more snaps"));
+  }
+  if (!snaps.empty()) return fmt::format("Snaps {}", fmt::join(snaps, "; "));
+  return fmt::format("Follows {} {} without a snap{}", short_name(report.varied.name()),
+                     followed_in_words(report, rows), move_in_words(report, *rows.front().point, *rows.back().point));
+}
+
+/// What is not proved; empty where everything is.
+std::string doubts_in_words(const Path& found, const std::vector<PathRow>& rows) {
+  const bool all_tried = std::none_of(rows.begin(), rows.end(), [](const PathRow& row) {
+    return row.point->proof == PointProof::failed || row.point->proof == PointProof::not_tried;
+  });
+  return all_tried && found.unproved() == 0 ? "" : "; " + proof_of_all(found, rows);
+}
+
+Line verdict(PathReport& report, const std::vector<PathRow>& rows) {
   const Path& found = report.found;
   if (found.status == Path::Status::no_start || rows.empty()) {
     if (found.status == Path::Status::interrupted) return bad("Interrupted before the first point.");
     return bad(found.why.empty() ? fmt::format("No equilibrium found at {}.", report.at(report.varied.from()))
                                  : sentence_of(found.why));
   }
-  std::string followed;
-  if (report.view.follow == PathOptions::Follow::jump) {
-    followed = cycle_in_words(report, rows);
-  } else {
-    followed = extent_in_words(report, found.branches.front().points);
-    const int further = static_cast<int>(found.branches.size()) - 1;
-    if (further > 0) followed += fmt::format(", with {}", count(further, "further branch", "further branches"));
+  const std::string text = course_in_words(report, rows) + doubts_in_words(found, rows) + ".";
+  if (found.status == Path::Status::interrupted) return bad("Interrupted. " + text);
+  if (found.status == Path::Status::incomplete) return bad("Not followed to the end. " + text);
+  return {"", text, found.unproved() == 0 ? Tone::good : Tone::bad};
+}
+
+/// How far the curve was followed, and what of it is proved.
+void add_extent(Group& content, const PathReport& report, const std::vector<PathRow>& rows) {
+  const Path& found = report.found;
+  std::string followed = fmt::format("{} {}", report.varied.name(), followed_in_words(report, rows));
+  const int further = static_cast<int>(found.branches.size()) - 1;
+  if (further > 0 && report.view.follow == PathOptions::Follow::unstable) {
+    followed += fmt::format(", with {}", count(further, "further branch", "further branches"));
   }
-  const std::string rest =
-      fmt::format("{}; {}; other curves of equilibria may exist.", events_in_words(found), proof_of_all(found, rows));
-  if (found.status == Path::Status::interrupted)
-    return bad(fmt::format("Interrupted; equilibria followed {}: {}", followed, rest));
-  if (found.status == Path::Status::incomplete)
-    return bad(fmt::format("Equilibria not followed to the end, {}: {}", followed, rest));
-  return {"", fmt::format("Equilibria followed {}: {}", followed, rest),
-          found.unproved() == 0 ? Tone::good : Tone::bad};
+  content.fact("followed", fmt::format("{}: {}", followed, events_in_words(found)));
+  content.fact("proof", proof_of_all(found, rows) + "; other curves of equilibria may exist");
 }
 
 }  // namespace
@@ -662,6 +750,7 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
   add_path_data(out.content, report);
   add_csv(out.content, report, rows);
   if (rows.empty()) return out;
+  add_extent(out.content, report, rows);
   if (varied.is_driven()) {
     out.content.fact("driven", fmt::format("{}: {}; the {} is positive where it tends to increase it", varied.name(),
                                            varied.driven_words(), effort_name(varied)));
@@ -671,7 +760,7 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
   add_points(out.content, report, rows);
   add_over_path(out.content, report);
   add_branches(out.content, report);
-  out.content.group("", "Numerics")
+  out.content.group("", "Numerics", Verbosity::verbose)
       .fact("effort", fmt::format("{}, {}, {}", count(found.steps, "step", "steps"),
                                   count(found.evaluations, "evaluation", "evaluations"), duration(found.microseconds)));
   return out;

@@ -15,9 +15,11 @@ namespace {
 
 constexpr std::size_t most_shown = 6;  // coordinates of a pose in a line of text
 
-std::string resistance(const Settling& settling) {
-  if (settling.freedoms <= 1) return "";
-  return settling.by_dampers ? ", resisted by its dampers" : ", resisted alike in all coordinates (rad, sizes)";
+/// What the motion that settles is resisted by: where there is one freedom, that decides nothing.
+void show_resistance(Group& content, const Settling& settling) {
+  if (settling.freedoms <= 1) return;
+  content.fact("resisted", settling.by_dampers ? "by its dampers" : "alike in all coordinates (rad, sizes)",
+               Tone::plain, Verbosity::verbose);
 }
 
 std::string stops_in_words(const StaticModel& model, const std::vector<int>& stops) {
@@ -71,11 +73,11 @@ void show_settling(Result& result, const StaticModel& model, const Equilibrium& 
   const Settling& settling = *equilibrium.settling;
   Group& content = result.content;
   if (settling.end == Settling::End::settled) {
-    content.fact("reached", "from the start when released with heavy damping" + resistance(settling));
+    content.fact("reached", "from the start when released with heavy damping");
   } else if (settling.end == Settling::End::start_unstable) {
-    content.fact("reached", "the start itself, an equilibrium that the mechanism leaves when it is disturbed" +
-                                resistance(settling));
+    content.fact("reached", "the start itself, an equilibrium that the mechanism leaves when it is disturbed");
   }
+  show_resistance(content, settling);
   for (std::size_t k = 0; k < settling.sides.size(); ++k) {
     content.fact(fmt::format("side {}", k + 1), side_in_words(model, settling.sides[k]));
   }

@@ -517,7 +517,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
     add_pose(content, model, answer);
   }
   content.list("left_out", "Left out of statics", model.layout().dropped);
-  Group& numerics = content.group("", "Numerics");
+  Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("method", effort(equilibrium));
   show_settling_effort(numerics, equilibrium);
   if (!answer.readings) return out;

@@ -151,6 +151,7 @@ void add_histogram(Group& group, const View& view) {
   const double largest = *std::max_element(counts.begin(), counts.end());
   Table& table = group.table("", "Samples of " + band.of.name, Rows::list);
   table.shown = Table::Shown::all;
+  table.charted = true;
   table.numbers("", "from", view.unit_name, from, {.digits = 5});
   table.words("", "", each(counts, [&](double number) {
                 const auto length = static_cast<std::size_t>(std::ceil(longest * number / largest));
