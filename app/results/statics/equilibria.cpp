@@ -279,13 +279,8 @@ std::string complete_in_words(const StaticModel& model, const EquilibriumSet& se
     if (!of_them.empty()) text += ", " + of_them;
   }
   text += "; no others";
-  if (set.angles_within) {
-    const bool is_turn = std::abs(*set.angles_within - 2 * M_PI) < 1e-9;
-    text += " within " + (is_turn ? "a full turn" : with_unit(model, *set.angles_within, Quantity::angle, 4)) +
-            " of the start";
-  }
   if (!set.singular.empty()) return text + ", dead centres excepted.";
-  return text + (set.statement.find(';') == std::string::npos ? "." : ", but for what the claim leaves out.");
+  return text + (set.statement.ends_with(", complete, proved") ? "." : ", but for what the claim leaves out.");
 }
 
 }  // namespace

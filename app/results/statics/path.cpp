@@ -335,8 +335,8 @@ std::string point_in_words(PathReport& report, const PathPoint& point) {
 std::string landing_in_words(PathReport& report, const PathEvent& event) {
   if (!event.landing) return event.why.empty() ? "comes to rest nowhere" : event.why;
   const std::string place = place_in_words(report, *event.landing);
-  std::string text =
-      fmt::format("lands {}, {}", place.empty() ? "elsewhere" : "at " + place, to_string(event.landing->stability));
+  // The column of the measure names it, and that of what comes after says whether it is stable.
+  std::string text = place.empty() ? "lands elsewhere" : "to " + place.substr(place.find('=') + 2);
   if (event.landing->proof == PointProof::failed) text += ", not proved";
   if (const std::optional<double> released = energy_released(event)) text += ", releases " + report.energy(*released);
   return text;
