@@ -15,6 +15,9 @@ const key_moves = new Map([
   ['ArrowUp', [0, -1]],
   ['ArrowDown', [0, 1]],
 ]);
+// Where the browser tells of the pointer as it moves, and not first when it begins the next frame, the answer is in that
+// frame.
+const follows_at_once = 'onpointerrawupdate' in window;
 const handle_words = {point: 'Point', ground: 'Fixed point', load: 'Tip of load'};
 
 function requestOf({kind, name}, px) {
@@ -104,7 +107,9 @@ export class Handles {
     const button = element('button', {type: 'button', ...attributes}, name);
     const handle = {button, name, item, label: ''};
     button.addEventListener('pointerdown', (event) => this.down(event, handle));
-    button.addEventListener('pointermove', (event) => this.move(event, handle));
+    button.addEventListener(follows_at_once ? 'pointerrawupdate' : 'pointermove', (event) => this.move(event, handle));
+    // What moves a handle does not move the picture below it.
+    if (follows_at_once) button.addEventListener('pointermove', (event) => this.held && event.stopPropagation());
     for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) {
       button.addEventListener(end, () => this.up(handle, 'pointer'));
     }
