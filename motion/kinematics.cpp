@@ -30,7 +30,15 @@ Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
   scene.drives.clear();
   forget_functions_of_drives(scene);
-  for (const DriveRange& range : ranges) scene.drives.push_back(find_drive(scene, range.name));
+  for (const DriveRange& range : ranges) {
+    if (!range.on) {
+      scene.drives.push_back(find_drive(scene, range.name));
+      continue;
+    }
+    Drive& drive = scene.drives.emplace_back();
+    drive.name = range.name;
+    drive.on = *range.on;
+  }
   return scene;
 }
 

@@ -14,6 +14,7 @@ namespace poise {
 struct DriveRange {
   std::string name;  ///< as find_drive() reads it
   double from = 0.0, to = 0.0;
+  std::optional<Measure> on{};  ///< what is driven; absent: what the name says
 };
 
 /// The drive of a measure by its name (model/named_measures.hpp): "crank", the angle of a body in the world, "ram", the

@@ -86,8 +86,11 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   Pictures pictures;
   if (files.wants_svg() && drawn) pictures.svg = draw_plot(fit_panels(problem, answer), fit_columns(experiment));
   if (files.wants_html()) {
-    pictures.figures = estimate_figures(problem, answer.fit);
-    for (Figure& figure : fit_figures(problem, answer)) pictures.figures.push_back(std::move(figure));
+    pictures.figures = fit_figures(problem, answer);
+    std::vector<Figure> estimates = estimate_figures(problem, answer.fit);
+    // What is known comes behind the first run, with the mechanism, on which it rests.
+    pictures.figures.insert(pictures.figures.begin() + std::min<std::ptrdiff_t>(1, std::ssize(pictures.figures)),
+                            std::make_move_iterator(estimates.begin()), std::make_move_iterator(estimates.end()));
   }
   const bool is_whole = !answer.bootstrap || !answer.bootstrap->interrupted;
   return finish(common, result, &files, pictures, answer.fit.usable() && is_whole, progress, palette, scene.text);

@@ -153,12 +153,12 @@ std::string picture(const StaticModel& model, const Answer& answer, const std::v
     y.part = SoughtQuantity::Part::y;
     const std::vector<QuantityValue> at = quantity_values(place, {x, y});
     const std::vector<Body>& bodies = model.scene().bodies;
-    const std::string name =
-        bodies[static_cast<std::size_t>(one.item)].name + ", " + bodies[static_cast<std::size_t>(one.other)].name;
+    const std::string name = "centre " + bodies[static_cast<std::size_t>(one.item)].name + ", " +
+                             bodies[static_cast<std::size_t>(one.other)].name;
     const bool is_new =
-        std::none_of(out.centres.begin(), out.centres.end(), [&](const auto& other) { return other.second == name; });
+        std::none_of(out.crosses.begin(), out.crosses.end(), [&](const auto& other) { return other.second == name; });
     if (is_new && at[0].why.empty() && at[1].why.empty())
-      out.centres.emplace_back(Vec2{at[0].value, at[1].value}, name);
+      out.crosses.emplace_back(Vec2{at[0].value, at[1].value}, name);
   }
   return draw_mechanism(model.scene(), out);
 }

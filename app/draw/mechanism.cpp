@@ -58,15 +58,15 @@ void draw_slips(Stage& stage) {
 }
 
 // A cross with its name. One far away would leave no room for the mechanism.
-void draw_centres(Stage& stage) {
-  if (stage.picture.centres.empty()) return;
+void draw_crosses(Stage& stage) {
+  if (stage.picture.crosses.empty()) return;
   Vec2 least{HUGE_VAL, HUGE_VAL}, most{-HUGE_VAL, -HUGE_VAL};
   for (const BodyPose<double>& pose : stage.picture.poses) {
     least = {std::min(least.x, pose.origin.x), std::min(least.y, pose.origin.y)};
     most = {std::max(most.x, pose.origin.x), std::max(most.y, pose.origin.y)};
   }
   const double reach = std::max(most.x - least.x, most.y - least.y);
-  for (const auto& [at, name] : stage.picture.centres) {
+  for (const auto& [at, name] : stage.picture.crosses) {
     const bool is_far =
         at.x < least.x - reach || at.x > most.x + reach || at.y < least.y - reach || at.y > most.y + reach;
     if (is_far) continue;
@@ -75,7 +75,7 @@ void draw_centres(Stage& stage) {
     const Paint paint{.stroke = Colour::dark, .width = 1.4};
     stage.canvas.line({page.x - arm, page.y - arm}, {page.x + arm, page.y + arm}, paint);
     stage.canvas.line({page.x - arm, page.y + arm}, {page.x + arm, page.y - arm}, paint);
-    stage.canvas.text({page.x, page.y - 2 * arm}, "centre " + name, {});
+    stage.canvas.text({page.x, page.y - 2 * arm}, name, {});
   }
 }
 
@@ -91,7 +91,7 @@ void draw_all(Stage& stage) {
   draw_springs_and_dampers(stage);
   draw_pins(stage);
   draw_slips(stage);
-  draw_centres(stage);
+  draw_crosses(stage);
   draw_stops(stage);
   draw_paths(stage);
   draw_diagrams(stage);

@@ -58,8 +58,9 @@ struct MechanismPicture {
   std::vector<PointPath> paths{};
   std::vector<Diagram> diagrams{};
   std::optional<double> largest_diagram{};  ///< SI: the value drawn farthest out; where absent, the largest of them
-  /// Instant centres, m in the world, and what they are named: "crank, ground". Those far from the bodies are left out.
-  std::vector<std::pair<Vec2, std::string>> centres{};
+  /// Places, m in the world, that a cross marks with its text: "centre crank, ground", a sensor. Those far from the
+  /// bodies are left out.
+  std::vector<std::pair<Vec2, std::string>> crosses{};
   std::vector<Vec2> slipping{};  ///< m in the world: where what slips first is marked
   /// The part of the world, m, to which the scale fits; where absent, that which the positions and paths take up.
   std::optional<Box> frame{};

@@ -9,10 +9,14 @@
 #include <fmt/format.h>
 
 #include "app/draw/chart/interval_chart.hpp"
+#include "app/draw/frames.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "identification/assessment/residuals.hpp"
 #include "identification/fit/autocorrelation.hpp"
+#include "model/input_error.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/model/scaled_model.hpp"
 
 namespace poise::app {
 namespace {
@@ -186,6 +190,53 @@ Figure run_figure(const FitProblem& problem, const Identification& answer, Fitte
   return figure;
 }
 
+/// Where a measure is read on the mechanism, m in the world.
+Vec2 place_read(const Scene& scene, const Measure& on, const Poses& poses) {
+  const auto world = [&](PointRef at) { return poses[static_cast<std::size_t>(at.body)].world(scene.local(at)); };
+  switch (on.kind) {
+    case Measure::Kind::angle:
+      return poses[static_cast<std::size_t>(on.body_b)].origin;
+    case Measure::Kind::travel:
+      return world(scene.joints[static_cast<std::size_t>(on.joint)].a);
+    case Measure::Kind::x:
+    case Measure::Kind::y:
+      return world(on.b);
+    case Measure::Kind::rope:
+      return poses[static_cast<std::size_t>(on.contacts.front().at.body)].origin;
+    case Measure::Kind::sum:
+      return place_read(scene, on.terms.front().measure, poses);
+    case Measure::Kind::distance:
+    case Measure::Kind::component:
+      break;
+  }
+  return 0.5 * (world(on.a) + world(on.b));
+}
+
+/// The mechanism as run r begins, with its sensors where they are read. Without frames where it cannot be assembled.
+Drawing drawing_with_sensors(const FitProblem& problem, std::size_t r) {
+  const Scene& scene = problem.run(r).scene();
+  const ScaledModel model(scene, Purpose::dynamics);
+  std::vector<double> x;
+  try {
+    x = close_loops(model);
+  } catch (const InputError&) {
+    return {};
+  }
+  Position position{.scene = &scene, .picture = {.poses = model.poses(x)}};
+  auto& crosses = position.picture.crosses;
+  for (const Sensor& sensor : problem.experiment().sensors) {
+    const Vec2 at = place_read(scene, sensor.on, position.picture.poses);
+    const auto there = std::find_if(crosses.begin(), crosses.end(), [&](const auto& one) {
+      return norm(one.first - at) < 1e-6 * problem.run(r).size();
+    });
+    if (there == crosses.end())
+      crosses.emplace_back(at, sensor.name);
+    else
+      there->second += ", " + sensor.name;
+  }
+  return draw_frames({position}, "The mechanism with its sensors");
+}
+
 /// Of a sensor in these runs, by lag; with the band in which 95 % of those of white noise would be.
 Panel autocorrelation_panel(const FitProblem& problem, const Identification& answer, FittedRuns& runs,
                             const std::vector<std::size_t>& drawn, std::size_t k) {
@@ -269,6 +320,7 @@ std::vector<Figure> fit_figures(const FitProblem& problem, const Identification&
   std::vector<Figure> figures;
   for (const std::size_t r : worst) {
     Figure figure = run_figure(problem, answer, runs, r, sensors);
+    if (r == worst.front()) figure.drawing = drawing_with_sensors(problem, r);
     if (!figure.charts.panels.empty()) figures.push_back(std::move(figure));
   }
   const std::size_t others = answer.fit.runs.size() - worst.size();
@@ -294,19 +346,23 @@ std::vector<Figure> estimate_figures(const FitProblem& problem, const Fit& fitte
   std::vector<Interval> intervals;
   bool any = false;
   for (const Estimate& e : fitted.estimates) {
-    const double by = simulated ? e.truth : e.value;
-    const bool shown = !e.withheld && by != 0.0;
-    any = any || shown;
-    const double over = shown ? 1.0 / by : NAN;
-    Interval& one = intervals.emplace_back(Interval{e.name, e.low * over, e.value * over, e.high * over});
-    if (one.low > one.high) std::swap(one.low, one.high);
+    const double error = e.withheld || e.standard_error == 0.0 ? NAN : e.standard_error;
+    if (simulated) {
+      intervals.push_back({e.name, (e.low - e.truth) / error, (e.value - e.truth) / error, (e.high - e.truth) / error});
+    } else {
+      const double half = 100.0 * (e.high - e.low) / (2.0 * std::abs(e.value)) * (error / error);
+      intervals.push_back({fmt::format("{}, ±{} %", e.name, significant(half, 2)), half, half, half});
+    }
+    any = any || std::isfinite(intervals.back().value);
   }
   if (!any) return {};
-  Panel panel{.title = "95 % intervals of the estimates",
+  Panel panel{.title = simulated ? "95 % intervals of the estimates about their truths"
+                                 : "Half of the 95 % intervals, in per cent of the estimates",
               .x_label = "parameter, by its number",
-              .y_label = simulated ? "estimate over its truth" : "interval over the estimate",
-              .curves = interval_curves(intervals),
-              .levels = {{1.0, simulated ? "truth" : "estimate"}}};
+              .y_label = simulated ? "estimate less truth, in its standard errors" : "per cent of the estimate",
+              .log_y = !simulated,
+              .curves = interval_curves(intervals)};
+  if (simulated) panel.levels = {{0.0, "truth"}};
   return {{.title = "Estimates", .charts = {.panels = {std::move(panel)}}}};
 }
 

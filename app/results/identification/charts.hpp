@@ -18,10 +18,12 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& a
 std::vector<std::string> not_drawn(const FitProblem& problem, const Identification& answer);
 int fit_columns(const Experiment& experiment);
 
-/// Of a page: the worst runs one by one, each with its readings as fitted and its residuals, the autocorrelation of the
+/// Of a page: the worst runs one by one, each with its readings as fitted and its residuals, the first beside a drawing
+/// of the mechanism as the run begins, in which the sensors are marked where they are read; the autocorrelation of the
 /// residuals, and the relative sensitivities of the worst run, of the same sensors and parameters.
 std::vector<Figure> fit_figures(const FitProblem& problem, const Identification& answer);
-/// The 95 % intervals of the estimates that are not withheld, over their truths or, of measured runs, over themselves.
+/// The 95 % intervals of the estimates that are not withheld: of simulated runs about their truths, each in its own
+/// standard error; of measured runs their half widths in per cent of the estimates, on a logarithmic axis.
 /// None where standard errors are not known.
 std::vector<Figure> estimate_figures(const FitProblem& problem, const Fit& fitted);
 

@@ -10,8 +10,10 @@
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/dependent_number.hpp"
+#include "model/input_error.hpp"
 #include "model/one_line.hpp"
 #include "model/parameters.hpp"
+#include "motion/kinematics.hpp"
 #include "statics/model/readings.hpp"
 #include "statics/quantities/quantity.hpp"
 
@@ -277,6 +279,40 @@ void tell_of_start(Result& out, const StaticModel& model, const Mobility& mobili
   out.content.fact("start", "closing the loops moves " + listed(words));
 }
 
+/// Limits of stops that a mechanism of one freedom does not reach: driven towards them, past its other stops, it comes
+/// to a dead centre first.
+void tell_of_limits(Result& out, const StaticModel& model, const Mobility& mobility) {
+  const Scene& scene = model.scene();
+  if (!mobility.assembled || mobility.freedoms != 1) return;
+  const auto is_plain = [](const Stop& stop) { return stop.table == "stop"; };
+  Scene free = scene;
+  std::erase_if(free.stops, is_plain);
+  const Readings readings = read_off(model, mobility.x);
+  for (std::size_t i = 0; i < scene.stops.size(); ++i) {
+    const Stop& stop = scene.stops[i];
+    if (!is_plain(stop)) continue;
+    for (const bool is_max : {false, true}) {
+      const double limit = is_max ? stop.max : stop.min;
+      if (!std::isfinite(limit) || (is_max ? limit <= readings.stops[i] : limit >= readings.stops[i])) continue;
+      KinematicsResult driven;
+      try {
+        driven = sweep(free, {{stop.name, readings.stops[i], limit, stop.on}}, {.most_steps = 2000});
+      } catch (const InputError&) {
+        continue;  // its measure does not determine the motion, of which then nothing is said
+      }
+      if (driven.complete || driven.singular.empty()) continue;
+      const SingularPose& last = driven.singular.back();
+      if (last.kind != SingularPose::Kind::dead_centre || last.before_range) continue;
+      const Quantity quantity = quantity_of(stop.on);
+      constexpr int digits = 4;
+      out.warnings.push_back(doubtful(fmt::format(
+          "Stop \"{}\": its {} of {} is not reached; driven there from the start, the {} turns back at {}.", stop.name,
+          is_max ? "max" : "min", with_unit(model, limit, quantity, digits),
+          quantity == Quantity::angle ? "angle" : "length", with_unit(model, last.drive.front(), quantity, digits))));
+    }
+  }
+}
+
 }  // namespace
 
 Result check_result(const StaticModel& model, const Mobility& mobility, const Scene& moving,
@@ -311,6 +347,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
                   mobility.gruebler),
       mobility.freedoms > 0 ? Tone::plain : Tone::doubtful);
   tell_of_start(out, model, mobility);
+  tell_of_limits(out, model, mobility);
   content.fact("constraints",
                mobility.redundant.empty() ? "no constraint repeats or contradicts another"
                : mobility.assembled       ? "some constraints are redundant"
