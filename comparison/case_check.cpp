@@ -123,7 +123,7 @@ Verdict CaseCheck::verdict_on_confirmed(const Equilibrium& equilibrium) const {
     const bool neutral = equilibrium.certificate.stability == Stability::neutral;
     verdict.kind = neutral ? Verdict::Kind::converged : Verdict::Kind::false_claim;
     if (!neutral) {
-      verdict.why = fmt::format("confirmed as {}, but every closed pose is an equilibrium",
+      verdict.why = fmt::format("confirmed as {}, but every closed position is an equilibrium",
                                 to_string(equilibrium.certificate.stability));
     }
   } else {

@@ -167,7 +167,7 @@ class CasesReader {
     }
     if (hard.everywhere) {
       for (const char* const key : {"equilibrium", "complete"}) {
-        if (table.has(key)) table.place_of(key).fail("expected no such key if every closed pose is an equilibrium");
+        if (table.has(key)) table.place_of(key).fail("expected no such key if every closed position is an equilibrium");
       }
       return;
     }

@@ -38,7 +38,7 @@ FrictionCase read_case(const TomlTable& table, const fs::path& folder) {
   if (!has_friction(scene)) scene_name.place.fail("expected a scene with friction");
   out.verdict = choose(table.text("expect"), {"held", "slips"}) == 0 ? Holding::held : Holding::slips;
   if (const auto number = table.find_text("without_end")) {
-    if (out.verdict != Holding::held) number->place.fail("expected no range without end of a pose that slips");
+    if (out.verdict != Holding::held) number->place.fail("expected no range without end of a position that slips");
     if (!find_parameter(scene, number->value)) number->place.fail("expected a number of the scene");
     out.without_end = number->value;
   }

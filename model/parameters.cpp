@@ -517,7 +517,7 @@ double get_value(const Scene& scene, std::string_view path) {
   at_path(scene, path, [&](const ParameterRow& row, auto& item, const Number& number) {
     const std::optional<double> si = number.get(&item);
     if (!si && row.place.owner == Owner::drive) {
-      fail(row, "expected a drive with a start, this one starts from the assembled pose; add the key start");
+      fail(row, "expected a drive with a start, this one starts from the assembled position; add the key start");
     }
     value = si.value_or(0.0) / row.dimension.unit(scene.units);
   });

@@ -98,7 +98,7 @@ std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x
   const double gap = largest_gap(motion, x);
   if (gap > pose_open_beyond) {
     throw InputError(
-        fmt::format("{}its loops remain open by {:.3g} of its size in motion; expected a pose "
+        fmt::format("{}its loops remain open by {:.3g} of its size in motion; expected a position "
                     "that closes them; try another [start]",
                     where(motion), gap));
   }

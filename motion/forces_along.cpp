@@ -17,7 +17,7 @@ void expect_within_stops(const Scene& scene, const Forces& forces) {
     if (forces.overrun[s] == 0.0) continue;
     const Quantity quantity = quantity_of(scene.stops[s].on);
     throw InputError(
-        fmt::format("{}: drive: the pose in which the drives begin is beyond the stop \"{}\" by {:.6g} {}; "
+        fmt::format("{}: drive: the position in which the drives begin is beyond the stop \"{}\" by {:.6g} {}; "
                     "expected one within the stops; change a drive's start, or say --drive NAME=VALUE",
                     scene.file, scene.stops[s].name, in_unit(forces.overrun[s], quantity, scene.units),
                     unit_name(quantity, scene.units)));
@@ -39,7 +39,7 @@ void expect_no_functions(const Scene& scene) {
   for (const TimeFunction& function : scene.time_functions) {
     if (function.of == TimeFunction::Of::drive) continue;
     throw InputError(
-        fmt::format("{}: load \"{}\" follows a function of time, and the poses of a range have no time; expected "
+        fmt::format("{}: load \"{}\" follows a function of time, and the positions of a range have no time; expected "
                     "--motion FILE, a record as poise motion writes it, in place of the range",
                     scene.file, name_of(scene, function)));
   }

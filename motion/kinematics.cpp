@@ -155,14 +155,15 @@ void expect_driven(const SplitClosure& closure, const std::vector<DrivenCoordina
   const auto free_columns = [&](const MatrixXd& of_all) { return closure.free_columns(of_all); };
   if (freedoms <= drives && !closure.measured().empty() && !gains_rank_beside(closure, x, free_columns)) {
     throw InputError(fmt::format(
-        "{}drive \"{}\": expected a measure that changes as the mechanism moves, in every pose near it stays "
+        "{}drive \"{}\": expected a measure that changes as the mechanism moves, in every position near it stays "
         "the same, or follows from other drives; drive another",
         where(scene), scene.drives[static_cast<std::size_t>(closure.measured().front())].name));
   }
   if (freedoms <= drives || gains_rank_beside(closure, x, all_columns)) {
     const std::string& start = driven.front().start;
     throw InputError(fmt::format(
-        "{}drive \"{}\": the start is a singular pose, where it does not determine the motion; expected a regular one; "
+        "{}drive \"{}\": the start is a singular position, where it does not determine the motion; expected a regular "
+        "one; "
         "change [start]{}",
         where(scene), scene.drives.front().name, start.empty() ? "" : fmt::format(", say --set start.{}=...", start)));
   }
@@ -231,7 +232,7 @@ class Sweep {
     if (const int k = closure_.constant_measure(); k >= 0) {
       throw InputError(
           fmt::format("{}drive \"{}\": expected a measure that changes as the mechanism moves, this one is "
-                      "the same in every pose; drive another",
+                      "the same in every position; drive another",
                       where(scene), scene.drives[closure_.measured()[k]].name));
     }
     for (std::size_t k = 0; k < ranges_.size(); ++k) {
@@ -279,7 +280,7 @@ class Sweep {
     if (begin->closeness >= DrivenPath::singular_below)
       return DrivenPath(closure_, along).differentiated(0.0, begin->x);
     if (drives > 1) {
-      result_.why = "the range begins in a singular pose, where several drives do not determine the motion";
+      result_.why = "the range begins in a singular position, where several drives do not determine the motion";
       return std::nullopt;
     }
     // The motion continues, or reverses, along the same path.

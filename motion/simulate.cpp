@@ -471,7 +471,7 @@ class Simulation {
         refuse_undetermined_joint(model_.scene(), reduced_.undetermined());
       }
       stop(MotionStatus::stuck,
-           fmt::format("at t = {:.9g} s it reached a pose that leaves forces in its joints open", t));
+           fmt::format("at t = {:.9g} s it reached a position that leaves forces in its joints open", t));
       return;
     }
     MotionEnd end = end_of_motion(model_, step_.status(), t, {reduced_.q(), reduced_.q() + q_start_.size()});

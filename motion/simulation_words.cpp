@@ -46,7 +46,7 @@ std::string words_of(StickSlip::Choice choice) {
       return "friction leaves no motion that agrees with its laws (P. Painleve); give less of it";
     default:
       return fmt::format(
-          "friction that sticks acts on more than {} places without rate, or in a singular pose; give some of it a "
+          "friction that sticks acts on more than {} places without rate, or in a singular position; give some of it a "
           "width",
           StickSlip::most_at_once);
   }
@@ -89,8 +89,8 @@ MotionEnd end_of_motion(const MotionModel& model, ReducedMotion<double>::Status 
             "a degree of freedom has no inertia, so its motion is not determined; give the bodies that it moves mass "
             "or moment of inertia, or drive it"};
   }
-  const char* what = status == Evaluated::singular ? "a singular pose"
-                     : status == Evaluated::open   ? "a pose in which its loops open"
+  const char* what = status == Evaluated::singular ? "a singular position"
+                     : status == Evaluated::open   ? "a position in which its loops open"
                                                    : "a point where no step is short enough";
   return {MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what)};
 }

@@ -151,7 +151,7 @@ Command export_command() {
     command.add({option, &path, "FILE", fmt::format("Write to FILE: {}", known[i]->what)})
         .writes(std::string(known[i]->ending));
   }
-  add_output_options(command, request->common, {.svg = "Draw the mechanism in that pose into FILE"});
+  add_output_options(command, request->common, {.svg = "Draw the mechanism in that position into FILE"});
   command.run = [request](const Palette& palette) { return run_export(*request, palette); };
   return command;
 }

@@ -72,7 +72,7 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   if (request.rate) options.rate = *request.rate * unit_value(quantity, scene.units);
   ForcesAnswer out{request.rate ? fmt::format("driven, {} at {} {}/s", ranges[moving].name, *request.rate,
                                               unit_name(quantity, scene.units))
-                                : "held still in every pose",
+                                : "held still in every position",
                    forces_over(model, ranges, options, request.rate.has_value())};
   if (!request.flywheel) return out;
   try {
@@ -143,7 +143,7 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
 
 Command forces_command() {
   const auto request = std::make_shared<ForcesRequest>();
-  Command command{"forces", "Find drive efforts and joint forces, in a pose or along a motion"};
+  Command command{"forces", "Find the forces of drives and joints, in a position or along a motion"};
   add_scene_options(command, request->common);
   command.add({"--drive", &request->drives, "NAME[=RANGE]",
                "crank: drives the angle of a body in the world, the travel of a\njoint or a measure (length.SPRING, "
@@ -151,7 +151,7 @@ Command forces_command() {
                "range, as far as stops allow. Takes the\nplace of the scene's drives; several times"});
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
-               "pose)"});
+               "position)"});
   command.add({"--flywheel", &request->flywheel, "NUMBER",
                "Over whole turns at --rate: the fluctuation of the torque of the\ndrive, and the flywheel that holds "
                "(largest - least speed) / mean\nto this number, say 0.02"});
@@ -164,9 +164,9 @@ Command forces_command() {
   add_show_option(command, request->show);
   add_output_options(
       command, request->common,
-      {.svg = "Draw the mechanism with its forces in one pose, or efforts and\njoint forces over the range, "
+      {.svg = "Draw the mechanism with its forces in one position, or those of drives\nand joints over the range, "
               "into FILE",
-       .csv = "Write all forces, one line for each pose, to FILE"});
+       .csv = "Write all forces, one line for each position, to FILE"});
   command.run = [request](const Palette& palette) { return run_forces(*request, palette); };
   return command;
 }

@@ -104,14 +104,15 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
 
 Command hold_command() {
   const auto request = std::make_shared<HoldRequest>();
-  Command command{"hold", "Whether friction holds a pose, by what margin, and for which loads"};
+  Command command{"hold", "Whether friction holds a position, by what margin, and for which loads"};
   add_scene_options(command, request->common);
   command.add({"--vary", &request->vary, "NAME[=FROM..TO]",
-               "The values of a number for which friction holds the pose: load.P,\nbody.B.mass, "
+               "The values of a number for which friction holds the position: load.P,\nbody.B.mass, "
                "slide.S.friction.coefficient; loads: a factor of all loads"});
-  command.add({"--at-rest", &request->at_rest, "", "In the equilibrium without friction, not in the pose as drawn"});
+  command.add(
+      {"--at-rest", &request->at_rest, "", "In the equilibrium without friction, not in the position as drawn"});
   add_output_options(command, request->common,
-                     {.svg = "Draw the mechanism in that pose, with a mark where it slips\nfirst, into FILE"});
+                     {.svg = "Draw the mechanism in that position, with a mark where it slips\nfirst, into FILE"});
   command.run = [request](const Palette& palette) { return run_hold(*request, palette); };
   return command;
 }

@@ -207,7 +207,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
 
 Command motion_command() {
   const auto request = std::make_shared<MotionRequest>();
-  Command command{"motion", "Simulate free or driven motion, from equilibrium or from a displaced pose"};
+  Command command{"motion", "Simulate free or driven motion, from equilibrium or from a displaced position"};
   add_scene_options(command, request->common);
   command.add({"--duration", &request->duration, "S", "Duration of the motion, s", Presence::required});
   command.add({"--rate", &request->rate, "HZ", "Samples per second of the record (1000)"});

@@ -119,7 +119,7 @@ Figure hold_figure(const StaticModel& model, const std::vector<double>& x, const
   const Position position{.scene = &model.scene(),
                           .picture = picture_of_hold(model, x, pose.slips, heading, decided),
                           .tone = pose.verdict == Holding::held ? Tone::good : Tone::bad};
-  return {.title = "The pose", .drawing = draw_frames({position}, "The mechanism, with what slips first")};
+  return {.title = "The position", .drawing = draw_frames({position}, "The mechanism, with what slips first")};
 }
 
 Figure hold_figure(const StaticModel& model, const std::vector<double>& x, const HeldRange& range,

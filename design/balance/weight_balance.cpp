@@ -99,7 +99,7 @@ std::vector<SpringForm> spring_forms(const PoseForm& form, const BalanceProblem&
     if (!takes_part(problem, i)) continue;
     if (!has_no_free_length(element)) {
       refuse(form.scene(), element.line, element.family() + " \"" + element.name + "\"",
-             "balances no weight in every pose, since its force is not proportional to its length; give it "
+             "balances no weight in every position, since its force is not proportional to its length; give it "
              "free_length = 0, or add over = { \"angle.BODY\" = [FROM, TO] } for the best there is in a range");
     }
     out.push_back(spring_form(form, problem, i));
@@ -300,7 +300,7 @@ std::vector<PlacedLoad> placed_loads(const PoseForm& form) {
   }
   for (const Torque& torque : scene.torques) {
     refuse(scene, torque.line, "torque \"" + torque.name + "\"",
-           "no spring between points balances a torque that is the same in all poses; leave it out");
+           "no spring between points balances a torque that is the same in all positions; leave it out");
   }
   std::vector<PlacedLoad> out;
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
@@ -310,9 +310,9 @@ std::vector<PlacedLoad> placed_loads(const PoseForm& form) {
   }
   for (const Force& force : scene.forces) {
     if (force.follows >= 0) {
-      refuse(
-          scene, force.line, "force \"" + force.name + "\"",
-          "a force that turns with a body has no potential, so that nothing balances it in every pose; leave it out");
+      refuse(scene, force.line, "force \"" + force.name + "\"",
+             "a force that turns with a body has no potential, so that nothing balances it in every position; leave it "
+             "out");
     }
     const double share = scene.share_at_points<double>(force);
     force.for_each_point([&](PointRef p) { out.push_back({force.name, form.place(p), share * force.vector}); });

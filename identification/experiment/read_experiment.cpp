@@ -513,9 +513,10 @@ class ExperimentReader {
                              : ", or let the input multiply it with multiplies = true"));
       }
       if (run.equilibrium && run.equilibrium->by == unknown.path) {
-        fail("path", fmt::format("expected a number that no equilibrium pose sets, rest of run \"{}\" sets it in line "
-                                 "{}; take one of the two out",
-                                 run.name, run.equilibrium->line));
+        fail("path",
+             fmt::format("expected a number that no equilibrium position sets, rest of run \"{}\" sets it in line "
+                         "{}; take one of the two out",
+                         run.name, run.equilibrium->line));
       }
     }
   }

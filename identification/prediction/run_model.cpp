@@ -351,7 +351,7 @@ std::shared_ptr<const MotionModel> RunModel::balance(const MotionModel& model, d
   try {
     out.q = start_motion(model, {equilibrium_in(model, equilibrium)}, &out.q, &independent_).q;
   } catch (const InputError&) {
-    out.why = "it cannot take its equilibrium pose";
+    out.why = "it cannot take its equilibrium position";
     return nullptr;
   }
   const std::vector<double> x = model.from_si(out.q);
@@ -367,7 +367,7 @@ std::shared_ptr<const MotionModel> RunModel::balance(const MotionModel& model, d
   double by_set = 0.0;
   if (stand(reduced)) reduced.influence(set, &by_set);
   if (by_set == 0 || !std::isfinite(by_set)) {
-    out.why = fmt::format("{} cannot hold it in its equilibrium pose", run_.equilibrium->by);
+    out.why = fmt::format("{} cannot hold it in its equilibrium position", run_.equilibrium->by);
     return nullptr;
   }
   set_by_equilibrium_->set(scene, set_by_equilibrium_->get(scene) - reduced.alpha()[0] / by_set);
@@ -378,7 +378,7 @@ std::shared_ptr<const MotionModel> RunModel::balance(const MotionModel& model, d
   again.set_inputs(balanced->scaled_scene(), scaled(inputs_in(scene), scene, scales_));
   again.set_variations(out.variations);
   if (!stand(again)) {
-    out.why = "its motion cannot be computed in its equilibrium pose";
+    out.why = "its motion cannot be computed in its equilibrium position";
     return nullptr;
   }
   again.linearize();

@@ -225,7 +225,7 @@ void RunModel::vary_start(const MotionModel& model, const std::vector<double>& a
   std::vector<double> q = assembled;
   if (run_.equilibrium) {
     q = start_motion(model, {equilibrium_in(model, run_.equilibrium->at)}, &q, &independent_).q;
-    if (!stand(q, still.data())) throw InputError("its motion cannot be computed in its equilibrium pose");
+    if (!stand(q, still.data())) throw InputError("its motion cannot be computed in its equilibrium position");
     for (std::size_t i = 0; i < numbers_.size(); ++i) {
       const Influence& influence = out.influences[i];
       if (!influence.moves()) continue;

@@ -82,7 +82,7 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.met_singular = result.met_singular || find_singular_configuration(model, x).has_value();
   if (out.met_singular && result.end != solvers::NewtonEnd::singular) {
     out.why +=
-        "; the search left a singular pose, where the joints lock: no finite joint forces balance the loads there";
+        "; the search left a singular position, where the joints lock: no finite joint forces balance the loads there";
   }
   if (result.end == solvers::NewtonEnd::interrupted) out.status = Status::interrupted;
   out.claimed = result.end == solvers::NewtonEnd::converged;

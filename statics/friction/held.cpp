@@ -382,7 +382,7 @@ std::string why_not_asked(const StaticModel& model, const std::vector<double>& x
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     if (loads_bearings(stop) && !contact_load(BodyForces(scene, poses), static_cast<int>(s))) {
-      return fmt::format("no finite force of {} \"{}\" drives its follower in this pose", stop.family(), stop.name);
+      return fmt::format("no finite force of {} \"{}\" drives its follower in this position", stop.family(), stop.name);
     }
     teeth += separates(stop) ? 1 : 0;
   }
@@ -792,7 +792,7 @@ class RangeFinder {
       largest = std::max(largest, std::abs(present[i].middle()));
     }
     if (!(steepest > 0.0)) {
-      out_.why = "no load in this pose depends on it";
+      out_.why = "no load in this position depends on it";
       return;
     }
     if (largest > steepest * apart) slope = slope_over(problem, largest / steepest);
@@ -982,7 +982,7 @@ class RangeFinder {
       in = std::isfinite(open.value) ? open.value : std::max(1.0, out_.present);
       for (int step = 0; grows && std::isinf(open.value) && step < 40 && !held(in); ++step) in *= 2;
       if (!held(in)) {
-        out_.why = "no value of the number that was asked for holds the pose";
+        out_.why = "no value of the number that was asked for holds the position";
         return;
       }
     }

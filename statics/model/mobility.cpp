@@ -361,11 +361,11 @@ void expect_closed(const ScaledModel& model, const Mobility& mobility) {
   const std::string place = where(model, mobility.gap_line);
   if (mobility.impossible) {
     throw InputError(
-        fmt::format("{}cannot be assembled in any pose: {}; check the lengths and stops", place, mobility.gap));
+        fmt::format("{}cannot be assembled in any position: {}; check the lengths and stops", place, mobility.gap));
   }
   throw AssemblyError(fmt::format(
-      "{}cannot be assembled from its start: {}; give a [start] nearer to a closed pose, or check the lengths", place,
-      mobility.gap));
+      "{}cannot be assembled from its start: {}; give a [start] nearer to a closed position, or check the lengths",
+      place, mobility.gap));
 }
 
 void expect_movable(const ScaledModel& model) {

@@ -82,7 +82,8 @@ TEST(CommandLine, MethodThatDoesNotApplyNamesTheLoadAndFailsSolveButNotCompare) 
   EXPECT_EQ(energy.exit_code, 1);
   EXPECT_TRUE(contains(energy.out, "Not applicable: this method cannot solve this scene.")) << energy.out;
   EXPECT_TRUE(contains(energy.out, "force \"jet\" follows a body")) << energy.out;
-  EXPECT_FALSE(contains(energy.out, "Angles")) << "a method that does not apply has reached no pose\n" << energy.out;
+  EXPECT_FALSE(contains(energy.out, "Angles")) << "a method that does not apply has reached no position\n"
+                                               << energy.out;
 
   EXPECT_EQ(run_poise({"solve", scene}).exit_code, 0);
 

@@ -113,7 +113,7 @@ TEST(ResultFiles, JsonNamesWhatStaticsLeftOut) {
   for (const char* name : {"rust", "grease", "nothing", "moment of inertia of 1 body"}) {
     EXPECT_NE(all.find(name), std::string::npos) << name;
   }
-  EXPECT_NE(all.find("friction may also hold the mechanism in other poses"), std::string::npos) << all;
+  EXPECT_NE(all.find("friction may also hold the mechanism in other positions"), std::string::npos) << all;
   EXPECT_EQ(result_of(folder, {"compare", lever}, 0)["left_out"], solved["left_out"]);
   EXPECT_EQ(result_of(folder, {"compare", lever, "--tolerances", "1e-6", "--repeat", "1"}, 0)["left_out"],
             solved["left_out"]);

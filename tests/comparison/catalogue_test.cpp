@@ -239,7 +239,7 @@ TEST(Catalogue, RejectsContradictions) {
       "toy.cases.toml:8: case \"toy\".seek: expected at least one equilibrium in the list that is not "
       "unstable");
   EXPECT_EQ(objection_to_equilibrium("everywhere = true\ncomplete = true\n"),
-            "toy.cases.toml:8: case \"toy\".complete: expected no such key if every closed pose is an equilibrium");
+            "toy.cases.toml:8: case \"toy\".complete: expected no such key if every closed position is an equilibrium");
   EXPECT_NE(objection_to_equilibrium("everywhere = true\n" + both_equilibria()), "");
 }
 

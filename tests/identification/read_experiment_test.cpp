@@ -304,7 +304,7 @@ TEST(ReadExperiment, RejectsUnknownsThatARunContradicts) {
   EXPECT_EQ(error_of(header + sensor + "[[unknown]]\npath = \"spring.coil.free_length\"\n" + run +
                      "rest = { angle = \"crank\", at = 3, by = \"spring.coil.free_length\" }\n"),
             "experiment.toml:6: unknown \"spring.coil.free_length\".path: expected a number that no equilibrium "
-            "pose sets, rest of run \"run 1\" sets it in line 11; take one of the two out");
+            "position sets, rest of run \"run 1\" sets it in line 11; take one of the two out");
 }
 
 TEST(ReadExperiment, ReadsTheExampleOfItsPage) {

@@ -241,7 +241,7 @@ TEST(RunModel, NamesAnImpossibleEquilibrium) {
     Prediction out;
     run.predict(unknowns.data(), nuisances.data(), INFINITY, 1e-8, jacobian, out);
     EXPECT_FALSE(out.ok);
-    EXPECT_NE(out.why.find("equilibrium pose"), std::string::npos) << out.why;
+    EXPECT_NE(out.why.find("equilibrium position"), std::string::npos) << out.why;
   }
   EXPECT_FALSE(run.move(unknowns.data(), nuisances.data(), 1.0, 1e-8, false).completed());
   EXPECT_EQ(run.oscillator(unknowns.data(), -2.0).mass, 0.0);

@@ -354,7 +354,7 @@ TEST_F(SetValue, NamesTheNearestPathToReadToo) {
   expect_message([&] { get_value(scene, "load.Q"); }, "load.Q" + expected + "\"load.P\"?");
   expect_message([&] { value_unit(scene, "load.Q"); }, "load.Q" + expected + "\"load.P\"?");
   expect_message([&] { get_value(scene, "drive.motor.start"); },
-                 "drive.motor.start: expected a drive with a start, this one starts from the assembled pose; "
+                 "drive.motor.start: expected a drive with a start, this one starts from the assembled position; "
                  "add the key start");
   EXPECT_NO_THROW(value_unit(scene, "drive.motor.start"));
 }

@@ -278,7 +278,7 @@ TEST(DrivenMeasures, AreRefusedWhereTheyDoNotFit) {
   EXPECT_NE(refusal(arm, {{"length.shok", 0.3, 0.4}}).find("did you mean \"shock\"?"), std::string::npos);
   EXPECT_NE(refusal(arm, {{"length.shock", -0.3, 0.4}}).find("expected a finite number >= 0, found -0.3"),
             std::string::npos);
-  EXPECT_NE(refusal(arm, {{"x.arm.O", 0, 0.4}}).find("the same in every pose"), std::string::npos);
+  EXPECT_NE(refusal(arm, {{"x.arm.O", 0, 0.4}}).find("the same in every position"), std::string::npos);
   EXPECT_NE(refusal(slider_crank(), {{"y.ram.C", 0, 0.1}}).find("stays the same, or follows from other drives"),
             std::string::npos);
   EXPECT_NE(refusal(two_links(), {{"angle.lower.upper", 0, 1}, {"angle.upper.lower", 0, 1}}).find("other drives"),
@@ -286,7 +286,7 @@ TEST(DrivenMeasures, AreRefusedWhereTheyDoNotFit) {
   Scene in_line = slider_crank();
   in_line.start.angle[1] = in_line.start.angle[2] = 0.0;
   in_line.start.travel[3] = crank + rod;
-  EXPECT_NE(refusal(in_line, {{"x.ram.C", 0.3, 0.34}}).find("the start is a singular pose"), std::string::npos);
+  EXPECT_NE(refusal(in_line, {{"x.ram.C", 0.3, 0.34}}).find("the start is a singular position"), std::string::npos);
   EXPECT_NE(refusal(arm, {{"length.shock", 0.4, 0.5}, {"arm", 1, 2}}).find("expected 1 of them"), std::string::npos);
   EXPECT_NE(refusal(two_links(), {{"angle.lower.upper", 0, 1}}).find("1 degree of freedom is undriven"),
             std::string::npos);

@@ -527,7 +527,7 @@ value = 0.4460366524264342
     const Motion motion = simulate(model, start_motion(model, {}), options);
     EXPECT_FALSE(motion.completed());
     EXPECT_NE(motion.why.find("friction"), std::string::npos) << motion.why;
-    EXPECT_EQ(motion.why.find("singular pose"), std::string::npos) << motion.why;
+    EXPECT_EQ(motion.why.find("singular position"), std::string::npos) << motion.why;
   }
 }
 

@@ -360,7 +360,7 @@ TEST(Kinematics, RefusesDrivesThatContradictEachOther) {
 
 TEST(Kinematics, RefusesASingularStart) {
   const std::string said = refusal(four_bar(1, 3, 1, 3, 0.0, 0.0, 0.0), {{"crank", 0.0, 2 * pi}});
-  EXPECT_NE(said.find("the start is a singular pose"), std::string::npos) << said;
+  EXPECT_NE(said.find("the start is a singular position"), std::string::npos) << said;
 }
 
 TEST(Kinematics, CanBeInterrupted) {

@@ -148,7 +148,7 @@ TEST(AllEquilibria, AreFoundAlongCurvesOfPoses) {
   const EquilibriumSet set = all_equilibria(StaticModel(scene), sampling(1));
   ASSERT_EQ(set.equilibria.size(), 4U) << set.statement;
   EXPECT_NEAR(angle_of(StaticModel(scene), set.equilibria[3].x, "crank"), 3.04219, 1e-5);
-  EXPECT_TRUE(contains(set.statement, "and along 1 curve of poses")) << set.statement;
+  EXPECT_TRUE(contains(set.statement, "and along 1 curve of positions")) << set.statement;
 }
 
 TEST(AllEquilibria, StandInTheOrderOfTheirEnergy) {

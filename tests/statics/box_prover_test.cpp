@@ -587,7 +587,7 @@ TEST(EnclosedSet, SetsSingularPosesOfARhombusApart) {
   }
   const EquilibriumSet all = all_equilibria(model, {.settling = false});
   EXPECT_EQ(all.claim, Claim::complete) << all.statement;
-  EXPECT_NE(all.statement.find("any in 3 singular poses would need"), std::string::npos) << all.statement;
+  EXPECT_NE(all.statement.find("any in 3 singular positions would need"), std::string::npos) << all.statement;
 }
 
 // A third crank repeats what two of them do. Of a parallelogram under a vertical load W and a torque T on one crank,
@@ -683,7 +683,7 @@ TEST(EnclosedSet, SaysThatJointsDoNotRepeatOthersInAllPoses) {
   test::add_pin(scene, "plate.C", "arm.O");
   const EquilibriumSet set = all_equilibria(StaticModel(scene), {.settling = false});
   EXPECT_EQ(set.claim, Claim::sampled);
-  EXPECT_NE(set.statement.find("do not repeat them in all poses"), std::string::npos) << set.statement;
+  EXPECT_NE(set.statement.find("do not repeat them in all positions"), std::string::npos) << set.statement;
 }
 
 // The poses of a parallelogram and of its antiparallelogram cross where it lies flat, so that it is not known which

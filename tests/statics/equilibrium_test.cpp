@@ -253,7 +253,7 @@ bool may_be_assembled(const Scene& scene) {
     EXPECT_TRUE(contains(error.what(), "cannot be assembled from its start")) << error.what();
     return true;
   } catch (const InputError& error) {
-    EXPECT_TRUE(contains(error.what(), "cannot be assembled in any pose")) << error.what();
+    EXPECT_TRUE(contains(error.what(), "cannot be assembled in any position")) << error.what();
     return false;
   }
   ADD_FAILURE() << "assembled";

@@ -131,8 +131,8 @@ Line refuted_balance(const WeightBalance& found, const Units& units) {
 
 Line balance_verdict(const WeightBalance& found, const Units& units) {
   if (found.found.empty()) return refuted_balance(found, units);
-  if (!found.balanced) return bad("Not confirmed: the numbers found leave forces in random poses.");
-  return good(fmt::format("Balanced in every pose, exactly: proved by the coefficients of sines and cosines{}.",
+  if (!found.balanced) return bad("Not confirmed: the numbers found leave forces in random positions.");
+  return good(fmt::format("Balanced in every position, exactly: proved by the coefficients of sines and cosines{}.",
                           found.relations > 0 ? " and the closures of the loops" : ""));
 }
 
@@ -168,7 +168,7 @@ void add_exact_balance(Result& out, const BalanceProblem& problem, const WeightB
   numerics.data("imbalance", found.check.imbalance / units.force);
   numerics.data("weight", found.check.weight / units.force);
   numerics.fact("statics", fmt::format("free bodies in {}: forces left {} of the weight",
-                                       count(found.check.poses, "random pose", "random poses"),
+                                       count(found.check.poses, "random position", "random positions"),
                                        small_number(found.check.imbalance / found.check.weight)));
 }
 
@@ -319,11 +319,11 @@ Result shaking_balance_result(const BalanceProblem& problem, const ShakingBalanc
     }
     std::string least;
     if (found.is_least) {
-      least =
-          fmt::format(" The least largest force is {} of {}; found, not less than {} by the program over the poses.",
-                      amount_in_words(found.after->force, dimension::force, units, 9),
-                      amount_in_words(found.before->force, dimension::force, units),
-                      balance_bound_in_words(found.lower, dimension::force, units, false));
+      least = fmt::format(
+          " The least largest force is {} of {}; found, not less than {} by the program over the positions.",
+          amount_in_words(found.after->force, dimension::force, units, 9),
+          amount_in_words(found.before->force, dimension::force, units),
+          balance_bound_in_words(found.lower, dimension::force, units, false));
     }
     out.verdict =
         bad(fmt::format("The shaking force cannot be cancelled: no such counterweight acts against what moves "
@@ -342,7 +342,7 @@ Result shaking_balance_result(const BalanceProblem& problem, const ShakingBalanc
   numerics.data("residual", found.residual);
   numerics.data("complete", found.complete);
   numerics.fact("left", significant(found.residual, 2) + " of the largest term of a body is not cancelled");
-  numerics.fact("poses", fmt::format("the common first moment shifts by up to {} in random poses, {} before",
+  numerics.fact("positions", fmt::format("the common first moment shifts by up to {} in random positions, {} before",
                                      significant(found.moved / dimension_of_moment.unit(units), 2),
                                      amount_in_words(found.moved_before, dimension_of_moment, units)));
   return out;

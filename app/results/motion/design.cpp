@@ -157,7 +157,7 @@ Result design_result(const DesignProblem& problem, const DesignResult& found, co
   numerics.fact("search", fmt::format("{}, {}, {}", count(found.starts, "random start", "random starts"),
                                       count(static_cast<int>(found.evaluations), "candidate", "candidates"),
                                       duration(microseconds)));
-  if (followed) numerics.fact("closeness", significant(check.closeness, 3) + " at worst to a singular pose");
+  if (followed) numerics.fact("closeness", significant(check.closeness, 3) + " at worst to a singular position");
   return out;
 }
 

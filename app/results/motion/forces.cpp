@@ -57,7 +57,7 @@ std::string dead_points(const MotionModel& model, const ForcesAlong& found) {
     places.push_back("at " + listed(values));
   }
   if (places.empty()) return "";
-  const char* const effort = drives.size() > 1              ? "finite efforts of the drives hold"
+  const char* const effort = drives.size() > 1              ? "finite forces and torques of the drives hold"
                              : drives.front().on.is_angle() ? "finite torque of the drive holds"
                                                             : "finite force of the drive holds";
   return fmt::format("{} no {} the load", listed(places), effort);
@@ -70,7 +70,7 @@ std::size_t count_of(const ForcesAlong& found, SlidingFriction::State state) {
 
 /// "in this pose", "in 3 of 73 poses".
 std::string in_poses(std::size_t number, const ForcesAlong& found) {
-  return found.at.empty() ? "in this pose" : fmt::format("in {} of {} poses", number, found.poses.size());
+  return found.at.empty() ? "in this position" : fmt::format("in {} of {} positions", number, found.poses.size());
 }
 
 /// What friction leaves without forces; nothing where there is none.
@@ -81,7 +81,7 @@ std::string without_forces(const Scene& scene, const ForcesAlong& found) {
     const std::size_t number = count_of(found, state);
     if (number > 0) out.push_back(in_poses(number, found) + " " + why);
   };
-  say(State::locked, "friction locks it, so that no finite effort of the drives moves it on");
+  say(State::locked, "friction locks it, so that no finite force or torque of the drives moves it on");
   say(State::several, "the forces with friction are not unique, or none were found");
   const auto first = std::find_if(found.poses.begin(), found.poses.end(),
                                   [](const Forces& f) { return f.friction.state == State::undetermined; });
@@ -96,7 +96,7 @@ Line verdict(const Scene& scene, const ForcesAlong& found, const std::string& de
   const bool ended = !found.complete && !found.stop;
   if (ended) return bad("Driven in part only: " + found.why + ".");
   if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
-  if (found.poses.empty()) return bad("No pose was reached.");
+  if (found.poses.empty()) return bad("No position was reached.");
   if (!found.balanced()) {
     return bad(found.poses.front().drives.empty()
                    ? "Out of balance: the forces below do not hold the load; name a drive by --drive."
@@ -141,12 +141,12 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   for (const ForceCourse& course : courses) {
     if (!course.name.starts_with("overrun.")) continue;
     const auto passed = std::count_if(course.value.begin(), course.value.end(), [](double v) { return v > 0.0; });
-    warn(fmt::format("Stop \"{}\" is passed in {} of {} poses, by up to {}.", course.name.substr(8), passed,
+    warn(fmt::format("Stop \"{}\" is passed in {} of {} positions, by up to {}.", course.name.substr(8), passed,
                      course.value.size(), with_unit(model, largest_size(course.value), course.quantity)));
   }
   for (const auto& [element, drive, course] : parallels) {
     warn(
-        fmt::format("{} acts in parallel with the drive \"{}\", whose effort includes it (up to {}); --set "
+        fmt::format("{} acts in parallel with the drive \"{}\", whose force or torque includes it (up to {}); --set "
                     "\"{}.{}=0\" leaves it out.",
                     course.name, drive, with_unit(model, largest_size(course.value), course.quantity), course.name,
                     numbers_of(element.law).front().key_on(&element.on)));
@@ -168,7 +168,7 @@ void add_drives(Group& group, const MotionModel& model, const Forces& forces, bo
   Table& table = group.table("", "Drives, positive where they drive forwards", Rows::list);
   table.words("", "drive", each(forces.drives, &DriveEffort::name));
   const bool has_none = forces.friction.has_no_forces();
-  table.words("", "effort",
+  table.words("", "force or torque",
               has_none ? std::vector<std::string>(forces.drives.size(), "-") : each(forces.drives, effort));
   if (has_efforts_without(forces)) {
     std::vector<std::string> without;
@@ -268,10 +268,11 @@ void add_friction(Group& group, const MotionModel& model, const ForcesAlong& fou
   const auto mean = [&](const Row& row) {
     return in_unit(row.lost / static_cast<double>(solved), Quantity::energy, scene.units);
   };
-  Table& table = group.table("", single ? "Friction" : "Friction: largest efforts, and mean power lost", Rows::list);
+  Table& table =
+      group.table("", single ? "Friction" : "Friction: largest forces and torques, and mean power lost", Rows::list);
   table.words("", "joint", each(rows, &Row::joint));
   table.words("", "kind", each(rows, &Row::kind));
-  table.words("", "effort", each(rows, &Row::effort));
+  table.words("", "force or torque", each(rows, &Row::effort));
   table.numbers("", "lost", power_unit(scene.units), each(rows, mean), {.style = Format::Style::significant});
   table.numbers("", "share", "%", each(rows, [&](const Row& row) { return all > 0.0 ? 100 * row.lost / all : 0.0; }),
                 {.style = Format::Style::significant, .digits = 4});
@@ -315,7 +316,8 @@ void add_efforts(Group& group, const MotionModel& model, const ForcesAlong& foun
   for (const ForceCourse& course : courses) {
     const std::string name = course.name.substr(course.name.find('.') + 1);
     if (course.name.starts_with("effort.")) {
-      add_column(table, model, "", "effort of " + name, course.quantity, course.value, force_digits);
+      add_column(table, model, "", (course.quantity == Quantity::moment ? "torque of " : "force of ") + name,
+                 course.quantity, course.value, force_digits);
     } else if (moving && course.name.starts_with("power.")) {
       table.numbers("", "power", power_unit(units), in_unit(course.value, course.quantity, units),
                     format_of(model, course.quantity, force_digits));
@@ -409,7 +411,7 @@ void add_fluctuation(Group& group, const MotionModel& model, const Fluctuation& 
   data.data("flywheel_error", error);
   data.data("poses", found.poses);
   data.fact("accuracy",
-            fmt::format("the swing changes by {} of it from half of {} poses to these",
+            fmt::format("the swing changes by {} of it from half of {} positions to these",
                         small_number(found.swing > 0.0 ? found.swing_error / found.swing : 0.0), found.poses));
 }
 
@@ -575,7 +577,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   const std::vector<LoadedParallel> parallels = loaded_parallels(model, courses);
   out.verdict = verdict(model.scene(), found, dead);
   add_warnings(out, model, found, dead, courses, parallels);
-  content.fact("pose", answer.how);
+  content.fact("position", answer.how);
   content.data("drives", answer.drives);
   for (const std::string& drive : answer.drives) content.fact("drive", drive);
   if (!found.complete && !found.stop) content.fact("range", found.why);

@@ -224,7 +224,7 @@ void add_singular(Group& group, const Scene& scene, const KinematicsResult& foun
     words.push_back(fmt::format("{}{}: {}", place_in_words(scene, ranges, pose.drive),
                                 pose.before_range ? " (on the way to the range)" : "", pose.text));
   }
-  group.list("", "Singular poses", std::move(words));
+  group.list("", "Singular positions", std::move(words));
 }
 
 void add_range_data(Group& group, const Scene& scene, const KinematicsResult& found,
@@ -310,7 +310,7 @@ Result kinematics_result(const Scene& scene, const KinematicsResult& found, cons
     for (const KinematicSample& sample : found.samples) closest = std::min(closest, sample.closeness_to_singular);
     content.group("", "Numerics", Verbosity::verbose)
         .fact("closeness", significant(closest, 3) +
-                               " at worst (0: singular pose, 1: farthest from one): smallest over largest singular "
+                               " at worst (0: singular position, 1: farthest from one): smallest over largest singular "
                                "value of the closures");
   }
   return out;

@@ -185,7 +185,7 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
   }
   Table& table = group.table("drives", "Drives", Rows::list);
   table.words("name", "drive", std::move(names));
-  table.numbers("largest", "largest effort", "", std::move(largest)).texts = std::move(efforts);
+  table.numbers("largest", "largest force or torque", "", std::move(largest)).texts = std::move(efforts);
   table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 

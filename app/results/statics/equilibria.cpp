@@ -217,7 +217,7 @@ void add_distinct_boxes(Group& content, const StaticModel& model, const std::vec
     for (std::size_t i = 0; i < number; ++i) words += "; " + range(box, i);
     if (known.insert(words).second) boxes.push_back(box);
   }
-  Table& table = content.table("", undecided ? "Undecided boxes" : "Boxes around singular poses", Rows::list);
+  Table& table = content.table("", undecided ? "Undecided boxes" : "Boxes around singular positions", Rows::list);
   if (undecided) {
     table.words("", "kind", each(boxes, [](const UndecidedBox& box) -> std::string {
                   return box.neutral ? "neutral: a curve of equilibria" : "undecided";

@@ -511,7 +511,7 @@ std::string end_of_branch(const PathBranch& branch) {
     case PathBranch::End::snapped:
       return "in a snap";
     case PathBranch::End::singular:
-      return "in a singular pose";
+      return "in a singular position";
     case PathBranch::End::stuck:
       return "where no step succeeds";
     case PathBranch::End::limit:

@@ -205,7 +205,7 @@ void add_friction(Group& content, const std::vector<FrictionResult>& friction) {
 std::string known_in_words(const HardCase& hard) {
   if (hard.answer == KnownAnswer::locked) return "its joints lock: " + hard.why;
   if (hard.answer == KnownAnswer::none) return "no equilibrium: " + hard.why;
-  if (hard.everywhere) return "every pose is a neutral equilibrium";
+  if (hard.everywhere) return "every position is a neutral equilibrium";
   if (hard.known.empty()) return "no list; answers are refined in 50 digits";
   std::vector<std::string> parts;
   for (const Stability stability : {Stability::stable, Stability::unstable, Stability::neutral, Stability::unknown}) {

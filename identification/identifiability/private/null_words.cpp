@@ -76,7 +76,7 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
                                             : "add a run or a sensor in which it matters, or give it a prior";
   } else {
     direction.words = changes + " together ";
-    direction.remedy = "fix one of them, give one a prior, or add runs from other poses or with another payload";
+    direction.remedy = "fix one of them, give one a prior, or add runs from other positions or with another payload";
   }
   // Starts that are estimated follow a delay of all sensors.
   if (all_delays) direction.remedy = "leave the delay of one sensor out of the unknowns, or add a run with start_known";

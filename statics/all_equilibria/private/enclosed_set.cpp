@@ -442,8 +442,8 @@ class Enclosure {
     }
     is_checked_ = rigid.are_all && (rigid.poses.empty() || !turns_.count() || loops_.known());
     if (!is_checked_ && (!rigid.poses.empty() || has_stiffer_poses(model_, mobility_.x, freedoms_, stopped_))) {
-      return refuse(
-          fmt::format("the joints that repeat others at the start ({}) do not repeat them in all poses", repeating()));
+      return refuse(fmt::format("the joints that repeat others at the start ({}) do not repeat them in all positions",
+                                repeating()));
     }
     for (const std::vector<double>& pose : rigid.poses) {
       std::vector<double> turned = loops_.at_known_turn(pose);
@@ -495,7 +495,7 @@ class Enclosure {
       limit(fmt::format("if the joints that repeat others ({}), checked every {:g} rad, do so between", repeating(),
                         RigidPoses::apart));
     } else if (repeated_ > 0) {
-      limit(fmt::format("if the joints that repeat others at the start ({}) do so in all poses", repeating()));
+      limit(fmt::format("if the joints that repeat others at the start ({}) do so in all positions", repeating()));
     }
   }
 

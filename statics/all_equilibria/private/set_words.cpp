@@ -50,7 +50,7 @@ class SetWords {
  private:
   std::string along_curves() const {
     if (set_.starts == 0 || !facts_.loops.is_followed()) return "";
-    return " and along " + number_of(facts_.loops.curves(), "curve of poses", "curves of poses");
+    return " and along " + number_of(facts_.loops.curves(), "curve of positions", "curves of positions");
   }
 
   std::string number() const {
@@ -119,7 +119,7 @@ class SetWords {
       const auto least = std::min_element(set_.singular.begin(), set_.singular.end(),
                                           [](const auto& a, const auto& b) { return a.joint_force < b.joint_force; });
       out += fmt::format("; any in {} would need joint forces above {:g} times the loads, and are left out",
-                         number_of(set_.singular.size(), "singular pose", "singular poses"),
+                         number_of(set_.singular.size(), "singular position", "singular positions"),
                          rounded_down(least->joint_force));
     }
     const auto name_of = [&](int element) {

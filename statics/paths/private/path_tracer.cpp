@@ -463,7 +463,7 @@ class PathTracer::Walk {
       return end(varied.is_driven() ? PathBranch::End::blocked : PathBranch::End::singular,
                  fmt::format("the stop \"{}\" leaves no motion {}", varied.scene().stops[change.item].name, place));
     }
-    return end(PathBranch::End::singular, "beyond it a whole set of poses is in equilibrium " + place);
+    return end(PathBranch::End::singular, "beyond it a whole set of positions is in equilibrium " + place);
   }
 
   PathTracer& tracer_;
