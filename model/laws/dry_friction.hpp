@@ -56,7 +56,7 @@ struct DryFrictionOf {
   // Its slope at rate zero is only due to the regularization.
   static constexpr bool damps_small_motion = false;
   static constexpr std::string_view left_out =
-      "nothing moves in statics; friction may also hold the mechanism in other poses, which are not searched";
+      "nothing moves in statics; friction may also hold the mechanism in other positions, which are not searched";
   static constexpr std::array tables{LawTable{"friction"}};
   static const std::array<Number, 2> numbers;
 

@@ -118,6 +118,6 @@ def test_comments_of_poise_are_all_there(tmp_path):
 
 
 def test_pages_of_docs_have_the_tables_of_the_index():
-    assert ["a proof about any pose", "`certify`", "`<poise/statics/proof/certificate.hpp>`"] in cpp_api.tasks_of_library()
+    assert ["a proof about any position", "`certify`", "`<poise/statics/proof/certificate.hpp>`"] in cpp_api.tasks_of_library()
     folders = set(cpp_api.public_headers())
     assert folders <= set(cpp_api.what_folders_contain())
