@@ -157,15 +157,15 @@ void add_efforts(Group& content, const StaticModel& model, const HeldPose& pose,
       "friction", "Friction that holds it with the least share of the bounds, in double precision", Rows::list);
   table.words("name", "joint", each(all, &Rubbing::name));
   table.words("kind", "kind", each(all, [](const Rubbing& one) { return std::string(one.kind); }));
-  const auto add = [&](const std::string& key, double FrictionEffort::*number) {
+  const auto add = [&](const std::string& key, const char* title, double FrictionEffort::*number) {
     const auto in_units = [&](std::size_t i) {
       return in_unit(pose.efforts[i].*number, quantity(i), model.scene().units);
     };
-    table.numbers(key, key, "", each(rows, in_units)).texts =
+    table.numbers(key, title, "", each(rows, in_units)).texts =
         each(rows, [&](std::size_t i) { return with_unit(model, pose.efforts[i].*number, quantity(i)); });
   };
-  add("effort", &FrictionEffort::effort);
-  add("bound", &FrictionEffort::bound);
+  add("effort", "friction", &FrictionEffort::effort);
+  add("bound", "bound", &FrictionEffort::bound);
   const auto unit = [&](std::size_t i) { return unit_name(quantity(i), model.scene().units); };
   table.words("unit", "", each(rows, unit)).shown = false;
 }
