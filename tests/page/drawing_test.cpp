@@ -257,7 +257,7 @@ TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
       const TrackedEquilibrium& tracked = hand.session.tracked();
       for (std::size_t b = 1; b < tracked.scene().bodies.size(); ++b) {
         const std::string& name = tracked.scene().bodies[b].name;
-        EXPECT_NEAR(std::remainder(found.angle(name) - tracked.poses()[b].angle, 2 * M_PI), 0.0, 1e-6) << name << "\n"
+        EXPECT_NEAR(std::remainder(found.angle(name) - tracked.poses()[b].angle, 2 * M_PI), 0.0, 1e-9) << name << "\n"
                                                                                                        << text;
       }
     };
