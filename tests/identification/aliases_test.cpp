@@ -14,6 +14,7 @@
 #include "identification/identifiability/frequencies.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/seed.hpp"
 
 namespace poise::aliases_test {
 namespace {
@@ -217,7 +218,7 @@ TEST(Aliases, NoWrongValueIsCalledConverged) {
     const char* const text = std::getenv(name);
     return text != nullptr ? std::atoi(text) : otherwise;
   };
-  const int cases = number("POISE_ALIAS_CASES", 10);
+  const int cases = number("POISE_ALIAS_CASES", test::cases(5, 20));
   const int first = number("POISE_FIRST_ALIAS_CASE", 0);
   int converged = 0;
   int ambiguous = 0;
