@@ -1,9 +1,14 @@
-// What the commands say of every scene of datasets/: tables fit a terminal, a tone has a text, and what was found comes
-// before its details.
+// What the commands say of every scene of datasets/: tables fit a terminal, a tone has a text, units and digits
+// are known, and what was found comes before its details.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
+#include <regex>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -58,6 +63,70 @@ std::string text_of(const Table& table) {
   return plain_text(alone, {}, Verbosity::normal);
 }
 
+/// Whether a unit is made of those that scenes and results have: "N mm", "kN/m", "m/s²", "%".
+bool is_unit(const std::string& unit) {
+  static const std::set<std::string> stems = {"m", "mm", "in", "ft",  "N",  "lbf", "kg", "g", "lb",  "rad", "deg", "s",
+                                              "J", "W",  "Pa", "psi", "Hz", "%",   "1",  "h", "min", "µs",  "ms"};
+  std::string token;
+  const auto is_known = [&] {
+    const std::string all = std::exchange(token, "");
+    if (all.empty() || stems.contains(all)) return true;
+    const std::size_t prefix = all.starts_with("µ") ? std::string("µ").size() : 1;
+    return std::string("µnmcdkMGT").find(all.substr(0, prefix)) != std::string::npos &&
+           stems.contains(all.substr(prefix));
+  };
+  for (std::size_t i = 0; i < unit.size();) {
+    const std::string_view rest = std::string_view(unit).substr(i);
+    std::size_t skipped = 0;
+    for (const std::string_view mark : {" ", "/", "(", ")", "²", "³", "⁴", "⁵", "⁻", "¹", "^", "·"}) {
+      if (rest.starts_with(mark)) skipped = mark.size();
+    }
+    if (skipped == 0) {
+      token += unit[i++];
+      continue;
+    }
+    if (!is_known()) return false;
+    i += skipped;
+  }
+  return is_known();
+}
+
+/// A number as printed.
+struct Printed {
+  int digits = 0;           ///< significant ones
+  double last_place = 0.0;  ///< what one of its last digit is worth
+};
+
+/// The number with which a text begins; nothing where it begins with none.
+std::optional<Printed> printed_number(const std::string& text) {
+  static const std::regex number(R"(^\s*[-+]?(\d+)(?:\.(\d+))?(?:[eE]([-+]?\d+))?(?=$|\s|[,;)]))");
+  std::smatch match;
+  if (!std::regex_search(text, match, number)) return std::nullopt;
+  const std::string all = match.str(1) + match.str(2);
+  const std::size_t first = all.find_first_not_of('0');
+  const int exponent = match.str(3).empty() ? 0 : std::stoi(match.str(3));
+  return Printed{first == std::string::npos ? 0 : static_cast<int>(all.size() - first),
+                 std::pow(10.0, exponent - static_cast<int>(match.str(2).size()))};
+}
+
+/// No double has more than 15 digits that count, and none beyond the radius beside it.
+void expect_known_digits(const std::vector<TextColumn>& columns, const std::string& title) {
+  constexpr int most_digits = 15;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool has_radius = c + 1 < columns.size() && columns[c + 1].title.starts_with("+-");
+    for (std::size_t row = 0; row < columns[c].cells.size(); ++row) {
+      const std::optional<Printed> one = printed_number(columns[c].cells[row]);
+      if (!one) continue;
+      EXPECT_LE(one->digits, most_digits) << title << ": " << columns[c].cells[row];
+      if (!has_radius) continue;
+      const std::string& radius = columns[c + 1].cells[row];
+      if (!printed_number(radius) || std::stod(radius) == 0.0) continue;
+      EXPECT_GE(one->last_place, std::stod(radius) / 100.0)
+          << title << ": " << columns[c].cells[row] << " +- " << radius;
+    }
+  }
+}
+
 void expect_readable(const Table& table, const std::string& title) {
   const std::string text = text_of(table);
   for (std::size_t from = 0; from < text.size();) {
@@ -71,7 +140,10 @@ void expect_readable(const Table& table, const std::string& title) {
         << title << ": " << line;
     from = end + 1;
   }
-  for (const TextColumn& column : text_columns(table)) {
+  const std::vector<TextColumn> columns = text_columns(table);
+  expect_known_digits(columns, title);
+  for (const TextColumn& column : columns) {
+    EXPECT_TRUE(is_unit(column.unit)) << title << ": " << column.title << " in " << column.unit;
     const std::vector<Tone>& tones = column.column->tones;
     for (std::size_t row = 0; row < tones.size(); ++row) {
       EXPECT_TRUE(tones[row] == Tone::plain || !column.cells[row].empty()) << title << ", row " << row;
