@@ -75,7 +75,7 @@ void draw_crosses(Stage& stage) {
     const Paint paint{.stroke = Colour::dark, .width = 1.4};
     stage.canvas.line({page.x - arm, page.y - arm}, {page.x + arm, page.y + arm}, paint);
     stage.canvas.line({page.x - arm, page.y + arm}, {page.x + arm, page.y - arm}, paint);
-    stage.canvas.text({page.x, page.y - 2 * arm}, name, {});
+    stage.label(name, page, {0, -1}, arm + 2, ink::dark);
   }
 }
 
