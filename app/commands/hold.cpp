@@ -11,6 +11,7 @@
 #include "app/draw/hold_pictures.hpp"
 #include "app/results/parts.hpp"
 #include "model/parameters.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise::app {
 namespace {
@@ -62,6 +63,7 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
+  if (!has_friction(model.scene())) expect_movable(model);
   expect_friction(model.scene());
   OutputFiles files(request.common);
   HoldView view;

@@ -167,7 +167,10 @@ class PathFinder {
     }
     const Certificate certificate = certify(*model, x, options_.certificate);
     if (!certificate.confirmed()) return fail(certificate.statement);
-    if (certificate.outcome == Outcome::neutral) return fail(certificate.statement + "; begin at another value");
+    if (certificate.outcome == Outcome::neutral) {
+      return fail(fmt::format("it rests there at any value of {}; begin at another value",
+                              fmt::join(certificate.neutral_coordinates, ", ")));
+    }
     auto spot = pieces_.spot(certificate.x, 0.0, certificate.active_stops, 1.0);
     if (!spot) return fail("the equilibrium is singular there; begin at another value");
     if (jumps() && spot->negative > 0)

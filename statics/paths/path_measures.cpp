@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,6 +28,48 @@ std::vector<SoughtQuantity> moving_measures(const StaticModel& model) {
       coordinates.push_back(std::move(one));
   }
   return out.empty() ? coordinates : out;
+}
+
+/// Forces of elements and sizes of joint forces.
+std::vector<SoughtQuantity> forces_of(const Scene& scene) {
+  std::vector<SoughtQuantity> out;
+  for (SoughtQuantity& one : all_quantities(scene)) {
+    const bool is_size =
+        one.kind == SoughtQuantity::Kind::reaction && std::count(one.name.begin(), one.name.end(), '.') == 1;
+    if (is_size || one.kind == SoughtQuantity::Kind::element_force) out.push_back(std::move(one));
+  }
+  return out;
+}
+
+/// That of these which changes most over some points of the path; nothing where none changes visibly.
+std::optional<SoughtQuantity> most_changing_force(const VariedScene& varied, const Path& path) {
+  std::vector<const PathPoint*> points;
+  for (const PathBranch& branch : path.branches) {
+    for (const PathPoint& point : branch.points) points.push_back(&point);
+  }
+  constexpr std::size_t most_points = 20;
+  const std::size_t step = 1 + points.size() / most_points;
+  const std::vector<SoughtQuantity> forces = forces_of(named_scene(varied));
+  std::vector<double> least(forces.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> most(forces.size(), -std::numeric_limits<double>::infinity());
+  PathReader reader(varied);
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    const std::vector<QuantityValue> values = reader.values(forces, *points[i]);
+    for (std::size_t k = 0; k < forces.size(); ++k) {
+      least[k] = std::min(least[k], values[k].value);
+      most[k] = std::max(most[k], values[k].value);
+    }
+  }
+  std::optional<SoughtQuantity> best;
+  constexpr double visible = 1e-6;  // of the forces and sizes of the mechanism
+  double widest = visible;
+  for (std::size_t k = 0; k < forces.size(); ++k) {
+    const double change = (most[k] - least[k]) * forces[k].dimension.per_scale(varied.scales());
+    if (!(change > widest)) continue;
+    widest = change;
+    best = forces[k];
+  }
+  return best;
 }
 
 }  // namespace
@@ -105,6 +148,10 @@ SoughtQuantity most_changing(const VariedScene& varied, const Path& path) {
     if (change <= (1 + alike) * widest) continue;
     widest = change;
     best = k;
+  }
+  constexpr double visible = 1e-6;
+  if (widest < visible) {
+    if (std::optional<SoughtQuantity> force = most_changing_force(varied, path)) return *std::move(force);
   }
   return measures.at(best);
 }

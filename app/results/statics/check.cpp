@@ -287,6 +287,7 @@ void tell_of_limits(Result& out, const StaticModel& model, const Mobility& mobil
   const auto is_plain = [](const Stop& stop) { return stop.table == "stop"; };
   Scene free = scene;
   std::erase_if(free.stops, is_plain);
+  std::vector<std::string> words;
   const Readings readings = read_off(model, mobility.x);
   for (std::size_t i = 0; i < scene.stops.size(); ++i) {
     const Stop& stop = scene.stops[i];
@@ -305,12 +306,13 @@ void tell_of_limits(Result& out, const StaticModel& model, const Mobility& mobil
       if (last.kind != SingularPose::Kind::dead_centre || last.before_range) continue;
       const Quantity quantity = quantity_of(stop.on);
       constexpr int digits = 4;
-      out.warnings.push_back(doubtful(fmt::format(
-          "Stop \"{}\": its {} of {} is not reached; driven there from the start, the {} turns back at {}.", stop.name,
-          is_max ? "max" : "min", with_unit(model, limit, quantity, digits),
-          quantity == Quantity::angle ? "angle" : "length", with_unit(model, last.drive.front(), quantity, digits))));
+      words.push_back(fmt::format("{} of \"{}\", {}, is not reached from the start: the {} turns back at {}",
+                                  is_max ? "max" : "min", stop.name, with_unit(model, limit, quantity, digits),
+                                  quantity == Quantity::angle ? "angle" : "length",
+                                  with_unit(model, last.drive.front(), quantity, digits)));
     }
   }
+  if (!words.empty()) out.content.fact("limits", fmt::format("{}", fmt::join(words, "; ")));
 }
 
 }  // namespace

@@ -318,11 +318,20 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
   });
 }
 
+/// The first measure shown, in its units; below 1e-13 of the mechanism's size, or of a radian, it is 0.
+double first_measure(PathReport& report, const PathPoint& point) {
+  const SoughtQuantity& measure = report.view.measures.front();
+  const double value = report.measures(point).front();
+  constexpr double rounding = 1e-13;
+  const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
+  return std::abs(value) < rounding * size / measure.dimension.unit(report.units()) ? 0.0 : value;
+}
+
 /// "guide = -0.548 m": the first measure shown; empty where there is none.
 std::string place_in_words(PathReport& report, const PathPoint& point) {
   if (report.view.measures.empty()) return "";
   const SoughtQuantity& measure = report.view.measures.front();
-  return fmt::format("{} = {} {}", measure.name, significant(report.measures(point).front(), digits_of_points),
+  return fmt::format("{} = {} {}", measure.name, significant(first_measure(report, point), digits_of_points),
                      measure.dimension.unit_name(report.units()));
 }
 
@@ -652,8 +661,8 @@ std::string move_in_words(PathReport& report, const PathPoint& from, const PathP
   if (report.view.measures.empty()) return "";
   const SoughtQuantity& measure = report.view.measures.front();
   const std::string unit = measure.dimension.unit_name(report.units());
-  const std::string first = significant(report.measures(from).front(), digits_of_verdict);
-  const std::string last = significant(report.measures(to).front(), digits_of_verdict);
+  const std::string first = significant(first_measure(report, from), digits_of_verdict);
+  const std::string last = significant(first_measure(report, to), digits_of_verdict);
   const std::string values = first == last ? "stays at " + first : first + " to " + last;
   return fmt::format(": {} {}{}{}", short_name(measure.name), values, unit.empty() ? "" : " ", unit);
 }
