@@ -62,7 +62,7 @@ TEST(Methods, ListsAreReadInTheirOrder) {
 
 TEST(WorkPrecisionCommand, PrintsTimesErrorsAndStatuses) {
   const ProgramRun run = run_poise({"compare", dataset("thesis_four_bar"), "--methods", "virtual-work,energy",
-                                    "--tolerances", "1e-2..1e-14", "--repeat", "1"});
+                                    "--tolerances", "1e-2..1e-14", "--repeat", "1", "--verbose"});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_EQ(run.err, "");
   for (const char* part : {"stable, found by virtual-work and energy", "Least time to an error below", "13 of 13",

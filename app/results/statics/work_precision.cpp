@@ -124,6 +124,12 @@ void add_summary(Group& content, const std::vector<Spans>& methods) {
   }
   table.numbers("", "best error", "", each(methods, least_error), {Format::Style::error});
   table.counts("", "runs converged", {}).texts = each(methods, runs_converged);
+  for (const Spans& spans : methods) {
+    const auto failed = std::find_if_not(spans.begin(), spans.end(), converged);
+    if (failed == spans.end()) continue;
+    table.footnotes.push_back(fmt::format("{} at {}: {}", to_string(failed->loosest->method),
+                                          power(failed->loosest->tolerance), failed->loosest->why));
+  }
 }
 
 /// The number of the equilibrium that a run is nearest to, from 1.
@@ -138,7 +144,7 @@ void add_method(Group& content, const Spans& spans, bool several_equilibria) {
     return comparison::status_of(*s.loosest) + (!converged(s) && s.loosest->confirmed ? ", confirmed" : "");
   };
   const MethodTraits& method = traits(spans.front().loosest->method);
-  Table& table = content.table("", fmt::format("{}: {}", method.name, method.what), Rows::list);
+  Table& table = content.table("", fmt::format("{}: {}", method.name, method.what), Rows::list, Verbosity::verbose);
   table.words("", "tolerance", each(spans, tolerance));
   table.numbers("", "time", "", each(spans, &ToleranceSpan::microseconds), {Format::Style::duration});
   table.numbers("", "error", "", each(spans, [](const ToleranceSpan& s) { return s.loosest->error; }),
@@ -150,10 +156,6 @@ void add_method(Group& content, const Spans& spans, bool several_equilibria) {
   table.words("", "status", each(spans, status)).tones = each(spans, [](const ToleranceSpan& s) {
     return !converged(s) ? Tone::bad : s.loosest->confirmed ? Tone::good : Tone::plain;
   });
-  const auto failed = std::find_if_not(spans.begin(), spans.end(), converged);
-  if (failed != spans.end()) {
-    table.footnotes.push_back(fmt::format("at {}: {}", power(failed->loosest->tolerance), failed->loosest->why));
-  }
 }
 
 /// Adds the columns of some runs, those of one method without its name.
