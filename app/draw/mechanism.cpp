@@ -71,7 +71,7 @@ void draw_crosses(Stage& stage) {
         at.x < least.x - reach || at.x > most.x + reach || at.y < least.y - reach || at.y > most.y + reach;
     if (is_far) continue;
     const Vec2 page = stage.page(at);
-    constexpr double arm = 5.0;
+    const double arm = stage.pin_radius + 3.0;
     const Paint paint{.stroke = Colour::dark, .width = 1.4};
     stage.canvas.line({page.x - arm, page.y - arm}, {page.x + arm, page.y + arm}, paint);
     stage.canvas.line({page.x - arm, page.y + arm}, {page.x + arm, page.y - arm}, paint);

@@ -230,7 +230,7 @@ Drawing drawing_with_sensors(const FitProblem& problem, std::size_t r) {
       return norm(one.first - at) < 1e-6 * problem.run(r).size();
     });
     if (there == crosses.end())
-      crosses.emplace_back(at, sensor.name);
+      crosses.emplace_back(at, "sensor " + sensor.name);
     else
       there->second += ", " + sensor.name;
   }
@@ -320,7 +320,10 @@ std::vector<Figure> fit_figures(const FitProblem& problem, const Identification&
   std::vector<Figure> figures;
   for (const std::size_t r : worst) {
     Figure figure = run_figure(problem, answer, runs, r, sensors);
-    if (r == worst.front()) figure.drawing = drawing_with_sensors(problem, r);
+    if (r == worst.front()) {
+      figure.drawing = drawing_with_sensors(problem, r);
+      if (!figure.drawing.frames.empty()) figure.charts.columns = 1;
+    }
     if (!figure.charts.panels.empty()) figures.push_back(std::move(figure));
   }
   const std::size_t others = answer.fit.runs.size() - worst.size();
