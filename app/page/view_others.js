@@ -25,8 +25,8 @@ function usedBox(drawing, shapes) {
   return {x: (left + right - width) / 2, y: (top + bottom - height) / 2, width, height};
 }
 
-// Of more others than these only the stable ones are shown at once; of more stable ones none.
-const most_ghosts = 6;
+// So many are shown at once, unless more are asked for.
+const most_ghosts = 3;
 
 /// The panel with the other equilibria, and their ghosts in a picture. `ask(request, options)` sends requests.
 export class OthersPanel {
@@ -39,7 +39,10 @@ export class OthersPanel {
     this.toggle = checkbox('Show them under the mechanism', true, (on) => {
       this.group.setAttribute('display', on ? 'inline' : 'none');
     });
-    this.many = element('p', {class: 'hint', hidden: true});
+    this.many_words = element('p', {class: 'hint'});
+    this.whole_words = element('span');
+    const whole = checkbox(this.whole_words, false, (on) => this.group.classList.toggle('whole', on));
+    this.many = element('div', {hidden: true}, this.many_words, whole);
     this.element = element('div', {class: 'others'}, this.statement, this.toggle, this.many, this.cards);
     this.forget();
   }
@@ -63,17 +66,17 @@ export class OthersPanel {
     this.statement.textContent = others.statement;
     this.toggle.hidden = others.equilibria.length < 2;
     const elsewhere = others.equilibria.filter((one) => !one.here);
-    const few = elsewhere.length <= most_ghosts;
-    const stable_too = elsewhere.filter((one) => one.stable).length <= most_ghosts;
+    // The mechanism stays in stable ones.
+    const chosen = [...elsewhere].sort((a, b) => b.stable - a.stable).slice(0, most_ghosts);
     this.ghosts = others.equilibria.map((one, k) => {
       const ghost = one.here ? null : this.ghost(others.drawing, k);
-      if (ghost && !few && !(one.stable && stable_too)) ghost.classList.add('one-of-many');
+      if (ghost && !chosen.includes(one)) ghost.classList.add('one-of-many');
       return ghost;
     });
     this.group.replaceChildren(...this.ghosts.filter((ghost) => ghost !== null));
-    this.many.hidden = few;
-    const which = stable_too ? 'the stable ones, and the one' : 'the one';
-    this.many.textContent = `Of so many only ${which} whose card you point at.`;
+    this.many.hidden = elsewhere.length <= most_ghosts;
+    this.many_words.textContent = `${most_ghosts} of ${elsewhere.length} are shown, stable ones first, and the one whose card you point at.`;
+    this.whole_words.textContent = `Show all ${elsewhere.length}`;
     this.cards.replaceChildren(...others.equilibria.map((one, k) => this.card(others.drawing, one, k)));
   }
 

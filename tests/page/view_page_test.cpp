@@ -801,6 +801,21 @@ TEST_F(ViewPage, FilesOfOtherProgramsAreImportedAndExported) {
   expect_silence();
 }
 
+TEST_F(ViewPage, FewOtherEquilibriaAreShownAtOnce) {
+  show("thesis_chain");
+  browser().run("document.getElementById('tab-others').click()");
+  ASSERT_TRUE(browser().wait_for("document.querySelectorAll('.others .card').length === 6"));
+  const std::string ghosts =
+      "return [...document.querySelectorAll('.ghost')].filter((one) => getComputedStyle(one).display !== "
+      "'none').length";
+  EXPECT_EQ(browser().run(ghosts), 3);
+  EXPECT_TRUE(browser().run("return document.querySelector('.others').innerText.includes('3 of 5 are shown')"));
+  browser().run(
+      "[...document.querySelectorAll('.others label')].find((one) => one.textContent === 'Show all 5').click()");
+  EXPECT_EQ(browser().run(ghosts), 5);
+  expect_silence();
+}
+
 TEST_F(ViewPage, EditsOnDiskAreShown) {
   show("four_bar_gravity");
   std::string text = contents(file_);
