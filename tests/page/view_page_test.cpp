@@ -419,6 +419,21 @@ TEST_F(ViewPage, FitsATelephoneAndTheKeyboard) {
   expect_silence();
 }
 
+TEST_F(ViewPage, SheetAndSlidersAreSeenTogetherOnATelephone) {
+  browser().emulate({.width = 400, .height = 800});
+  show("toggle_clamp");
+  const json seen = browser().run(
+      "document.querySelectorAll('.number')[2].scrollIntoView({block: 'end'});"
+      "const stage = document.querySelector('.live-picture .stage').getBoundingClientRect();"
+      "const rows = [...document.querySelectorAll('.number input[type=range]')].map((one) => "
+      "one.getBoundingClientRect());"
+      "return {top: stage.top, bottom: stage.bottom,"
+      "        sliders: rows.filter((box) => box.top > stage.bottom && box.bottom <= innerHeight).length}");
+  EXPECT_GE(seen["top"], -1.0);
+  EXPECT_LT(seen["bottom"], 400.0);
+  EXPECT_GE(seen["sliders"], 3);
+}
+
 TEST_F(ViewPage, SnapAtAFoldIsPlayed) {
   show("toggle_clamp");
   // Pictures that are shown on the way carry their caption.
