@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <Eigen/QR>
+#include <fmt/format.h>
 
 #include "statics/model/curvature.hpp"
 
@@ -71,6 +72,24 @@ double passed_by(const Mechanism<double>& mechanism, int stop, const std::vector
   const double value = constraint[static_cast<std::size_t>(mechanism.stop_row(stop))];
   const auto s = static_cast<std::size_t>(stop);
   return std::max({mechanism.lower()[s] - value, value - mechanism.upper()[s], 0.0});
+}
+
+std::string stops_at_limits(const ScaledModel& model, const std::vector<double>& x) {
+  constexpr double near = 1e-6;
+  const Mechanism<double>& m = model.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  std::string out;
+  for (int s = 0; s < m.stops(); ++s) {
+    const double value = c[static_cast<std::size_t>(m.stop_row(s))];
+    const auto at = static_cast<std::size_t>(s);
+    if (value < m.upper()[at] - near && value > m.lower()[at] + near) continue;
+    const Stop& stop = model.scene().stops[at];
+    out += fmt::format("{}{} \"{}\"", out.empty() ? "" : " and ", stop.family(), stop.name);
+  }
+  return out;
 }
 
 int freedoms_of(const StaticModel& model, const std::vector<double>& x, double tolerance) {

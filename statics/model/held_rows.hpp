@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,6 +24,9 @@ Eigen::VectorXd gaps_of(const Mechanism<double>& mechanism, const std::vector<in
 
 /// Gives how far a stop is passed, rad or mechanism sizes, from all constraints: 0 between its limits.
 double passed_by(const Mechanism<double>& mechanism, int stop, const std::vector<double>& constraint);
+
+/// The stops that are at a limit, or beyond: `stop "open" and coupling "rack"`; empty where none is.
+std::string stops_at_limits(const ScaledModel& model, const std::vector<double>& x);
 
 /// Degrees of freedom that these rows leave in the closed pose x, known to `tolerance` (solvers::known_to).
 int freedoms_of(const StaticModel& model, const std::vector<double>& x,

@@ -62,14 +62,8 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
     out.gap = fmt::format("the loop closed by joint \"{}\" remains open by {:.4g} {}", closure.name, wide * in_units,
                           scene.units.length_name);
   }
-  std::string stops;
   for (int s = 0; s < m.stops(); ++s) {
-    const double g = c[m.stop_row(s)];
     const double beyond = passed_by(m, s, c);
-    if (g > m.upper()[s] - 1e-6 || g < m.lower()[s] + 1e-6) {
-      stops += fmt::format("{} {} \"{}\"", stops.empty() ? " while held by" : " and", scene.stops[s].family(),
-                           scene.stops[s].name);
-    }
     if (beyond <= widest) continue;
     widest = beyond;
     const Stop& stop = scene.stops[s];
@@ -80,7 +74,7 @@ void find_widest_gap(const ScaledModel& model, Mobility& out) {
                     is_angle ? beyond / scene.units.angle : beyond * in_units,
                     is_angle ? scene.units.angle_name : scene.units.length_name);
   }
-  out.gap += stops;
+  if (const std::string stops = stops_at_limits(model, out.x); !stops.empty()) out.gap += " while held by " + stops;
 }
 
 // Lengths between which the length of a sum of arms can be while its angles take any values; a travel is not bounded.

@@ -373,6 +373,30 @@ TEST(TrackedEquilibrium, LoopsThatCannotBeClosedChangeNothing) {
   EXPECT_TRUE(live.equilibrium().found());
 }
 
+// The clamp's frame is lowered until the link is at its limit against the handle and the arm at its limit on the
+// ground: with y of pin A as the unknown, the distance of pins C and B is that of a triangle of given sides and angle
+// there.
+TEST(TrackedEquilibrium, TellsWhichStopsJamAndAtWhichValue) {
+  TrackedEquilibrium clamp(read_scene(test::dataset("toggle_clamp.toml")));
+  const double at_limit = 6.0 * M_PI / 180.0, lowest = -5.0 * M_PI / 180.0;
+  const double far = std::sqrt(24.0 * 24.0 + 36.0 * 36.0 + 2.0 * 24.0 * 36.0 * std::cos(at_limit));
+  const double arm_x = -36.0 * std::cos(lowest) - 4.0 * std::sin(lowest);
+  const double arm_y = -36.0 * std::sin(lowest) + 4.0 * std::cos(lowest);
+  const double jams = 4.0 + std::sqrt(far * far - (arm_x + 36.0) * (arm_x + 36.0)) - arm_y;
+  Scene wanted = clamp.scene();
+  wanted.bodies[0].points[0].at.y = 0.056;
+  try {
+    clamp.change(wanted);
+    FAIL() << "nothing jams";
+  } catch (const InputError& error) {
+    const std::string why = error.what();
+    EXPECT_NE(why.find("stop \"over_centre\" and stop \"open\""), std::string::npos) << why;
+    const std::size_t number = why.find("point.ground.A.y = ");
+    ASSERT_NE(number, std::string::npos) << why;
+    EXPECT_NEAR(std::stod(why.substr(number + 19)), jams, 2e-4) << why;
+  }
+}
+
 TEST(TrackedEquilibrium, WithoutItsSpringALeverFalls) {
   Scene scene = pendulum();
   test::add_torsion_spring(scene, 0, 1, 1000.0);

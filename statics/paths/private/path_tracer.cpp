@@ -460,8 +460,15 @@ class PathTracer::Walk {
       return end(PathBranch::End::singular, "several stops or springs change together " + place);
     }
     if (change.kind == PathEvent::Kind::stop && change.on) {
+      std::vector<int> stops = active_stops(spot.piece, varied.is_driven());
+      if (std::find(stops.begin(), stops.end(), change.item) == stops.end()) stops.push_back(change.item);
+      std::string holding;
+      for (const int stop : stops) {
+        const Stop& one = varied.scene().stops[static_cast<std::size_t>(stop)];
+        holding += fmt::format("{}{} \"{}\"", holding.empty() ? "" : " and ", one.family(), one.name);
+      }
       return end(varied.is_driven() ? PathBranch::End::blocked : PathBranch::End::singular,
-                 fmt::format("the stop \"{}\" leaves no motion {}", varied.scene().stops[change.item].name, place));
+                 fmt::format("{} leave{} no motion {}", holding, stops.size() > 1 ? "" : "s", place));
     }
     return end(PathBranch::End::singular, "beyond it a whole set of positions is in equilibrium " + place);
   }

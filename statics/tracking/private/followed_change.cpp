@@ -8,10 +8,12 @@
 
 #include "solvers/newton.hpp"
 #include "solvers/vectors.hpp"
+#include "statics/model/held_rows.hpp"
 #include "statics/model/readings.hpp"
 #include "statics/model/varied_scene.hpp"
 #include "statics/paths/path.hpp"
 #include "statics/paths/varied_mechanism.hpp"
+#include "statics/tracking/private/change_words.hpp"
 #include "statics/tracking/private/small_step.hpp"
 
 namespace poise {
@@ -338,7 +340,10 @@ std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const Body
     }
     step *= 0.5;
     if (step < shortest_carry) {
-      throw InputError("the loops cannot be closed near the present position; change the number by less");
+      const std::string stops = stops_at_limits(*varied->model_at(part), x);
+      throw InputError(fmt::format("the loops close no further than {}, {}; change it by less",
+                                   place_in_words(*varied, part),
+                                   stops.empty() ? "where the links allow no motion" : "where held by " + stops));
     }
   }
   return out;
