@@ -245,6 +245,7 @@ TEST(TrackedEquilibrium, SnapsAtTheFoldToWhereThePathLands) {
   const Transition way = live.change(wanted);
   EXPECT_EQ(way.kind, Kind::snapped);
   ASSERT_EQ(way.courses.size(), 1u);
+  EXPECT_EQ(way.why, "it snaps at load.P = 42.9143 N, where the stable equilibrium ends");
   EXPECT_NEAR(way.courses[0].poses.front()[1].origin.y, 0.277880091075164758518, 1e-4);
 
   PathOptions options{.follow = PathOptions::Follow::load};

@@ -208,7 +208,9 @@ std::optional<Section> section_along(const VariedScene& varied, double longest_s
   for (const PathEvent& event : found.events) {
     if (event.kind == PathEvent::Kind::snap) {
       const auto model = varied.model_at(event.at.parameter);
-      Transition::Course course{"the equilibrium ends at a fold", {}};
+      Transition::Course course{
+          fmt::format("it snaps at {}, where the stable equilibrium ends", place_in_words(varied, event.at.parameter)),
+          {}};
       for (const std::vector<double>& x : event.course) course.poses.push_back(model->poses(x));
       if (!course.poses.empty()) out.courses.push_back(std::move(course));
     } else if (std::string words = in_words(varied.scene(), event); !words.empty()) {
