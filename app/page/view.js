@@ -362,9 +362,9 @@ class LiveView {
     if (transition.passed.length > 0) parts.push(`On the way: ${transition.passed.join(', ')}.`);
     if (transition.why) parts.push(`${transition.why[0].toUpperCase()}${transition.why.slice(1)}.`.replace(/\.\.$/, '.'));
     const name = wish.request.do;
-    if (parts.length === 0 && moved && drawing.frames.length === 1 && !wish.gesture && !wish.note)
-      parts.push(notes_of_requests[name] ?? '');
     if (name === 'undo' || name === 'redo') parts.unshift(notes_of_requests[name]);
+    else if (parts.length === 0 && moved && drawing.frames.length === 1 && !wish.gesture && !wish.note)
+      parts.push(notes_of_requests[name] ?? '');
     if (name === 'save') parts.push(`Saved as ${this.state.file}.`);
     if (name === 'import') parts.unshift(notesAbove(this.state.text));
     if (wish.note === 'disk') parts.unshift('The file was changed on disk, and is shown as it is now.');

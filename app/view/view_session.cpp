@@ -42,7 +42,8 @@ using nlohmann::json;
 constexpr std::size_t most_steps_back = 200;
 
 constexpr const char* solve_differs =
-    "poise solve of this text finds another equilibrium; poise solve --seek any finds the one shown";
+    "what is shown would not stay there: poise solve lets the mechanism of this text move to another equilibrium";
+constexpr const char* stable_in_page = "the panel \"Other equilibria\" shows where it stays";
 
 constexpr std::string_view empty_sheet =
     "title = \"New mechanism\"\ngravity = [0, -9810]\n\n[units]\nlength = \"mm\"\nangle = \"deg\"\n";
@@ -891,7 +892,7 @@ json ViewSession::verdict_json() const {
   Answer answer;
   answer.equilibrium = tracked->equilibrium();
   answer.readings = read_off(tracked->model(), answer.equilibrium.x);
-  return report_json(solve_result(tracked->model(), answer, {}));
+  return report_json(solve_result(tracked->model(), answer, {}, nullptr, {}, stable_in_page));
 }
 
 json ViewSession::shown(const Transition& transition, Parts parts) {

@@ -66,8 +66,9 @@ TEST(KeptView, SaysHowAnUnstableEquilibriumIsFoundAgain) {
   const double shown = hand.session.tracked().poses()[1].angle;
   const json saved = hand.ask({{"do", "save"}});
   ASSERT_EQ(error_of(saved), "");
-  EXPECT_EQ(saved["transition"]["why"],
-            "poise solve of this text finds another equilibrium; poise solve --seek any finds the one shown");
+  EXPECT_EQ(
+      saved["transition"]["why"],
+      "what is shown would not stay there: poise solve lets the mechanism of this text move to another equilibrium");
   EXPECT_EQ(hand.session.tracked().poses()[1].angle, shown) << "it stays where it is";
   EXPECT_TRUE(hand.look()["saved"]);
   EXPECT_EQ(line_of_report(hand), "poise solve " + file + " --seek any");

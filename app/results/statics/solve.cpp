@@ -81,11 +81,10 @@ void add_directions(Group& group, const StaticModel& model, const Certificate& c
 }
 
 /// What a reader of an unstable equilibrium must know.
-void warn_of_doubt(Result& result, const Answer& answer) {
+void warn_of_doubt(Result& result, const Answer& answer, const std::string& seeks_stable) {
   const Equilibrium& equilibrium = answer.equilibrium;
   if (equilibrium.certificate.stability == Stability::unstable && equilibrium.seek != Seek::stable) {
-    result.warnings.push_back(
-        doubtful("The mechanism would leave this equilibrium; --seek stable searches for one in which it stays."));
+    result.warnings.push_back(doubtful(fmt::format("The mechanism would leave this equilibrium; {}.", seeks_stable)));
   }
   if (equilibrium.found() && !equilibrium.check.is_equilibrium()) {
     result.warnings.push_back(doubtful(
@@ -480,7 +479,8 @@ void add_answer_data(Group& group, const StaticModel& model, const Answer& answe
 }
 
 Result solve_result(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
-                    const HeldPose* as_drawn, const std::vector<SoughtQuantity>& show) {
+                    const HeldPose* as_drawn, const std::vector<SoughtQuantity>& show,
+                    const std::string& seeks_stable) {
   const Equilibrium& equilibrium = answer.equilibrium;
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(equilibrium);
@@ -488,7 +488,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   warn_of_unloaded_bearings(out, model.scene());
   Group& content = out.content;
   if (equilibrium.found() && answer.readings) {
-    warn_of_doubt(out, answer);
+    warn_of_doubt(out, answer, seeks_stable);
     warn_of_dead_centre(out, model, answer);
   } else {
     content.fact("why", equilibrium.why);
