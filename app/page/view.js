@@ -342,6 +342,7 @@ class LiveView {
     const whole = answer.text !== undefined;
     Object.assign(document.body.dataset, {revision: answer.revision, kind: answer.transition.kind});
     this.keepOthers(wish, refitted, whole);
+    this.numbers.follow(answer.changed ?? []);
     this.say(this.noteOf(answer, wish, moved, refitted));
     let played = false;
     this.moving.show(answer.drawing, (left_out) => {

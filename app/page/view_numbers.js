@@ -173,6 +173,14 @@ export class NumbersPanel {
     else this.build(numbers);
   }
 
+  /// Shows the values of numbers that a gesture has changed elsewhere: that of a point which is dragged, say.
+  follow(changed) {
+    for (const {path, value} of changed) {
+      const row = this.rows.get(path);
+      if (row && !row.moving) row.update({...row.number, value});
+    }
+  }
+
   // In another unit a number is another one, with a range of its own.
   rowOf(rows, {path, unit}) {
     const row = rows.get(path);

@@ -793,6 +793,8 @@ std::string ViewSession::answered(const std::string& what, const json& request, 
                                                  : what;
   const bool goes_on = request.value("goes_on", false);
   const Parts parts = goes_on || what == "drag" ? Parts::moving : Parts::all;
+  const std::vector<std::optional<double>> values_before =
+      parts == Parts::moving && what != "drag" ? parameter_values(now_.scene) : std::vector<std::optional<double>>();
   const bool is_step = changes_scene(what) && !(now_.in_gesture && gesture == now_.gesture);
   const std::shared_ptr<const Snapshot> before = is_step ? snapshot() : nullptr;
   const Transition transition = carry_out(what, request);
@@ -803,6 +805,7 @@ std::string ViewSession::answered(const std::string& what, const json& request, 
     ++now_.revision;
   }
   out = shown(transition, parts);
+  if (!values_before.empty()) out["changed"] = changed_from(values_before);
   std::string drawing = drawing_json(now_.screen->drawing(now_.shown, transition, what == "load"));
   out["handles"] = handles();
   if (parts == Parts::all) look_for_others();
@@ -948,6 +951,19 @@ json ViewSession::numbers() const {
   json out = json::array();
   for (const std::string& group : order) {
     for (json& number : groups[group]) out.push_back(std::move(number));
+  }
+  return out;
+}
+
+/// The numbers that a gesture has changed, so that their fields follow it.
+json ViewSession::changed_from(const std::vector<std::optional<double>>& before) const {
+  json out = json::array();
+  const std::vector<std::optional<double>> now = parameter_values(now_.scene);
+  if (now == before || now.size() != before.size()) return out;
+  const std::vector<ParameterRow> rows = parameter_table(now_.scene);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!now[i] || now[i] == before[i] || !counts_in_statics(rows[i].place.owner)) continue;
+    out.push_back({{"path", rows[i].path.text()}, {"value", *now[i] / rows[i].dimension.unit(now_.scene.units)}});
   }
   return out;
 }

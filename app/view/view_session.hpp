@@ -111,6 +111,7 @@ class ViewSession {
   std::string title() const;
   double size_of_mechanism() const;
   nlohmann::json numbers() const;
+  nlohmann::json changed_from(const std::vector<std::optional<double>>& before) const;
   nlohmann::json switches() const;
   nlohmann::json items();
   nlohmann::json sheet() const;

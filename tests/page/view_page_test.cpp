@@ -452,6 +452,28 @@ TEST_F(ViewPage, SnapAtAFoldIsPlayed) {
 }
 
 // The four-bar of README.md by mouse, from an empty sheet: forty gestures are three minutes for a beginner.
+// Its fixed point is dragged: the field shows where it is before it is let go, and undo is told once.
+TEST_F(ViewPage, FieldsFollowAndUndoIsToldOnce) {
+  show("toggle_clamp");
+  const std::string field = "document.querySelector('[data-number=\"point.ground.W.x\"] input[type=number]').value";
+  const json at = browser().run(
+      "const box = document.querySelector('[data-handle=ground][data-name=W]').getBoundingClientRect();"
+      "return [box.x + box.width / 2, box.y + box.height / 2]");
+  ASSERT_EQ(browser().run("return " + field), "86");
+  browser().press(at[0], at[1]);
+  for (int k = 1; k <= 6; ++k) browser().move(at[0].get<double>() + 2.0 * k, at[1]);
+  EXPECT_TRUE(browser().wait_for("Number(" + field + ") > 86.5", 5.0)) << browser().run("return " + field);
+  browser().let_go();
+  ASSERT_TRUE(
+      browser().wait_for("[...document.querySelectorAll('button')].some("
+                         "(one) => one.textContent === 'Undo' && !one.disabled)"));
+  browser().run("[...document.querySelectorAll('button')].find((one) => one.textContent === 'Undo').click()");
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.status').textContent.includes('Undone')"));
+  EXPECT_EQ(browser().run("return document.querySelector('.status').textContent.match(/Undone/g).length"), 1);
+  EXPECT_TRUE(browser().wait_for(field + " === '86'"));
+  expect_silence();
+}
+
 TEST_F(ViewPage, TheFourBarOfTheReadmeIsDrawnByMouse) {
   show_file(folder_.path("drawn.toml"));
   EXPECT_TRUE(browser().wait_for("document.body.innerText.includes('no link is drawn yet')"));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -133,6 +134,23 @@ TEST(ViewSession, GestureIsOneStepForUndo) {
   state = asked(session, {{"do", "undo"}});
   EXPECT_DOUBLE_EQ(norm(session.tracked().scene().forces[0].vector), 25.0);
   EXPECT_EQ(state["saved"], true);
+}
+
+TEST(ViewSession, FieldsFollowAPointThatIsDragged) {
+  const OwnScene own("toggle_clamp");
+  ViewSession session(own.file);
+  json px = handle_of(look(session), "ground", "W")["px"];
+  px[0] = px[0].get<double>() + 3.0;
+  const json moving = asked(session, {{"do", "ground"}, {"point", "W"}, {"px", px}, {"goes_on", true}});
+  ASSERT_EQ(error_of(moving), "");
+  std::map<std::string, double> changed;
+  for (const json& one : moving["changed"]) changed[one["path"]] = one["value"];
+  const Vec2 now = session.tracked().scene().bodies[0].points[2].at;
+  ASSERT_TRUE(changed.contains("point.ground.W.x"));
+  EXPECT_NEAR(changed["point.ground.W.x"], now.x / 1e-3, 1e-9);
+  EXPECT_GT(now.x, 0.0861) << "it was at 86 mm";
+  EXPECT_FALSE(changed.contains("point.ground.A.x"));
+  EXPECT_FALSE(look(session).contains("changed"));
 }
 
 TEST(ViewSession, BadTextNamesItsLineAndChangesNothing) {
