@@ -183,21 +183,30 @@ std::string toml_of_hand(const TrackedEquilibrium& tracked) {
 }
 
 /// The start of a scene as a person would write it, without digits that a guess does not need: to a ten-thousandth of
-/// a degree, and to a millionth of the size of the mechanism, m. What is written already stays where it says the same.
-Start written_start(const Scene& scene, const Start& written, double size) {
-  const auto take = [](std::optional<double>& value, const std::optional<double>& before, double unit, int digits) {
+/// a degree, and to a millionth of the size of the mechanism, m, or `finer` digits better. What is written already
+/// stays where it says the same, and what a body has anyway is not written. `layout`: of a mechanism that rests.
+Start written_start(const Scene& scene, const Start& written, double size, const Layout* layout, int finer) {
+  const auto take = [finer](std::optional<double>& value, const std::optional<double>& before, double unit,
+                            int digits) {
     if (!value) return;
-    const double scale = std::pow(10.0, digits);
-    // Multiplied in the unit of the file, so that it reads there as it was rounded.
-    const double rounded = std::round(*value / unit * scale) / scale * unit;
+    const double scale = std::pow(10.0, digits + finer);
+    // Multiplied in the unit of the file, so that it reads there as it was rounded; without the sign of a zero.
+    const double rounded = std::round(*value / unit * scale) / scale * unit + 0.0;
     value = before && std::abs(*before - rounded) < 2.5 * unit / scale ? *before : rounded;
   };
   const int angle_digits = scene.units.angle == 1.0 ? 6 : 4;
   const double length = scene.units.length;
   const int length_digits = 6 - static_cast<int>(std::floor(std::log10(std::max(size, 1e-30) / length)));
   Start out = scene.start;
-  for (std::size_t b = 0; b < out.angle.size(); ++b)
+  const auto has_anyway = [&](std::size_t b) {
+    if (written.angle[b] || layout == nullptr) return false;
+    const Link& link = layout->links[b];
+    return link.frame < 0 || (link.turn == 0 && out.angle[b] == 0.0);
+  };
+  for (std::size_t b = 0; b < out.angle.size(); ++b) {
     take(out.angle[b], written.angle[b], scene.units.angle, angle_digits);
+    if (has_anyway(b)) out.angle[b].reset();
+  }
   for (std::size_t j = 0; j < out.travel.size(); ++j) take(out.travel[j], written.travel[j], length, length_digits);
   for (std::size_t b = 0; b < out.position.size(); ++b) {
     if (!out.position[b]) continue;
@@ -310,15 +319,19 @@ std::string ViewSession::line() const { return has_file_ ? "poise view " + file_
 std::string ViewSession::solving_line() const {
   if (!has_file_ || now_.shown.hand()) return line();
   std::vector<std::string> words{"solve", file_.string()};
-  if (solve_finds_another()) words.insert(words.end(), {"--seek", "any"});
+  if (!rests_stably() && solve_finds_another()) words.insert(words.end(), {"--seek", "any"});
   return line_of(words);
 }
 
-/// Whether the mechanism was taken to an equilibrium from which it falls where the text has its place rounded.
+bool ViewSession::rests_stably() const {
+  return now_.shown.found() && !now_.shown.hand() &&
+         now_.shown.at_rest().equilibrium().certificate.stability != Stability::unstable;
+}
+
+/// Whether the text leads elsewhere: from an unstable equilibrium, say, it falls where its place is rounded.
 bool ViewSession::solve_finds_another() const {
   constexpr double same = 1e-3;  // rad: more than what the text leaves out
   if (!now_.shown.found() || now_.shown.hand()) return false;
-  if (now_.shown.at_rest().equilibrium().certificate.stability != Stability::unstable) return false;
   SolveOptions options;
   options.prove = false;
   options.interrupt = interrupt_;
@@ -393,8 +406,12 @@ std::shared_ptr<const ViewSession::Snapshot> ViewSession::snapshot() const {
 Scene ViewSession::effective(Scene scene) const { return without_items(std::move(scene), now_.off); }
 
 /// Takes the present position over into the scene with all items.
-void ViewSession::sync() {
-  now_.scene.start = written_start(now_.shown.scene(), now_.scene.start, size_of_mechanism());
+void ViewSession::sync() { write_start(0); }
+
+void ViewSession::write_start(int finer) {
+  const TrackedEquilibrium* const tracked = now_.shown.tracked();
+  const Layout* const layout = tracked != nullptr ? &tracked->model().layout() : nullptr;
+  now_.scene.start = written_start(now_.shown.scene(), now_.scene.start, size_of_mechanism(), layout, finer);
 }
 
 void ViewSession::look_for_others() {
@@ -705,6 +722,11 @@ Transition ViewSession::do_save(const json& request) {
   if (!anyway && there && there != now_.on_disk) {
     throw InputError("changed on disk: the file is no longer as it was read; reload it, or save all the same");
   }
+  // A place next to a border between two equilibria needs more digits than a person would write.
+  for (const int finer : {3, 6, 9}) {
+    if (!rests_stably() || !solve_finds_another()) break;
+    write_start(finer);
+  }
   const std::string text = present_text();
   now_.on_disk = now_.text = text;
   now_.scene = read(text);
@@ -712,7 +734,7 @@ Transition ViewSession::do_save(const json& request) {
   return_to(now_.shown.poses());
   now_.saved_text = present_text();
   Transition way;
-  if (solve_finds_another()) way.why = solve_differs;
+  if (!rests_stably() && solve_finds_another()) way.why = solve_differs;
   OutputFile out(file_, "save");
   out.prepare(text);
   out.commit();

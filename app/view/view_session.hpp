@@ -88,6 +88,7 @@ class ViewSession {
   void expect_file() const;
   std::string line() const;
   std::string solving_line() const;
+  bool rests_stably() const;
   bool solve_finds_another() const;
   std::optional<std::string> text_on_disk() const;
   void allow_files_of(const std::string& text);
@@ -98,6 +99,7 @@ class ViewSession {
   Transition carry_out(const std::string& what, const nlohmann::json& request);
   Scene effective(Scene scene) const;
   void sync();
+  void write_start(int finer);
   void look_for_others();
   std::string present_text() const;
   void expect_parked() const;

@@ -48,7 +48,8 @@ double apart_from_solve(ViewSession& session, const std::string& text) {
 
 /// A copy of a dataset that can be written to.
 struct OwnScene {
-  explicit OwnScene(const std::string& name) : file(folder.write(name + ".toml", contents(dataset(name)))) {}
+  explicit OwnScene(const std::string& name)
+      : file(folder.write(std::filesystem::path(name).filename().string() + ".toml", contents(dataset(name)))) {}
   TempFolder folder;
   std::string file;
 };
@@ -336,6 +337,21 @@ TEST(ViewSession, SwitchesSpringsOffAndOn) {
   state = asked(session, {{"do", "redo"}});
   state = asked(session, {{"do", "switch"}, {"item", "spring.rubber"}, {"on", true}});
   EXPECT_EQ(parse_scene(state["text"].get<std::string>(), "on.toml").elements.size(), 1U);
+}
+
+TEST(ViewSession, SavesFewDigitsAndNoGuessThatABodyHasAnyway) {
+  const OwnScene own("friction/wedge");
+  ViewSession session(own.file);
+  const json handle = look(session)["handles"].back();
+  const json px = {handle["px"][0].get<double>() + 12.0, handle["px"][1].get<double>() + 9.0};
+  ASSERT_EQ(error_of(asked(session, {{"do", "drag"}, {"point", handle["name"]}, {"px", px}})), "");
+  ASSERT_EQ(error_of(asked(session, {{"do", "release"}})), "");
+  ASSERT_EQ(error_of(asked(session, {{"do", "save"}})), "");
+  const std::string text = look(session)["text"];
+  const std::string start = text.substr(text.find("[start]"));
+  EXPECT_NE(start.find("floor = 1.73913\n"), std::string::npos) << start;
+  EXPECT_EQ(start.find("wedge"), std::string::npos) << start;
+  EXPECT_EQ(start.find("block"), std::string::npos) << start;
 }
 
 TEST(ViewSession, SavesOnlyOverWhatItHasRead) {
