@@ -12,7 +12,7 @@
 namespace poise::app {
 namespace {
 
-/// The pivots of two wheels on their page, and the radii at which they roll on one another or with a belt.
+/// Pitch circles on the page, px.
 struct Wheels {
   Vec2 a, b;
   double radius_a, radius_b;
@@ -20,24 +20,11 @@ struct Wheels {
 
 // Of wheels on one axis the radii are not known: circles of a size that can be seen.
 Wheels wheels_of(const Stage& stage, const Stop& stop) {
-  const Measure& of_b = stop.on.terms[0].measure;
-  const Measure& of_a = stop.on.terms[1].measure;
-  Wheels out{stage.pivot(of_a.body_a, of_a.body_b), stage.pivot(of_b.body_a, of_b.body_b), 14.0, 14.0};
-  const double apart = norm(out.b - out.a);
-  const double ratio = std::abs(stop.on.terms[1].factor);
-  if (apart < 4.0) return out;
-  if (stop.table == "belt") {
-    const double both = 0.5 * apart;
-    out.radius_a = both * ratio / (1.0 + ratio);
-    out.radius_b = both / (1.0 + ratio);
-  } else if (stop.sense > 0.0) {
-    out.radius_a = apart * ratio / (1.0 + ratio);
-    out.radius_b = apart / (1.0 + ratio);
-  } else if (ratio != 1.0) {
-    out.radius_a = apart * ratio / std::abs(1.0 - ratio);
-    out.radius_b = apart / std::abs(1.0 - ratio);
-  }
-  return out;
+  constexpr double at_one_place = 4.0, unknown_radius = 14.0;
+  const PitchCircles circles = pitch_circles(stage.scene, stage.now, stop);
+  const Vec2 a = stage.page(circles.centre_a), b = stage.page(circles.centre_b);
+  if (norm(b - a) < at_one_place) return {a, b, unknown_radius, unknown_radius};
+  return {a, b, stage.scale * circles.radius_a, stage.scale * circles.radius_b};
 }
 
 constexpr double line_width = 1.3;
@@ -117,6 +104,24 @@ void draw_cam(Stage& stage, const Stop& stop, bool in_contact) {
 }
 
 }  // namespace
+
+PitchCircles pitch_circles(const Scene& scene, const Readings& readings, const Stop& stop) {
+  const Measure& of_b = stop.on.terms[0].measure;
+  const Measure& of_a = stop.on.terms[1].measure;
+  PitchCircles out{pivot_of(scene, readings, of_a.body_a, of_a.body_b),
+                   pivot_of(scene, readings, of_b.body_a, of_b.body_b)};
+  const double apart = norm(out.centre_b - out.centre_a);
+  const double ratio = std::abs(stop.on.terms[1].factor);
+  if (stop.table == "belt" || stop.sense > 0.0) {
+    const double both = stop.table == "belt" ? 0.5 * apart : apart;
+    out.radius_a = both * ratio / (1.0 + ratio);
+    out.radius_b = both / (1.0 + ratio);
+  } else if (ratio != 1.0) {
+    out.radius_a = apart * ratio / std::abs(1.0 - ratio);
+    out.radius_b = apart / std::abs(1.0 - ratio);
+  }
+  return out;
+}
 
 std::vector<Vec2> pitch_curve(const Scene& scene, const Readings& readings, const Stop& stop) {
   const std::optional<CamGeometry> known = cam_geometry(scene, stop);

@@ -110,6 +110,11 @@ Drawing FrameDrawer::finished(std::vector<Frame> frames, std::string description
     y += 34;
     const Canvas signs = draw_legend(legend_, width);
     Canvas legend;
+    // What is dragged below the sheet does not run through it.
+    const double bottom = 22 + std::max(0.0, signs.bounds().high.y) + sheet::margin;
+    legend.polygon(
+        {{-sheet::margin, 0}, {width + sheet::margin, 0}, {width + sheet::margin, bottom}, {-sheet::margin, bottom}},
+        {.fill = ink::paper, .stroke = ink::none});
     legend.line({0, 0}, {width, 0}, {.stroke = ink::ghost, .width = 1});
     legend.insert(signs, "", {0, 22});
     still.insert(legend, "legend", {sheet::margin, y});

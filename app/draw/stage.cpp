@@ -64,6 +64,17 @@ Box extent_of(const Scene& scene, const Readings& readings) {
     include_rope(stop.on);
     if (has_track(stop)) {
       include_track(scene, readings, s, box);
+    } else if (stop.table == "gear" || stop.table == "belt") {
+      const PitchCircles wheels = pitch_circles(scene, readings, stop);
+      // Of wheels one inside the other that are nearly alike the circles would leave no room for the mechanism.
+      const double most = 4.0 * norm(wheels.centre_b - wheels.centre_a);
+      box.include(wheels.centre_a, std::min(wheels.radius_a, most));
+      box.include(wheels.centre_b, std::min(wheels.radius_b, most));
+    } else if (stop.table == "rack") {
+      const Measure::Term& pinion = stop.on.terms[1];
+      constexpr double with_rack = 1.8;  // radii
+      box.include(pivot_of(scene, readings, pinion.measure.body_a, pinion.measure.body_b),
+                  with_rack * std::abs(pinion.factor));
     } else if (stop.table == "cam") {
       for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
     }
@@ -278,13 +289,15 @@ std::string Stage::short_name(const Joint& joint) const {
   return scene.bodies[joint.a.body].points[joint.a.point].name;
 }
 
-Vec2 Stage::pivot(int a, int b) const {
+Vec2 pivot_of(const Scene& scene, const Readings& readings, int a, int b) {
   for (const Joint& joint : scene.joints) {
     const bool joins = (joint.a.body == a && joint.b.body == b) || (joint.a.body == b && joint.b.body == a);
-    if (joins && !joint.keeps_length()) return page(joint.b);
+    if (joins && !joint.keeps_length()) return world(scene, readings, joint.b);
   }
-  return page(now.poses[b].origin);
+  return readings.poses[static_cast<std::size_t>(b)].origin;
 }
+
+Vec2 Stage::pivot(int a, int b) const { return page(pivot_of(scene, now, a, b)); }
 
 double Stage::arrow_length(double force) const { return length_of_arrow(force, largest_force); }
 

@@ -181,6 +181,15 @@ void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
 void draw_rope(Stage& stage, const Stop& stop, bool taut);
 /// Pitch circles of gears, racks and belts; a cam by its pitch curve, or as a shape that stands out where it lifts.
 void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
+/// Two wheels, m in the world: where they turn, and the radii at which they roll on one another or with a belt; 0 of
+/// wheels on one axis, which are not known.
+struct PitchCircles {
+  Vec2 centre_a{}, centre_b{};
+  double radius_a = 0.0, radius_b = 0.0;
+};
+PitchCircles pitch_circles(const Scene& scene, const Readings& readings, const Stop& stop);
+/// Where two bodies turn against each other, m in the world.
+Vec2 pivot_of(const Scene& scene, const Readings& readings, int a, int b);
 /// The curve on which the centre of a cam's roller runs, seen from the cam, m: where it is with the follower at the
 /// lift of every angle, turned back by as much as the cam has to turn to that angle. Empty where the scene does not say
 /// where they are (model/cam_geometry.hpp).

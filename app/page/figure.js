@@ -76,6 +76,12 @@ function overlap(a, b) {
   return !apart('x', 'width') && !apart('y', 'height');
 }
 
+// Across, of what a legend has as its ground and rule.
+function widthOf(shape) {
+  const xs = shape[0] === 'line' ? [shape[2], shape[4]] : shape[0] === 'polygon' ? shape[2].filter((_, i) => i % 2 === 0) : [0];
+  return Math.max(...xs) - Math.min(...xs);
+}
+
 function isText(slot) {
   return slot.shape?.[0] === 'text';
 }
@@ -247,8 +253,8 @@ export class Picture {
   // Whether the legend can be read depends on the drawing's size, not on what of it is seen.
   tellKey() {
     if (!this.key) return;
-    const is_rule = ({shape}) => shape[0] === 'line' && Math.abs(shape[4] - shape[2]) > this.drawing.width / 2;
-    const is_entry = (slot) => slot.layer === 'legend' && slot.displayed && slot.shape !== null && !is_rule(slot);
+    const is_entry = (slot) =>
+      slot.layer === 'legend' && slot.displayed && slot.shape !== null && widthOf(slot.shape) < this.drawing.width / 2;
     const slots = this.is_small ? this.slots.filter(is_entry) : [];
     const texts = JSON.stringify(slots.filter(isText).map((slot) => slot.shape[4]));
     this.svg.classList.toggle('without-legend', slots.length > 0);
