@@ -129,27 +129,23 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const auto shown = [&](double value, Quantity quantity) {
     return stage.value(value, quantity, quantity == Quantity::force ? reaction.radius : reaction.moment_radius) + mark;
   };
-  const auto text = [&](double value, Quantity quantity, int body) {
-    return (name.empty() ? "" : name + ": ") + shown(value, quantity) + " on " + stage.scene.bodies[body].name;
+  // The same of action and reaction as in tables: that on the second body of the joint.
+  const std::string& on = stage.scene.bodies[static_cast<std::size_t>(joint.b.body)].name;
+  const std::string& by = stage.scene.bodies[static_cast<std::size_t>(joint.a.body)].name;
+  const auto text = [&](double value, Quantity quantity) {
+    return (name.empty() ? "" : name + ": ") + shown(value, quantity) + " on " + on;
   };
-  // Of action and reaction the one whose arrow leaves the joint where less is drawn; rather that on a moving body.
-  int body = joint.b.body != 0 ? joint.b.body : joint.a.body;
+  const auto both = [&](double value, Quantity quantity) {
+    return fmt::format("{} on {} by {}, as much back on {} by {}", shown(value, quantity), on, by, by, on);
+  };
   if (has_force) {
-    constexpr double on_ground = 10.0;
-    const Arrow on_a = leaving(stage, at, -reaction.force);
-    const Arrow on_b = leaving(stage, at, reaction.force);
-    const double cost_a = covered_by(stage, at, on_a) + (joint.a.body == 0 ? on_ground : 0.0);
-    const double cost_b = covered_by(stage, at, on_b) + (joint.b.body == 0 ? on_ground : 0.0);
-    const bool acts_on_b = stage.least(item, {cost_b, cost_a}, covered_for_change) == 0;
-    body = acts_on_b ? joint.b.body : joint.a.body;
-    stage.canvas.item(item, shown(size, Quantity::force) + " on " + stage.scene.bodies[body].name);
-    draw_force(stage, at, acts_on_b ? on_b : on_a, text(size, Quantity::force, body), colour, width, dash);
+    stage.canvas.item(item, both(size, Quantity::force));
+    draw_force(stage, at, leaving(stage, at, reaction.force), text(size, Quantity::force), colour, width, dash);
   }
   if (has_moment) {
-    const double moment = body == joint.b.body ? reaction.moment : -reaction.moment;
-    stage.canvas.item("moment of " + Stage::item_of(joint),
-                      shown(std::abs(moment), Quantity::moment) + " on " + stage.scene.bodies[body].name);
-    draw_turning(stage, at, 17.0, moment, text(std::abs(moment), Quantity::moment, body), colour, width, dash);
+    const double moment = std::abs(reaction.moment);
+    stage.canvas.item("moment of " + Stage::item_of(joint), both(moment, Quantity::moment));
+    draw_turning(stage, at, 17.0, reaction.moment, text(moment, Quantity::moment), colour, width, dash);
   }
 }
 

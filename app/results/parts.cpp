@@ -295,7 +295,7 @@ std::vector<Reaction> reaction_rows(const std::vector<Reaction>& reactions) {
     for (const BodyForce& part : reaction.parts) {
       Reaction& row = out.emplace_back(reaction);
       row.parts.clear();
-      row.body_b = part.body;
+      row.body_a = row.body_b = part.body;
       row.at = part.at;
       row.force = part.force;
       row.moment = part.moment;
@@ -323,6 +323,13 @@ Table& add_reactions(Group& group, const ScaledModel& model, const std::vector<R
   table.words("on", "on", each(reactions, [&](const Reaction& r) {
                 return model.scene().bodies[static_cast<std::size_t>(r.body_b)].name;
               }));
+  // A rope, a cam or teeth act on a body from several sides.
+  Column& by = table.words("by", "", each(reactions, [&](const Reaction& r) {
+                             const auto body = static_cast<std::size_t>(r.body_a);
+                             return r.body_a == r.body_b ? "" : model.scene().bodies[body].name;
+                           }));
+  by.kind = Column::Kind::word_or_null;
+  by.shown = false;
   const auto length = [&](double si) { return in_unit(si, Quantity::length, units); };
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.x); }));
   table.data("at[]", each(reactions, [&](const Reaction& r) { return length(r.at.y); }));

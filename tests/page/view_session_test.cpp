@@ -323,6 +323,36 @@ TEST(ViewSession, OpensNoPipe) {
   EXPECT_NE(error_of(answer).find("a device or a pipe"), std::string::npos) << error_of(answer);
 }
 
+// The picture names the same body as the tables, of action and reaction that on the joint's second body, and beside the
+// pointer both.
+TEST(ViewSession, PictureAndTableHaveTheForceOnTheSameBody) {
+  for (const char* const name : {"toggle_clamp", "four_bar_gravity", "excavator"}) {
+    const OwnScene own(name);
+    ViewSession session(own.file);
+    const json drawing = session.page()["view"]["drawing"];
+    std::string texts, slots;
+    for (const json& shape : drawing["shapes"]) {
+      if (shape[0] == "text") texts += shape[4].get<std::string>() + "\n";
+    }
+    for (const json& slot : drawing["slots"]) slots += slot[1].get<std::string>() + "\n";
+    const Scene& scene = session.tracked().scene();
+    int named = 0;
+    for (const Reaction& reaction : session.tracked().equilibrium().check.reactions) {
+      if (reaction.kind != "pin") continue;
+      const std::string on = scene.bodies[static_cast<std::size_t>(reaction.body_b)].name;
+      const std::string by = scene.bodies[static_cast<std::size_t>(reaction.body_a)].name;
+      const std::size_t slot = slots.find("force of pin " + reaction.name + ": ");
+      if (slot == std::string::npos) continue;  // too small to be seen
+      ++named;
+      const std::string said = slots.substr(slot, slots.find('\n', slot) - slot);
+      EXPECT_NE(said.find(" on " + on + " by " + by + ", as much back on " + by), std::string::npos) << said;
+      const std::string value = said.substr(said.find(": ") + 2, said.find(" by ") - said.find(": ") - 2);
+      EXPECT_NE(texts.find(value), std::string::npos) << name << ": " << value << " in\n" << texts;
+    }
+    EXPECT_GT(named, 1) << name;
+  }
+}
+
 TEST(ViewSession, SwitchesSpringsOffAndOn) {
   const OwnScene own("toggle_clamp");
   ViewSession session(own.file);
