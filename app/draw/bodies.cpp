@@ -179,7 +179,7 @@ void draw_paths(Stage& stage) {
       if (points.empty() || norm(stage.page(p) - points.back()) > visible) points.push_back(stage.page(p));
     }
     if (points.empty()) continue;
-    stage.canvas.item("path of " + path.name);
+    stage.canvas.item((stage.picture.paths_are_links ? "bent " : "path of ") + path.name);
     const Colour colour = curve_colour(k);
     stage.canvas.polyline(points, {.stroke = colour, .width = 1.8});
     stage.canvas.circle(points.front(), 2.6, {.fill = colour});
@@ -189,7 +189,7 @@ void draw_paths(Stage& stage) {
     const Vec2 bulge = middle - 0.5 * (points.front() + points.back());
     const Vec2 away = norm(bulge) > 1.0 ? (1 / norm(bulge)) * bulge : Vec2{0, -1};
     stage.label(path.name, middle, away, 6, ink::dark);
-    stage.signs.insert(Sign::path);
+    stage.signs.insert(stage.picture.paths_are_links ? Sign::bent_link : Sign::path);
   }
   stage.canvas.close();
 }

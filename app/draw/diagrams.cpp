@@ -20,9 +20,12 @@ void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
   }
   if (std::abs(diagram.value[top]) <= negligible_load * largest) return;
   const std::string text = stage.value(diagram.value[top], diagram.quantity);
-  // Each part is an item, so that a reader who points at it is told its value.
+  // Each part is an item, so that a reader who points at it is told its value. Of many positions the values stand in
+  // charts: parts keep their names there.
+  const bool moves = stage.picture.largest_diagram.has_value();
   for (std::size_t k = 1; k < area.size(); ++k) {
-    stage.canvas.item(diagram.name, stage.value(0.5 * (diagram.value[k - 1] + diagram.value[k]), diagram.quantity));
+    const std::string here = stage.value(0.5 * (diagram.value[k - 1] + diagram.value[k]), diagram.quantity);
+    stage.canvas.item(moves ? diagram.name : diagram.name + ": " + here);
     stage.canvas.polygon({area[k - 1], area[k], line[k], line[k - 1]}, {.fill = diagram.colour, .opacity = 0.25});
   }
   stage.canvas.item(diagram.name, text);
@@ -31,7 +34,7 @@ void draw_diagram(Stage& stage, const Diagram& diagram, double largest) {
   stage.canvas.line(area.back(), line.back(), {.stroke = diagram.colour, .width = 1.0});
   for (std::size_t k = 1; k < area.size(); ++k) stage.setter.avoid(area[k - 1], area[k], 2.0);
   const Vec2 away = area[top] - line[top];
-  stage.label(text, area[top], (1 / norm(away)) * away, 4, ink::dark);
+  if (diagram.labelled) stage.label(text, area[top], (1 / norm(away)) * away, 4, ink::dark);
   stage.signs.insert(Sign::diagram);
 }
 

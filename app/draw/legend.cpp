@@ -83,6 +83,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},
       {Sign::path, "path of the point named", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)},
+      {Sign::bent_link, "link as it bends", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)},
       {Sign::diagram, "internal load along the link", area},
       {Sign::slip, "slips first", [](Canvas& c) {
          c.circle({17, 0}, 8.0, {.stroke = ink::load, .width = 2.2});

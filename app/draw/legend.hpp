@@ -33,6 +33,7 @@ enum class Sign {
   inactive_stop,
   other_pose,
   path,
+  bent_link,
   diagram,
   slip
 };

@@ -17,6 +17,7 @@ namespace poise::app {
 namespace {
 
 constexpr int parts_of_piece = 24;  // in which a piece is drawn
+constexpr double same_value = 1e-6;
 
 /// Where positive values are drawn, seen in the direction of the line.
 enum class Side { left, right };
@@ -36,17 +37,29 @@ constexpr std::array<Drawn, 3> drawn_quantities{
     Drawn{"Bending moment, on the stretched side", &LinkState::moment, Quantity::moment, Side::right, ink::curve_3}};
 
 MechanismPicture picture_of_quantity(const Poses& poses, const std::vector<LinkLoads>& links, const Drawn& drawn) {
+  // A rigid link turns by a corner, one that bends by a little from place to place.
+  constexpr double corner = 0.1;
   MechanismPicture picture{.poses = poses};
   for (const LinkLoads& link : links) {
     const BodyPose<double>& pose = poses[static_cast<std::size_t>(link.frame)];
-    Diagram diagram{.name = link.name, .quantity = drawn.quantity, .colour = drawn.colour};
+    const std::size_t first = picture.diagrams.size();
+    Vec2 along{};
     for (const LinkSample& sample : link.sampled(parts_of_piece)) {
+      const bool turns = !link.flexible && norm(sample.along - along) > corner;
+      if (picture.diagrams.size() == first || turns)
+        picture.diagrams.push_back({.name = link.name, .quantity = drawn.quantity, .colour = drawn.colour});
+      along = sample.along;
+      Diagram& diagram = picture.diagrams.back();
       const Vec2 left = quarter_turn(sample.along) * pose.direction();
       diagram.at.push_back(pose.world(sample.state.at));
       diagram.toward.push_back(drawn.side == Side::left ? left : -left);
       diagram.value.push_back(sample.state.*drawn.value);
     }
-    picture.diagrams.push_back(std::move(diagram));
+    // What is as large on both sides of a corner is said once.
+    for (std::size_t k = first + 1; k < picture.diagrams.size(); ++k) {
+      const double before = largest_of({picture.diagrams[k - 1]}), here = largest_of({picture.diagrams[k]});
+      picture.diagrams[k].labelled = std::abs(before - here) > same_value * here;
+    }
   }
   return picture;
 }
@@ -66,7 +79,7 @@ double enlargement(const std::vector<LinkLoads>& links) {
 
 /// Of rigid links; flexible ones are drawn as they are bent.
 MechanismPicture picture_of_deflection(const Poses& poses, const std::vector<LinkLoads>& links, double factor) {
-  MechanismPicture picture{.poses = poses};
+  MechanismPicture picture{.poses = poses, .paths_are_links = true};
   for (const LinkLoads& link : links) {
     if (link.flexible) continue;
     PointPath path{link.name, {}};

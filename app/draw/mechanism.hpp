@@ -36,6 +36,7 @@ struct Diagram {
   std::vector<Vec2> at{};       ///< places along the line, m in the world
   std::vector<Vec2> toward{};   ///< at each the direction, a unit vector, in which positive values are drawn
   std::vector<double> value{};  ///< at each, SI
+  bool labelled = true;         ///< with its largest value
 };
 
 /// SI; 0 where there are no values.
@@ -56,6 +57,7 @@ struct MechanismPicture {
   std::vector<DriveEffort> drives{};  ///< of the scene's drives, by their names
   std::vector<OtherPose> others{};    ///< those that differ visibly are drawn
   std::vector<PointPath> paths{};
+  bool paths_are_links = false;  ///< the paths are the lines of links as they bend
   std::vector<Diagram> diagrams{};
   std::optional<double> largest_diagram{};  ///< SI: the value drawn farthest out; where absent, the largest of them
   /// Places, m in the world, that a cross marks with its text: "centre crank, ground", a sensor. Those far from the
