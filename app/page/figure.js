@@ -71,9 +71,8 @@ function sameGeometry(a, b) {
 }
 
 function overlap(a, b) {
-  const room = text_overlap * Math.min(a.height, b.height);
-  const apart = (from, size) => a[from] + a[size] < b[from] + room || b[from] + b[size] < a[from] + room;
-  return !apart('x', 'width') && !apart('y', 'height');
+  const apart = (from, size, room) => a[from] + a[size] < b[from] + room || b[from] + b[size] < a[from] + room;
+  return !apart('x', 'width', 0) && !apart('y', 'height', text_overlap * Math.min(a.height, b.height));
 }
 
 // Across, of what a legend has as its ground and rule.
