@@ -13,6 +13,9 @@
 namespace poise::app {
 namespace {
 
+/// Somebody waits for each picture; a third of a px of it is next to nothing.
+constexpr DragLimits limits_of_drag{.proved_steps = 16, .near_enough = 5e-4};
+
 /// What the message of an error says behind the place in the file.
 std::string without_place(const std::string& message, const std::string& file) {
   if (file.empty() || !message.starts_with(file + ":")) return message;
@@ -250,7 +253,7 @@ Transition ShownMechanism::change(Scene wanted) {
 void ShownMechanism::restore(Scene scene) { settle(std::move(scene)); }
 
 Transition ShownMechanism::drag(PointRef point, Vec2 place) {
-  if (tracked_) return tracked_->drag(point, place);
+  if (tracked_) return tracked_->drag(point, place, limits_of_drag);
   if (!closes_) throw InputError("nothing can be dragged yet: " + missing_);
   MovedPoint moved = moved_point(sketch_, drawn_, point, place, options_.interrupt);
   sketch_ = started_at(std::move(sketch_), moved.poses);

@@ -925,7 +925,10 @@ json ViewSession::shown(const Transition& transition, Parts parts) {
     now_.screen = std::make_shared<Screen>(now_.shown);
   json out = verdict_json();
   out["revision"] = now_.revision;
-  out["transition"] = {{"kind", to_string(transition.kind)}, {"why", transition.why}, {"passed", transition.passed}};
+  out["transition"] = {{"kind", to_string(transition.kind)},
+                       {"why", transition.why},
+                       {"passed", transition.passed},
+                       {"unfinished", transition.unfinished}};
   out["hand"] = hand();
   out["undo"] = now_.undo.size();
   out["redo"] = now_.redo.size();

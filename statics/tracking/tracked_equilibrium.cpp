@@ -350,21 +350,21 @@ Transition TrackedEquilibrium::change(Scene wanted) {
   return out;
 }
 
-Transition TrackedEquilibrium::drag(PointRef point, Vec2 place) {
+Transition TrackedEquilibrium::drag(PointRef point, Vec2 place, const DragLimits& limits) {
   DraggedPoint walk(scene_, point, options_.interrupt);
   const std::vector<Vec2> along = walk.directions();
-  if (along.empty() && movable_ && hand_ && hand_->at == point) return drag_back(point, place);
+  if (along.empty() && movable_ && hand_ && hand_->at == point) return drag_back(point, place, limits);
   if (along.empty()) throw InputError(fmt::format(cannot_move, scene_.name_of(point)));
   BodyPoses begin = poses();
-  Transition way = walk.freedoms() > static_cast<int>(along.size()) ? drag_in_equilibrium(point, place)
-                                                                    : drag_all(walk, along, point, place);
+  Transition way = walk.freedoms() > static_cast<int>(along.size()) ? drag_in_equilibrium(point, place, limits)
+                                                                    : drag_all(walk, along, point, place, limits);
   movable_ = std::move(begin);
   return way;
 }
 
 // At the very end of its way a point cannot move, to first order: it goes back to where the last drag began, and from
 // there.
-Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
+Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place, const DragLimits& limits) {
   const BodyPoses there = *movable_;
   const std::vector<Vec2> along = DraggedPoint(started_at(scene_, there), point).directions();
   Found before = found_at(with_hand(scene_, point, along, place_of(scene_, there, point)), there, expected_place);
@@ -374,7 +374,7 @@ Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
   TrackedEquilibrium now = *this;
   take(started_at(scene_, there), Hand{point, along}, std::move(before));
   try {
-    return drag(point, place);
+    return drag(point, place, limits);
   } catch (const InputError&) {
     *this = std::move(now);
     throw;
@@ -382,21 +382,25 @@ Transition TrackedEquilibrium::drag_back(PointRef point, Vec2 place) {
 }
 
 // The hand leaves no freedom.
-Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point,
-                                        Vec2 place) {
+Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point, Vec2 place,
+                                        const DragLimits& limits) {
   // A hand that moves in an area moves straight, where it can.
   const Vec2 from = walk.place();
-  const auto straight = [&](Vec2 to) {
-    return follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(), {},
-                           options_.interrupt);
+  int tried = 0;
+  const auto straight = [&](Vec2 to, int tries) {
+    ProvedWay way = follow_by_steps(with_hand(scene_, point, along, from), with_hand(scene_, point, along, to), poses(),
+                                    {}, options_.interrupt, std::min(tries, limits.proved_steps - tried));
+    tried += way.tries;
+    return way.part == 1.0 ? std::optional(std::move(way.poses)) : std::nullopt;
   };
   if (along.size() == 2) {
-    if (const auto there = straight(place)) {
+    if (const auto there = straight(place, few_tries)) {
       Found found = found_at(with_hand(scene_, point, along, place), *there, expected_place);
       if (found.equilibrium.found()) {
         take(scene_, Hand{point, along}, std::move(found));
         Transition out;
         out.kind = Transition::Kind::followed;
+        out.proved_steps = tried;
         return out;
       }
     }
@@ -407,32 +411,35 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
   BodyPoses there = walk.poses();
   std::vector<Vec2> directions = walk.directions();
   if (directions.empty()) directions = along;
-  if (along.size() == 2 && directions == along) {
-    if (auto direct = straight(walk.place())) there = std::move(*direct);
+  if (along.size() == 2 && directions == along && tried < limits.proved_steps) {
+    if (auto direct = straight(walk.place(), most_tries)) there = std::move(*direct);
   }
   Found found = found_at(with_hand(scene_, point, directions, walk.place()), there, expected_place);
   take(scene_, Hand{point, directions}, std::move(found));
+  out.proved_steps = tried;
   return out;
 }
 
 // What the hand leaves free is in equilibrium all the way. At the end of its reach hardly any force holds a point, and
 // what is not found there is found a little before.
-Transition TrackedEquilibrium::drag_in_equilibrium(PointRef point, Vec2 place) {
+Transition TrackedEquilibrium::drag_in_equilibrium(PointRef point, Vec2 place, const DragLimits& limits) {
   const Vec2 from = place_of(scene_, poses(), point);
   Transition first;
   Hand hand{point, {}};
-  Found found = dragged_to(place, hand, first);
+  Found found = dragged_to(place, hand, limits, first);
   if (!found.equilibrium.found() && equilibrium_.found()) {
     for (const double part : {0.9, 0.5}) {
       const Vec2 there = place_of(scene_, found.model->poses(found.equilibrium.x), point);
       Transition out;
       Hand other{point, {}};
-      Found nearer = dragged_to(from + part * (there - from), other, out);
+      Found nearer = dragged_to(from + part * (there - from), other, limits, out);
+      first.proved_steps += out.proved_steps;
       if (!nearer.equilibrium.found()) continue;
       if (out.kind == Transition::Kind::followed) {
         out.kind = Transition::Kind::blocked;
         out.why = no_further;
       }
+      out.proved_steps = first.proved_steps;
       take(scene_, std::move(other), std::move(nearer));
       return out;
     }
@@ -441,7 +448,8 @@ Transition TrackedEquilibrium::drag_in_equilibrium(PointRef point, Vec2 place) {
   return first;
 }
 
-TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand, Transition& out) const {
+TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand, const DragLimits& limits,
+                                                         Transition& out) const {
   const std::string why = "what the hand leaves free moved to where it rests";
   Position now = position_of(*model_, equilibrium_);
   std::optional<DraggedPoint> walk(std::in_place, scene_, hand.at, options_.interrupt);
@@ -463,10 +471,15 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     if (out.kind == Transition::Kind::none) out.kind = Transition::Kind::followed;
     return arrived;
   };
+  const auto steps_to = [&](Vec2 there, int tries) {
+    ProvedWay out_of = follow_by_steps(now.scene, with_hand_at(there), now.poses, now.active_stops, options_.interrupt,
+                                       std::min(tries, limits.proved_steps - out.proved_steps));
+    out.proved_steps += out_of.tries;
+    return out_of;
+  };
   const auto arrival_by_steps = [&](int tries) -> std::optional<Found> {
-    const auto there =
-        follow_by_steps(now.scene, with_hand_at(place), now.poses, now.active_stops, options_.interrupt, tries);
-    return there ? arrival_at(*there) : std::nullopt;
+    const ProvedWay there = steps_to(place, tries);
+    return there.part == 1.0 ? arrival_at(there.poses) : std::nullopt;
   };
   // Where it can be held just there no walk has to say how near it comes; where it is out of reach no number of steps
   // leads there.
@@ -476,7 +489,22 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   }
   walk->go_to(place);
   Transition way = way_of(*walk);
-  if (may_go_straight && way.kind == Transition::Kind::followed) {
+  if (may_go_straight && limits.near_enough > 0.0 && walk->held_up_by().empty()) {
+    // As far as the steps that are left lead towards where it can come.
+    const double near = limits.near_enough * model_->scales().length;
+    const ProvedWay part = steps_to(walk->place(), most_tries);
+    const Vec2 begin = place_of(scene_, now.poses, hand.at), end = place_of(scene_, part.poses, hand.at);
+    const bool is_there = part.part == 1.0 || norm(walk->place() - end) <= near;
+    if (is_there || norm(end - begin) > near) {
+      Found reached = found_at(with_hand_at(end), part.poses, expected_place);
+      if (reached.equilibrium.found()) {
+        out.kind = is_there ? way.kind : Transition::Kind::followed;
+        if (is_there) out.why = way.why;
+        out.unfinished = !is_there;
+        return reached;
+      }
+    }
+  } else if (may_go_straight && way.kind == Transition::Kind::followed) {
     if (auto arrived = arrival_by_steps(most_tries)) return std::move(*arrived);
   }
   // A stop that holds the walk up need not be in the way of those in equilibrium.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,17 @@ struct Transition {
     std::vector<BodyPoses> poses;
   };
   std::vector<Course> courses;
+  /// A drag that its DragLimits ended on the way: the same drag once more goes on from here.
+  bool unfinished = false;
+  int proved_steps = 0;  ///< of a drag: how many steps were tried with a proof each
+};
+
+/// How much work one drag may do. Work is counted, so that no clock decides where a point comes to.
+struct DragLimits {
+  int proved_steps = std::numeric_limits<int>::max();
+  /// What is nearer than this to where the point should come is there, mechanism sizes: beside the end of its reach
+  /// ever shorter steps lead nearer.
+  double near_enough = 0.0;
 };
 
 /// "none", "followed", ...
@@ -89,8 +101,9 @@ class TrackedEquilibrium {
   /// is taken away, say, the mechanism is released where it is. Bodies must have the names that they had, or it settles
   /// from the start of `wanted`.
   Transition change(Scene wanted);
-  /// Drags a point of a moving body to a place, m in the world, as close as it can get.
-  Transition drag(PointRef point, Vec2 place);
+  /// Drags a point of a moving body to a place, m in the world, as close as it can get; or with limits as far towards
+  /// it as they let it, and no farther than proved.
+  Transition drag(PointRef point, Vec2 place, const DragLimits& limits = {});
   /// The hand lets go, and the mechanism settles.
   Transition release();
   /// Settles from the start of a scene: of one of before, where it was.
@@ -124,11 +137,12 @@ class TrackedEquilibrium {
   Found settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls, const std::string& why,
                      Transition& transition) const;
   Found moved(const Position& at, const Scene& after, const std::string& why, Transition& transition) const;
-  Transition drag_in_equilibrium(PointRef point, Vec2 place);
-  Found dragged_to(Vec2 place, Hand& hand, Transition& out) const;
+  Transition drag_in_equilibrium(PointRef point, Vec2 place, const DragLimits& limits);
+  Found dragged_to(Vec2 place, Hand& hand, const DragLimits& limits, Transition& out) const;
   void take(Scene scene, std::optional<Hand> hand, Found found);
-  Transition drag_back(PointRef point, Vec2 place);
-  Transition drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point, Vec2 place);
+  Transition drag_back(PointRef point, Vec2 place, const DragLimits& limits);
+  Transition drag_all(DraggedPoint& walk, const std::vector<Vec2>& along, PointRef point, Vec2 place,
+                      const DragLimits& limits);
 
   TrackedOptions options_;
   Scene scene_;

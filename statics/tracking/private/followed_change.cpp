@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -251,11 +252,11 @@ std::optional<Section> section_between(const Scene& from, const Scene& to, const
 
 }  // namespace
 
-std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
-                                         int tries) {
-  const Stepped way(before, after, poses, active_stops, tries, interrupt);
-  return way.part == 1.0 ? std::optional(way.poses) : std::nullopt;
+ProvedWay follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
+                          const std::vector<int>& active_stops, const std::atomic<bool>* interrupt, int tries) {
+  int tries_left = tries;
+  Stepped way(before, after, poses, active_stops, tries_left, interrupt);
+  return {way.part, std::move(way.poses), 1 + tries - tries_left};  // the first is the whole change in one
 }
 
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 #include <vector>
 
 #include "statics/tracking/tracked_equilibrium.hpp"
@@ -25,11 +24,17 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
 /// Steps that a change is tried with at most.
 inline constexpr int most_tries = 200;
 
-/// Follows the same change by proved steps alone, `tries` of them at most; the result is empty where they do not lead
-/// there (statics/tracking/private/small_step.hpp), or are interrupted.
-std::optional<BodyPoses> follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
-                                         const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
-                                         int tries = most_tries);
+/// How far proved steps lead (statics/tracking/private/small_step.hpp).
+struct ProvedWay {
+  double part = 0.0;  ///< of the change; 1: to its end
+  BodyPoses poses;    ///< there
+  int tries = 0;      ///< steps that were tried
+};
+
+/// Follows the same change by proved steps alone, `tries` of them at most, or until it is interrupted.
+ProvedWay follow_by_steps(const Scene& before, const Scene& after, const BodyPoses& poses,
+                          const std::vector<int>& active_stops, const std::atomic<bool>* interrupt,
+                          int tries = most_tries);
 
 /// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
 /// `poses` on. Throws InputError where they cannot be closed.
