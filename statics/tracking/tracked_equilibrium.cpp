@@ -289,12 +289,13 @@ TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene scene, std::vec
 // Numbers change: what is stable is followed; from where it can be followed no further, or if it was not, it is carried
 // to the last of the numbers, and released.
 TrackedEquilibrium::Found TrackedEquilibrium::moved(const Position& at, const Scene& after, const std::string& why,
-                                                    Transition& transition) const {
+                                                    Transition& transition, const DragLimits& limits) const {
   BodyPoses poses = at.poses;
   Scene scene = at.scene;
   Transition way;
   if (at.is_stable) {
-    FollowedChange change = follow_change(at.scene, after, at.poses, at.active_stops, options_);
+    const int tries = std::min(most_tries, limits.proved_steps);
+    FollowedChange change = follow_change(at.scene, after, at.poses, at.active_stops, options_, tries);
     if (change.arrived) {
       Found found = found_at(after, change.poses, expected_place);
       if (found.equilibrium.found()) {
@@ -421,13 +422,20 @@ Transition TrackedEquilibrium::drag_all(DraggedPoint& walk, const std::vector<Ve
 }
 
 // What the hand leaves free is in equilibrium all the way. At the end of its reach hardly any force holds a point, and
-// what is not found there is found a little before.
+// what is not found there is found a little before; with limits that is where it is held already.
 Transition TrackedEquilibrium::drag_in_equilibrium(PointRef point, Vec2 place, const DragLimits& limits) {
   const Vec2 from = place_of(scene_, poses(), point);
   Transition first;
   Hand hand{point, {}};
   Found found = dragged_to(place, hand, limits, first);
   if (!found.equilibrium.found() && equilibrium_.found()) {
+    if (limits.near_enough > 0.0 && hand_ && hand_->at == point) {
+      Transition stays;
+      stays.kind = Transition::Kind::blocked;
+      stays.why = no_further;
+      stays.proved_steps = first.proved_steps;
+      return stays;
+    }
     for (const double part : {0.9, 0.5}) {
       const Vec2 there = place_of(scene_, found.model->poses(found.equilibrium.x), point);
       Transition out;
@@ -521,7 +529,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   const auto go_to = [&](Vec2 there) {
     Transition step;
     now.scene = with_hand_at(place_of(scene_, now.poses, hand.at));
-    found = moved(now, with_hand_at(there), why, step);
+    found = moved(now, with_hand_at(there), why, step, limits);
     now = position_of(*found->model, found->equilibrium);
     for (std::string& words : step.passed) out.passed.push_back(std::move(words));
     for (Transition::Course& course : step.courses) out.courses.push_back(std::move(course));

@@ -136,7 +136,8 @@ class TrackedEquilibrium {
   Found found_at(Scene scene, const BodyPoses& poses, double within) const;
   Found settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls, const std::string& why,
                      Transition& transition) const;
-  Found moved(const Position& at, const Scene& after, const std::string& why, Transition& transition) const;
+  Found moved(const Position& at, const Scene& after, const std::string& why, Transition& transition,
+              const DragLimits& limits = {}) const;
   Transition drag_in_equilibrium(PointRef point, Vec2 place, const DragLimits& limits);
   Found dragged_to(Vec2 place, Hand& hand, const DragLimits& limits, Transition& out) const;
   void take(Scene scene, std::optional<Hand> hand, Found found);

@@ -260,7 +260,7 @@ ProvedWay follow_by_steps(const Scene& before, const Scene& after, const BodyPos
 }
 
 FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
-                             const std::vector<int>& active_stops, const TrackedOptions& options) {
+                             const std::vector<int>& active_stops, const TrackedOptions& options, int tries) {
   FollowedChange out;
   Transition& transition = out.transition;
   transition.kind = Transition::Kind::followed;
@@ -268,7 +268,7 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
   out.scene = before;
   std::vector<int> active = active_stops;
   double width = 0.0;
-  int tries_left = most_tries;
+  int tries_left = tries;
   for (int k = 0; k < most_sections; ++k) {
     Stepped way(out.scene, after, out.poses, active, tries_left, options.interrupt);
     out.arrived = way.part == 1.0;

@@ -15,14 +15,15 @@ struct FollowedChange {
   Transition transition{};  ///< followed or snapped
 };
 
-/// Follows the equilibrium at `poses`, in which these stops of `before` act, all numbers growing in proportion: in a
-/// few steps (statics/tracking/private/small_step.hpp) where nothing happens on the way, else as statics/paths/path.hpp
-/// does, with snaps.
-FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
-                             const std::vector<int>& active_stops, const TrackedOptions& options);
-
 /// Steps that a change is tried with at most.
 inline constexpr int most_tries = 200;
+
+/// Follows the equilibrium at `poses`, in which these stops of `before` act, all numbers growing in proportion: in a
+/// few steps (statics/tracking/private/small_step.hpp) where nothing happens on the way, else as statics/paths/path.hpp
+/// does, with snaps. `tries`: of steps, at most.
+FollowedChange follow_change(const Scene& before, const Scene& after, const BodyPoses& poses,
+                             const std::vector<int>& active_stops, const TrackedOptions& options,
+                             int tries = most_tries);
 
 /// How far proved steps lead (statics/tracking/private/small_step.hpp).
 struct ProvedWay {
