@@ -349,6 +349,7 @@ class LiveView {
       if (left_out) this.say(`${this.note.text} Its motion is not shown, as your system asks for less motion.`.trim());
       this.arrived(whole, wish);
       if (played) this.program.resume();
+      if (answer.transition.unfinished && !this.program.busy) this.handles.goOn();
     });
     if (this.moving.playing) {
       played = true;
@@ -485,6 +486,7 @@ class LiveView {
   }
 
   opened(name) {
+    this.others.setOpen(name === 'others');
     if (name === 'forces') this.fillForces();
     if (name === 'run') this.run.open();
     if (name === 'text') requestAnimationFrame(() => this.text.scrolled());

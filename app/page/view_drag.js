@@ -209,6 +209,11 @@ export class Handles {
     this.ask(request, {gesture: `${request.do} ${held.handle.item.name}`, time});
   }
 
+  /// A point that the program has moved as far as one answer takes goes on to where it is wanted.
+  goOn() {
+    if (this.held?.moved) this.goTo(this.held.wanted, null);
+  }
+
   up(handle, by) {
     const {held} = this;
     if (!held || held.handle !== handle || held.by !== by) return;

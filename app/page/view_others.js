@@ -31,7 +31,8 @@ const most_ghosts = 3;
 /// The panel with the other equilibria, and their ghosts in a picture. `ask(request, options)` sends requests.
 export class OthersPanel {
   constructor(picture, palette, ask) {
-    Object.assign(this, {picture, palette, ask, others: null, ghosts: []});
+    Object.assign(this, {picture, palette, ask, others: null, ghosts: [], suspended: false});
+    Object.assign(this, {is_open: false, has_cards: false, is_whole: false, chosen: []});
     this.group = svgElement('g', {class: 'ghosts', 'aria-hidden': 'true'});
     this.picture.svg.prepend(this.group);
     this.statement = element('p', {class: 'statement', role: 'status'});
@@ -41,7 +42,11 @@ export class OthersPanel {
     });
     this.many_words = element('p', {class: 'hint'});
     this.whole_words = element('span');
-    const whole = checkbox(this.whole_words, false, (on) => this.group.classList.toggle('whole', on));
+    const whole = checkbox(this.whole_words, false, (on) => {
+      this.is_whole = on;
+      this.group.classList.toggle('whole', on);
+      if (on) this.makeGhosts();
+    });
     this.many = element('div', {hidden: true}, this.many_words, whole);
     this.element = element('div', {class: 'others'}, this.statement, this.toggle, this.many, this.cards);
     this.forget();
@@ -58,39 +63,70 @@ export class OthersPanel {
 
   /// They are what they were, but the program looks for them again: until then it cannot go to one of them.
   suspend() {
+    if (this.suspended) return;
+    this.suspended = true;
+    this.disableCards();
+  }
+
+  disableCards() {
     for (const one of this.cards.querySelectorAll('button')) one.disabled = true;
+  }
+
+  /// Cards of dozens of equilibria take long to make, and whoever moves the mechanism would wait: they are made where
+  /// they are seen.
+  setOpen(is_open) {
+    this.is_open = is_open;
+    if (is_open && this.others && !this.has_cards) this.makeCards();
+  }
+
+  makeCards() {
+    const {drawing, equilibria} = this.others;
+    this.has_cards = true;
+    this.cards.replaceChildren(...equilibria.map((one, k) => this.card(drawing, one, k)));
+    if (this.suspended) this.disableCards();
   }
 
   show(others) {
     this.others = others;
+    this.suspended = this.has_cards = false;
     this.statement.textContent = others.statement;
     this.toggle.hidden = others.equilibria.length < 2;
     const elsewhere = others.equilibria.filter((one) => !one.here);
     // The mechanism stays in stable ones.
-    const chosen = [...elsewhere].sort((a, b) => b.stable - a.stable).slice(0, most_ghosts);
-    this.ghosts = others.equilibria.map((one, k) => {
-      const ghost = one.here ? null : this.ghost(others.drawing, k);
-      if (ghost && !chosen.includes(one)) ghost.classList.add('one-of-many');
-      return ghost;
-    });
-    this.group.replaceChildren(...this.ghosts.filter((ghost) => ghost !== null));
+    this.chosen = [...elsewhere].sort((a, b) => b.stable - a.stable).slice(0, most_ghosts);
+    this.ghosts = others.equilibria.map(() => null);
+    this.group.replaceChildren();
+    this.makeGhosts();
     this.many.hidden = elsewhere.length <= most_ghosts;
     this.many_words.textContent = `${most_ghosts} of ${elsewhere.length} are shown, stable ones first, and the one whose card you point at.`;
     this.whole_words.textContent = `Show all ${elsewhere.length}`;
-    this.cards.replaceChildren(...others.equilibria.map((one, k) => this.card(others.drawing, one, k)));
+    this.cards.replaceChildren();
+    if (this.is_open) this.makeCards();
+  }
+
+  // The ghosts that are shown though nobody points at their cards.
+  makeGhosts() {
+    this.others?.equilibria.forEach((one, k) => {
+      if (!one.here && (this.is_whole || this.chosen.includes(one))) this.ghost(k);
+    });
   }
 
   get count() {
     return this.others?.equilibria.filter((one) => !one.here).length ?? 0;
   }
 
-  ghost(drawing, k) {
+  // Its ghost, drawn when it is first needed.
+  ghost(k) {
+    if (this.ghosts[k]) return this.ghosts[k];
+    const {drawing, equilibria} = this.others;
     const picture = new Picture(element('div'), this.palette);
     picture.show(drawing, k);
     for (const [layer] of drawing.slots) {
       if (!layers_of_ghosts.includes(layer)) picture.hideLayer(layer, true);
     }
-    picture.shapes.setAttribute('class', 'ghost');
+    picture.shapes.setAttribute('class', this.chosen.includes(equilibria[k]) ? 'ghost' : 'ghost one-of-many');
+    this.group.append(picture.shapes);
+    this.ghosts[k] = picture.shapes;
     return picture.shapes;
   }
 
@@ -105,7 +141,9 @@ export class OthersPanel {
     const go = one.here
       ? element('p', {class: 'hint'}, 'The mechanism is here.')
       : button('Go there', () => this.ask({do: 'go', number: k}), {'aria-label': `Go there: ${one.caption}`});
-    const point = (is_meant) => () => this.ghosts[k]?.classList.toggle('meant', is_meant);
+    const point = (is_meant) => () => {
+      if (!one.here) this.ghost(k).classList.toggle('meant', is_meant);
+    };
     return element(
       'li',
       {class: 'card', pointerenter: point(true), pointerleave: point(false), focusin: point(true), focusout: point(false)},

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <sys/resource.h>
+
 namespace poise::app {
 namespace {
 
@@ -50,6 +52,12 @@ void OtherEquilibria::look_for(Scene scene, long revision) {
   changed_.notify_all();
 }
 
+void OtherEquilibria::give_up() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  interrupt_ = true;
+  next_.reset();
+}
+
 std::optional<OtherEquilibria::Found> OtherEquilibria::found() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return found_;
@@ -61,6 +69,9 @@ bool OtherEquilibria::searching() const {
 }
 
 void OtherEquilibria::work() {
+  // Of this thread and those that it starts: whoever moves the mechanism meanwhile waits for the others.
+  constexpr int lower_priority = 10;
+  ::setpriority(PRIO_PROCESS, 0, lower_priority);
   for (;;) {
     Job job;
     {

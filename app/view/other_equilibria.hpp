@@ -31,6 +31,8 @@ class OtherEquilibria {
 
   /// Looks for those of this scene; what is being looked for is given up. `revision` is the caller's.
   void look_for(Scene scene, long revision);
+  /// Looks for none until it is asked again: the processors are wanted elsewhere. What was found stays.
+  void give_up();
   /// What was found last; empty while it is looked for.
   std::optional<Found> found() const;
   bool searching() const;

@@ -13,8 +13,11 @@
 namespace poise::app {
 namespace {
 
-/// Somebody waits for each picture; a third of a px of it is next to nothing.
-constexpr DragLimits limits_of_drag{.proved_steps = 16, .near_enough = 5e-4};
+/// Somebody waits for each picture, and a step of a large mechanism takes longer. A third of a px is next to nothing.
+DragLimits limits_of_drag(const Scene& scene) {
+  const int bodies = static_cast<int>(scene.bodies.size());
+  return {.proved_steps = std::clamp(320 / bodies, 12, 64), .near_enough = 5e-4};
+}
 
 /// What the message of an error says behind the place in the file.
 std::string without_place(const std::string& message, const std::string& file) {
@@ -253,7 +256,7 @@ Transition ShownMechanism::change(Scene wanted) {
 void ShownMechanism::restore(Scene scene) { settle(std::move(scene)); }
 
 Transition ShownMechanism::drag(PointRef point, Vec2 place) {
-  if (tracked_) return tracked_->drag(point, place, limits_of_drag);
+  if (tracked_) return tracked_->drag(point, place, limits_of_drag(tracked_->scene()));
   if (!closes_) throw InputError("nothing can be dragged yet: " + missing_);
   MovedPoint moved = moved_point(sketch_, drawn_, point, place, options_.interrupt);
   sketch_ = started_at(std::move(sketch_), moved.poses);

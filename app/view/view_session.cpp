@@ -830,7 +830,10 @@ std::string ViewSession::answered(const std::string& what, const json& request, 
   if (!values_before.empty()) out["changed"] = changed_from(values_before);
   std::string drawing = drawing_json(now_.screen->drawing(now_.shown, transition, what == "load"));
   out["handles"] = handles();
-  if (parts == Parts::all) look_for_others();
+  if (parts == Parts::all)
+    look_for_others();
+  else
+    others_.give_up();
   return drawing;
 }
 

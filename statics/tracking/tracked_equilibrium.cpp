@@ -508,7 +508,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
       if (reached.equilibrium.found()) {
         out.kind = is_there ? way.kind : Transition::Kind::followed;
         if (is_there) out.why = way.why;
-        out.unfinished = !is_there;
+        out.unfinished = !is_there && norm(place - end) < norm(place - begin);
         return reached;
       }
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
@@ -129,6 +130,22 @@ rod = -20
 rail = 2.6
 )",
                      "slider crank");
+}
+
+// Links of 0.1 m and 1 kg that hang between two points 0.08 m a link apart, on an arc at first.
+Scene hanging_chain(int links) {
+  std::string text =
+      fmt::format("gravity = [0, -10]\n[ground]\npoints = {{ L = [0, 0], R = [{}, 0] }}\n", 0.08 * links);
+  std::string start = "[start]\n";
+  for (int k = 0; k < links; ++k) {
+    text += fmt::format("[body.l{}]\npoints = {{ a = [0, 0], b = [0.1, 0] }}\nmass = 1\ncenter = [0.05, 0]\n", k);
+    start += fmt::format("l{} = {:.5f}\n", k, 1.1311 * ((2.0 * k + 1) / links - 1));
+  }
+  for (int k = 0; k <= links; ++k) {
+    text += fmt::format("[[pin]]\npoints = [\"{}\", \"{}\"]\n", k == 0 ? "ground.L" : fmt::format("l{}.b", k - 1),
+                        k == links ? "ground.R" : fmt::format("l{}.a", k));
+  }
+  return parse_scene(text + start, "chain");
 }
 
 Vec2 place_of(const TrackedEquilibrium& live, PointRef point) {
@@ -347,6 +364,48 @@ TEST(TrackedEquilibrium, APointStaysAtTheEndOfItsWay) {
   EXPECT_NEAR(place_of(live, {3, 0}).x, 3.0, 1e-5);
   EXPECT_GT(live.poses()[1].angle, 0.0);
   EXPECT_TRUE(live.equilibrium().found());
+}
+
+// Eight links of 0.1 m lead to the point: it comes next to the circle of 0.8 m that these can reach, in the direction
+// of the hand, though no drag tries more steps than it may.
+TEST(TrackedEquilibrium, AChainIsPulledBeyondItsReachInDragsOfBoundedWork) {
+  constexpr DragLimits limits{.proved_steps = 16, .near_enough = 5e-4};
+  const PointRef point{8, 1};
+  const auto pulled = [&](int& drags) {
+    TrackedEquilibrium live(hanging_chain(20));
+    for (drags = 0; drags < 60;) {
+      const Transition way = live.drag(point, 2.0 * unit(-0.5), limits);
+      ++drags;
+      EXPECT_LE(way.proved_steps, limits.proved_steps + 2);
+      EXPECT_TRUE(live.equilibrium().found()) << live.equilibrium().why;
+      EXPECT_LT(norm(place_of(live, point)), 0.8);
+      if (!way.unfinished) break;
+      EXPECT_EQ(way.kind, Kind::followed) << drags;
+    }
+    return live;
+  };
+  int drags = 0, again = 0;
+  const TrackedEquilibrium live = pulled(drags);
+  EXPECT_GT(drags, 1);
+  EXPECT_LT(drags, 60);
+  EXPECT_LT(norm(place_of(live, point) - 0.8 * unit(-0.5)), 0.01);
+  const TrackedEquilibrium twin = pulled(again);
+  EXPECT_EQ(drags, again);
+  EXPECT_EQ(apart(live.poses(), twin.poses()), 0.0);
+}
+
+// Where a place can be reached limits change nothing in the end.
+TEST(TrackedEquilibrium, DragsOfBoundedWorkComeToWhereOneWithoutLimitsDoes) {
+  const PointRef point{8, 1};
+  TrackedEquilibrium live(hanging_chain(20)), free(hanging_chain(20));
+  const Vec2 place{0.5, -0.2};
+  ASSERT_EQ(free.drag(point, place).kind, Kind::followed);
+  bool is_there = false;
+  for (int drags = 0; drags < 60 && !is_there; ++drags)
+    is_there = !live.drag(point, place, {.proved_steps = 3, .near_enough = 5e-4}).unfinished;
+  EXPECT_TRUE(is_there);
+  EXPECT_LT(norm(place_of(live, point) - place), 1e-9);
+  EXPECT_LT(apart(live.poses(), free.poses()), 1e-6);
 }
 
 TEST(TrackedEquilibrium, AnArmThatIsDraggedBeyondItsReachKeepsItsBend) {
