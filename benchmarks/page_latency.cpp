@@ -17,32 +17,34 @@
 #include "model/scene_text.hpp"
 #include "model/text_file.hpp"
 #include "tests/support/browser.hpp"
+#include "tests/support/hanging_chain.hpp"
 
 namespace {
 
 using nlohmann::json;
 using poise::test::Browser;
+using poise::test::hanging_chain;
 
 constexpr int moves = 40;               // of a drag, and of a slider
 constexpr std::size_t most_points = 8;  // that are dragged, of one mechanism
 
-/// Links of 100 mm that hang between two points, each with its weight, on a circular arc at first.
-std::string hanging_chain(int links) {
-  constexpr double half_turn = 1.1311;  // rad: sin(t) / t is 0.8, the span over the length
-  std::string out = fmt::format(
-      "title = \"Chain\"\ngravity = [0, -9810]\n[units]\nlength = \"mm\"\nangle = \"rad\"\n[ground]\n"
-      "points = {{ L = [0, 0], R = [{}, 0] }}\n",
-      80 * links);
-  std::string start = "[start]\n";
-  for (int k = 0; k < links; ++k) {
-    out += fmt::format("[body.link{}]\npoints = {{ a = [0, 0], b = [100, 0] }}\nmass = 1\ncenter = [50, 0]\n", k);
-    start += fmt::format("link{} = {:.5f}\n", k, half_turn * ((2.0 * k + 1) / links - 1));
+/// Fifty levers, each with its pin, spring and load.
+std::string fifty_levers() {
+  constexpr int levers = 50;
+  std::string points, items, start = "[start]\n";
+  for (int k = 0; k < levers; ++k) {
+    points += fmt::format("A{} = [{}, 0]\nG{} = [{}, -150]\n", k, 60 * k, k, 60 * k + 30);
+    items += fmt::format(
+        "[body.l{0}]\npoints = {{ a = [0, 0], b = [100, 0] }}\nmass = 1\ncenter = [50, 0]\n"
+        "[[pin]]\npoints = [\"ground.A{0}\", \"l{0}.a\"]\n"
+        "[[spring]]\nname = \"s{0}\"\npoints = [\"ground.G{0}\", \"l{0}.b\"]\nstiffness = 0.5\nfree_length = 30\n"
+        "[[force]]\nname = \"f{0}\"\nat = \"l{0}.b\"\nvector = [2, -1]\n",
+        k);
+    start += fmt::format("l{} = -80\n", k);
   }
-  for (int k = 0; k <= links; ++k) {
-    out += fmt::format("[[pin]]\npoints = [\"{}\", \"{}\"]\n", k == 0 ? "ground.L" : fmt::format("link{}.b", k - 1),
-                       k == links ? "ground.R" : fmt::format("link{}.a", k));
-  }
-  return out + start;
+  return "title = \"Fifty levers\"\ngravity = [0, -9810]\n[units]\nlength = \"mm\"\nangle = "
+         "\"deg\"\n[ground.points]\n" +
+         points + items + start;
 }
 
 /// No file, beside which a draft would be written.
@@ -110,6 +112,7 @@ int main() {
   for (const char* const name : {"toggle_clamp", "excavator", "lift"})
     scenes.emplace_back(name, in_memory(poise::read_text_file(datasets / (std::string(name) + ".toml"))));
   scenes.emplace_back("chain of 20", in_memory(hanging_chain(20)));
+  scenes.emplace_back("200 parts", in_memory(fifty_levers()));
   Browser browser;
   std::printf("%-16s %-10s %-22s %5s %8s %8s %8s\n", "ms", "", "", "n", "median", "99 %", "largest");
   for (auto& [name, scene] : scenes) {

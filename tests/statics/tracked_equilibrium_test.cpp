@@ -4,13 +4,13 @@
 #include <cmath>
 #include <string>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
 #include "statics/model/varied_scene.hpp"
 #include "statics/paths/path.hpp"
 #include "tests/support/build_scene.hpp"
+#include "tests/support/hanging_chain.hpp"
 #include "tests/support/known_answers.hpp"
 
 namespace poise::tracked_equilibrium_test {
@@ -132,21 +132,8 @@ rail = 2.6
                      "slider crank");
 }
 
-// Links of 0.1 m and 1 kg that hang between two points 0.08 m a link apart, on an arc at first.
-Scene hanging_chain(int links) {
-  std::string text =
-      fmt::format("gravity = [0, -10]\n[ground]\npoints = {{ L = [0, 0], R = [{}, 0] }}\n", 0.08 * links);
-  std::string start = "[start]\n";
-  for (int k = 0; k < links; ++k) {
-    text += fmt::format("[body.l{}]\npoints = {{ a = [0, 0], b = [0.1, 0] }}\nmass = 1\ncenter = [0.05, 0]\n", k);
-    start += fmt::format("l{} = {:.5f}\n", k, 1.1311 * ((2.0 * k + 1) / links - 1));
-  }
-  for (int k = 0; k <= links; ++k) {
-    text += fmt::format("[[pin]]\npoints = [\"{}\", \"{}\"]\n", k == 0 ? "ground.L" : fmt::format("l{}.b", k - 1),
-                        k == links ? "ground.R" : fmt::format("l{}.a", k));
-  }
-  return parse_scene(text + start, "chain");
-}
+// Twenty links of 0.1 m between points 1.6 m apart.
+Scene chain() { return parse_scene(test::hanging_chain(20), "chain"); }
 
 Vec2 place_of(const TrackedEquilibrium& live, PointRef point) {
   return live.poses()[static_cast<std::size_t>(point.body)].world(live.scene().local(point));
@@ -372,7 +359,7 @@ TEST(TrackedEquilibrium, AChainIsPulledBeyondItsReachInDragsOfBoundedWork) {
   constexpr DragLimits limits{.proved_steps = 16, .near_enough = 5e-4};
   const PointRef point{8, 1};
   const auto pulled = [&](int& drags) {
-    TrackedEquilibrium live(hanging_chain(20));
+    TrackedEquilibrium live(chain());
     for (drags = 0; drags < 60;) {
       const Transition way = live.drag(point, 2.0 * unit(-0.5), limits);
       ++drags;
@@ -397,7 +384,7 @@ TEST(TrackedEquilibrium, AChainIsPulledBeyondItsReachInDragsOfBoundedWork) {
 // Where a place can be reached limits change nothing in the end.
 TEST(TrackedEquilibrium, DragsOfBoundedWorkComeToWhereOneWithoutLimitsDoes) {
   const PointRef point{8, 1};
-  TrackedEquilibrium live(hanging_chain(20)), free(hanging_chain(20));
+  TrackedEquilibrium live(chain()), free(chain());
   const Vec2 place{0.5, -0.2};
   ASSERT_EQ(free.drag(point, place).kind, Kind::followed);
   bool is_there = false;
