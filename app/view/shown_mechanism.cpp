@@ -16,7 +16,9 @@ namespace {
 /// Somebody waits for each picture, and a step of a large mechanism takes longer. A third of a px is next to nothing.
 DragLimits limits_of_drag(const Scene& scene) {
   const int bodies = static_cast<int>(scene.bodies.size());
-  return {.proved_steps = std::clamp(320 / bodies, 12, 64), .near_enough = 5e-4};
+  return {.proved_steps = std::clamp(320 / bodies, 12, 64),
+          .settling_steps = std::clamp(1600 / bodies, 30, 400),
+          .near_enough = 5e-4};
 }
 
 /// What the message of an error says behind the place in the file.

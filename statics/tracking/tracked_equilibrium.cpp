@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "solvers/newton.hpp"
-#include "statics/equilibrium/settle.hpp"
 #include "statics/tracking/private/dragged_point.hpp"
 #include "statics/tracking/private/followed_change.hpp"
 
@@ -246,11 +245,13 @@ TrackedEquilibrium::Found TrackedEquilibrium::found_at(Scene scene, const BodyPo
 
 // `carried`: positions that lead to the one in which it is released, with other numbers.
 TrackedEquilibrium::Found TrackedEquilibrium::settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls,
-                                                           const std::string& why, Transition& transition) const {
+                                                           const std::string& why, Transition& transition,
+                                                           const DragLimits& limits) const {
   Found out;
   out.model = std::make_shared<const StaticModel>(started_at(std::move(scene), carried.back()));
   const BodyPoses first = carried.front(), released = carried.back();
-  Settling rest = settle(*out.model, out.model->start(), {.course = true, .interrupt = options_.interrupt});
+  Settling rest = settle(*out.model, out.model->start(),
+                         {.steps = limits.settling_steps, .course = true, .interrupt = options_.interrupt});
   if (rest.end == Settling::End::not_closed) {
     throw InputError("the loops cannot be closed near the present position; change the number by less");
   }
@@ -309,7 +310,10 @@ TrackedEquilibrium::Found TrackedEquilibrium::moved(const Position& at, const Sc
   }
   way.kind = Transition::Kind::none;
   way.why.clear();
-  Found found = settled_from(after, carry(scene, after, poses), at.is_stable, why, way);
+  // At the end of its reach, where nothing that is proved leads on, a point is not let go.
+  if (limits.settling_steps == 0 && way.courses.empty()) throw InputError(no_further);
+  std::vector<BodyPoses> carried = carry(scene, after, poses, limits.proved_steps / 2);
+  Found found = settled_from(after, std::move(carried), at.is_stable, why, way, limits);
   if (way.kind != Transition::Kind::settled) {
     const double far =
         largest_difference(scene_, at.poses, found.model->poses(found.equilibrium.x), found.model->scales().length);
@@ -467,7 +471,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   const auto with_hand_at = [&](Vec2 there) { return with_hand(started_at(scene_, now.poses), hand.at, along, there); };
   now.scene = with_hand_at(walk->place());
   if (!equilibrium_.found() || (hand_ && hand_->at != hand.at)) {
-    found = settled_from(now.scene, {now.poses}, true, why, out);
+    found = settled_from(now.scene, {now.poses}, true, why, out, limits);
     now = position_of(*found->model, found->equilibrium);
     walk.emplace(started_at(scene_, now.poses), hand.at, options_.interrupt);
     along = walk->directions();
@@ -525,11 +529,15 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
       }
     }
   }
+  DragLimits last_limits = limits;
+  const bool is_out_of_reach =
+      walk->held_up_by().empty() && norm(walk->place() - place) > limits.near_enough * model_->scales().length;
+  if (limits.near_enough > 0.0 && is_out_of_reach) last_limits.settling_steps = 0;
   // Whether it came there without a jump.
   const auto go_to = [&](Vec2 there) {
     Transition step;
     now.scene = with_hand_at(place_of(scene_, now.poses, hand.at));
-    found = moved(now, with_hand_at(there), why, step, limits);
+    found = moved(now, with_hand_at(there), why, step, last_limits);
     now = position_of(*found->model, found->equilibrium);
     for (std::string& words : step.passed) out.passed.push_back(std::move(words));
     for (Transition::Course& course : step.courses) out.courses.push_back(std::move(course));

@@ -9,6 +9,7 @@
 
 #include "model/scene.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/equilibrium/settle.hpp"
 #include "statics/model/readings.hpp"
 #include "statics/model/static_model.hpp"
 
@@ -46,6 +47,7 @@ struct Transition {
 /// How much work one drag may do. Work is counted, so that no clock decides where a point comes to.
 struct DragLimits {
   int proved_steps = std::numeric_limits<int>::max();
+  int settling_steps = SettleOptions{}.steps;  ///< of a jump to another equilibrium; 0: none without a fold
   /// What is nearer than this to where the point should come is there, mechanism sizes: beside the end of its reach
   /// ever shorter steps lead nearer.
   double near_enough = 0.0;
@@ -135,7 +137,7 @@ class TrackedEquilibrium {
   static Position position_of(const StaticModel& model, const Equilibrium& equilibrium);
   Found found_at(Scene scene, const BodyPoses& poses, double within) const;
   Found settled_from(Scene scene, std::vector<BodyPoses> carried, bool falls, const std::string& why,
-                     Transition& transition) const;
+                     Transition& transition, const DragLimits& limits = {}) const;
   Found moved(const Position& at, const Scene& after, const std::string& why, Transition& transition,
               const DragLimits& limits = {}) const;
   Transition drag_in_equilibrium(PointRef point, Vec2 place, const DragLimits& limits);

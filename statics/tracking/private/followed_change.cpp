@@ -313,7 +313,7 @@ FollowedChange follow_change(const Scene& before, const Scene& after, const Body
   return out;
 }
 
-std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses) {
+std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses, int tries) {
   std::vector<BodyPoses> out{poses};
   if (!have_same_places(before, after)) return out;
   std::optional<VariedScene> varied;
@@ -328,6 +328,7 @@ std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const Body
   std::vector<double> x = varied->model_at(0.0)->start();
   double part = 0.0, step = 1.0;
   while (part < 1.0) {
+    --tries;
     const double to = std::min(1.0, part + step);
     const auto model = varied->model_at(to);
     solvers::Newton closing(model->problem(), settings);
@@ -348,6 +349,7 @@ std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const Body
                                    place_in_words(*varied, part),
                                    stops.empty() ? "where the links allow no motion" : "where held by " + stops));
     }
+    if (tries <= 0) throw InputError("the loops are not closed in as many steps as may be taken; change it by less");
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <vector>
 
 #include "statics/tracking/tracked_equilibrium.hpp"
@@ -38,7 +39,8 @@ ProvedWay follow_by_steps(const Scene& before, const Scene& after, const BodyPos
                           int tries = most_tries);
 
 /// The poses that a mechanism passes whose loops are kept closed by shortest steps while the numbers change, from
-/// `poses` on. Throws InputError where they cannot be closed.
-std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses);
+/// `poses` on, in `tries` steps at most. Throws InputError where they cannot be closed.
+std::vector<BodyPoses> carry(const Scene& before, const Scene& after, const BodyPoses& poses,
+                             int tries = std::numeric_limits<int>::max());
 
 }  // namespace poise
