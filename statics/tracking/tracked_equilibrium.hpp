@@ -104,7 +104,7 @@ class TrackedEquilibrium {
   /// from the start of `wanted`.
   Transition change(Scene wanted);
   /// Drags a point of a moving body to a place, m in the world, as close as it can get; or with limits as far towards
-  /// it as they let it, and no farther than proved.
+  /// it as they let it.
   Transition drag(PointRef point, Vec2 place, const DragLimits& limits = {});
   /// The hand lets go, and the mechanism settles.
   Transition release();
