@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string_view>
@@ -12,13 +13,18 @@
 
 #include "model/copied_items.hpp"
 #include "model/couplings.hpp"
+#include "model/dependent_number.hpp"
+#include "model/grouped_items.hpp"
 #include "model/nearest_name.hpp"
 #include "model/number_spots.hpp"
 #include "model/one_line.hpp"
+#include "model/parameter_values.hpp"
 #include "model/parts.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_scene.hpp"
+#include "model/rewritten_scene.hpp"
 #include "model/scene_names.hpp"
+#include "model/text_file.hpp"
 #include "model/toml_edits.hpp"
 #include "model/toml_text.hpp"
 
@@ -289,7 +295,7 @@ class SceneText::Editing {
             edits_.replace(*use.node, toml_string(name + text.substr(old.size())));
         }
         rename_in_start(old, name);
-        rename_in_outputs(old, name);
+        rename_in_outputs({{old, name}});
         return;
       }
       case Owner::point: {
@@ -306,7 +312,7 @@ class SceneText::Editing {
           const toml::node& one = *line->as_array()->get(k);
           if (one.is_string() && one.as_string()->get() == old) edits_.replace(one, toml_string(name));
         }
-        rename_in_outputs(item.name, renamed);
+        rename_in_outputs({{item.name, renamed}});
         return;
       }
       default: {
@@ -321,9 +327,196 @@ class SceneText::Editing {
           }
           rename_in_start(old, name);
         }
-        rename_in_outputs(old, name);
+        rename_in_outputs({{old, name}});
       }
     }
+  }
+
+  GroupedText group(const std::vector<SceneItem>& chosen, const std::string& name, const std::string& file) {
+    const CopiedSelection selection = selected(chosen);
+    if (selection.bodies.empty()) throw InputError("items: expected a link among what becomes a part; choose one too");
+    GroupedItems items;
+    std::set<const toml::table*> tables;
+    std::set<const toml::node*> within;
+    std::map<std::string, std::string> names;  // as outputs have them
+    const std::string prefix = name + ".";
+    const auto take_table = [&](const toml::table& table, const std::string& header) {
+      items.tables.emplace_back(header, &table);
+      each_below(table, [&](const toml::node& node) { within.insert(&node); });
+    };
+    items.guessed = selection.bodies;
+    for (const std::string& body : selection.bodies) take_table(*table_of_body(body), "[body." + toml_key(body) + "]");
+    for (const FlexibleLink& link : scene_.flexible_links) {
+      if (!selection.bodies.contains(link.name)) continue;
+      for (const int b : link.bodies) items.guessed.insert(scene_.bodies[static_cast<std::size_t>(b)].name);
+    }
+    for (const CopiedSelection::Item& item : selection.items) {
+      const toml::table& table = *document_[item.table][item.index].as_table();
+      tables.insert(&table);
+      take_table(table, "[[" + item.table + "]]");
+      names.emplace(item.name, prefix + item.name);
+      items.guessed.insert(item.derived.begin(), item.derived.end());
+      if (item.owner == Owner::joint) items.guessed.insert(item.name);
+    }
+    for (const std::string& one : items.guessed) names.emplace(one, prefix + one);
+    expect_names_in_outputs();
+    for (const Use& use : uses_) {
+      items.names.insert(use.node);
+      const std::size_t dot = use.of == NameUse::Of::point ? use.text.rfind('.') : use.text.size();
+      const std::string owner = use.text.substr(0, dot);
+      if (within.contains(use.node)) {
+        if (use.of == NameUse::Of::point && owner == scene_.bodies[0].name)
+          items.ground_points.insert(use.text.substr(dot + 1));
+      } else if (items.guessed.contains(owner)) {
+        edits_.replace(*use.node, toml_string(prefix + use.text));
+      }
+    }
+    TomlKeys numbers, join;
+    GroupedText out;
+    out.part = text_of_part(items, document_, scene_.bodies[0].name, edits_, numbers);
+    for (const std::string& point : items.ground_points)
+      join.emplace_back(point, toml_string(scene_.bodies[0].name + "." + point));
+    TomlKeys keys{{"name", toml_string(name)}, {"file", toml_string(file)}};
+    if (!join.empty()) keys.emplace_back("join", "{ " + listed(join, "", ", ") + " }");
+    if (!numbers.empty()) keys.emplace_back("numbers", "{ " + listed(numbers, "", ", ") + " }");
+    add_item("part", keys);
+    for (const std::string& one : items.guessed) rename_in_start(one, prefix + one);
+    rename_in_outputs(names);
+    for (const std::string& body : selection.bodies) remove_body(body);
+    remove_tables(tables);
+    out.scene = made();
+    return out;
+  }
+
+  std::string ungroup(const std::string& name) {
+    const toml::table& table = table_of_part(name);
+    for (auto&& [key, node] : table) {
+      if (const std::string_view word = key.str();
+          word != "name" && word != "file" && word != "join" && word != "numbers")
+        throw InputError(
+            fmt::format("part {}: expected one that is where its file says; \"{}\" places it elsewhere", name, word));
+    }
+    const std::string file =
+        (std::filesystem::path(file_).parent_path() / *table["file"].value<std::string>()).string();
+    const std::string text = read_text_file(file);
+    Editing part(text, file);
+    const Units &own = scene_.units, &units = part.scene_.units;
+    if (units.length != own.length || units.force != own.force || units.mass != own.mass || units.angle != own.angle)
+      throw InputError(file + ": units: expected those of the scene; change them there");
+    for (const SceneItem& item : part.items()) {
+      if (item.owner == Owner::point || (item.owner == Owner::body && item.index == 0)) continue;
+      for (const SceneItem& other : items()) {
+        if (other.name == item.name)
+          throw InputError(
+              fmt::format("part {}: expected names that the scene does not have, found \"{}\" in both; "
+                          "give that of the scene another name",
+                          name, item.name));
+      }
+    }
+    const std::string& ground = scene_.bodies[0].name;
+    const toml::table* const join = table_in(&table, "join");
+    const auto joined_to = [&](const std::string& point) {
+      const toml::node* const to = join != nullptr ? join->get(point) : nullptr;
+      return to != nullptr ? *to->value<std::string>() : ground + "." + point;
+    };
+    for (const Use& use : part.uses_) {
+      const std::size_t dot = use.text.rfind('.');
+      if (use.of == NameUse::Of::point && use.text.substr(0, dot) == ground)
+        part.edits_.replace(*use.node, toml_string(joined_to(use.text.substr(dot + 1))));
+    }
+    const std::string joined = part.edits_.made();
+    const toml::table document = parse_toml(joined, file);
+    const TomlEdits whole(joined, document);
+    const toml::table none;
+    const auto keys_in = [&](const toml::table* of, auto is_wanted) {
+      TomlKeys out;
+      for (auto&& [key, node] : of != nullptr ? *of : none) {
+        const std::string word(key.str());
+        if (!node.is_table() && is_wanted(word)) out.emplace_back(word, whole.source(node));
+      }
+      return out;
+    };
+    const toml::table* const own_points = table_in(table_in(&document_, ground), "points");
+    const TomlKeys points = keys_in(table_in(table_in(&document, ground), "points"), [&](const std::string& point) {
+      const bool is_known = own_points != nullptr && own_points->contains(point);
+      const bool is_joined = join != nullptr && join->contains(point);
+      if (is_known && !is_joined)
+        throw InputError(
+            fmt::format("part {}: expected points of the ground that the scene does not have, found \"{}\" "
+                        "in both; give that of the scene another name",
+                        name, point));
+      return !is_joined;
+    });
+    const toml::table *const numbers = table_in(&document_, "numbers"), *const given = table_in(&table, "numbers");
+    const TomlKeys added = keys_in(table_in(&document, "numbers"), [&](const std::string& number) {
+      const toml::node* const from = given != nullptr ? given->get(number) : nullptr;
+      const bool is_own = from != nullptr && from->value<std::string>() == number;
+      if (!is_own && (from != nullptr || (numbers != nullptr && numbers->contains(number))))
+        throw InputError(
+            fmt::format("part {}: expected the number \"{}\" to be that of the scene of this name; give it "
+                        "another name in {}",
+                        name, number, file));
+      return !is_own;
+    });
+    if (!added.empty() && numbers != nullptr)
+      edits_.add(numbers, "numbers", added);
+    else if (!added.empty())
+      insert_table("numbers", "[numbers]", added);
+    if (!points.empty()) add_point(ground, points);
+    std::vector<std::pair<const toml::table*, std::string>> tables;
+    for (auto&& [key, node] : document) {
+      if (key.str() == "body") {
+        for (auto&& [body, one] : *node.as_table())
+          tables.emplace_back(one.as_table(), "[body." + toml_key(std::string(body.str())) + "]");
+      } else if (const toml::array* const list = node.as_array(); list != nullptr && key.str() != "gravity") {
+        for (const toml::node& one : *list) tables.emplace_back(one.as_table(), fmt::format("[[{}]]", key.str()));
+      }
+    }
+    std::sort(tables.begin(), tables.end(),
+              [](const auto& a, const auto& b) { return a.first->source().begin < b.first->source().begin; });
+    for (const auto& [one, header] : tables) {
+      const std::string path = header.substr(header.find_first_not_of('['));
+      insert_lines(path.substr(0, path.find_first_of(".]")), written_table(*one, header, whole));
+    }
+    const std::string prefix = name + ".";
+    const toml::table* const start = table_in(&document_, "start");
+    const auto is_free = [&](const toml::table* guesses) {
+      return [guesses, &prefix](const std::string& word) {
+        return guesses == nullptr || !guesses->contains(prefix + word);
+      };
+    };
+    const toml::table* const own_start = table_in(&document, "start");
+    write_start(keys_in(own_start, is_free(start)),
+                keys_in(table_in(own_start, "position"), is_free(table_in(start, "position"))));
+    std::map<std::string, std::string> names;
+    const auto rename_all = [&](const auto& list) {
+      for (const auto& one : list) {
+        if (!one.name.starts_with(prefix)) continue;
+        names.emplace(one.name, one.name.substr(prefix.size()));
+      }
+    };
+    rename_all(scene_.bodies);
+    rename_all(scene_.joints);
+    for (const auto& [old, renamed] : names) rename_in_start(old, renamed);
+    rename_all(scene_.elements);
+    rename_all(scene_.drives);
+    rename_all(scene_.forces);
+    rename_all(scene_.torques);
+    rename_all(scene_.stops);
+    rename_in_outputs(names);
+    for (const Use& use : uses_) {
+      if (use.text.starts_with(prefix)) edits_.replace(*use.node, toml_string(use.text.substr(prefix.size())));
+    }
+    remove_tables({&table});
+    return without_numbers_of(made(), std::filesystem::path(file).stem().string() + ".");
+  }
+
+  std::vector<std::string> parts() const {
+    std::vector<std::string> out;
+    each_part([&](const std::string& name, const toml::table& table) {
+      if (!table.contains("repeat")) out.push_back(name);
+    });
+    return out;
   }
 
   SceneItem item(const std::string& name) const {
@@ -369,6 +562,56 @@ class SceneText::Editing {
     std::string text;
     const toml::node* node;
   };
+
+  template <class Visit>
+  void each_part(Visit visit) const {
+    const toml::node* const list = document_.get("part");
+    if (list == nullptr) return;
+    for (const toml::node& one : *list->as_array()) {
+      const toml::table& table = *one.as_table();
+      const std::filesystem::path file(*table["file"].value<std::string>());
+      visit(table["name"].value<std::string>().value_or(file.stem().string()), table);
+    }
+  }
+
+  const toml::table& table_of_part(const std::string& wanted) const {
+    const toml::table* found = nullptr;
+    std::vector<std::string> names;
+    each_part([&](const std::string& name, const toml::table& table) {
+      names.push_back(name);
+      if (name == wanted) found = &table;
+    });
+    if (found == nullptr) throw InputError("part: expected one of the scene" + did_you_mean_or_list(wanted, names));
+    return *found;
+  }
+
+  /// Numbers of a part's file that the scene has changed do not outlive it.
+  std::string without_numbers_of(std::string text, const std::string& prefix) const {
+    const toml::table document = parse_toml(text, file_);
+    const toml::table* const numbers = table_in(&document, "numbers");
+    std::vector<std::string> gone;
+    for (auto&& [key, node] : numbers != nullptr ? *numbers : toml::table()) {
+      if (key.str().starts_with(prefix)) gone.emplace_back(key.str());
+    }
+    if (gone.empty()) return text;
+    TomlEdits edits(text, document);
+    edits.remove_keys(*numbers, gone);
+    return edits.made();
+  }
+
+  /// Items without names are counted, and have other numbers where some of them are in a part.
+  void expect_names_in_outputs() const {
+    const toml::table* const outputs = table_in(&document_, "outputs");
+    for (const auto& [item, table] : items_of_lists()) {
+      if (item.owner == Owner::joint || table->contains("name") || outputs == nullptr) continue;
+      for (auto&& [key, node] : *outputs) {
+        if (const auto* const text = node.as_string();
+            text != nullptr && find_in_expression(text->get(), item.own_name, 0) != std::string::npos)
+          throw InputError(
+              fmt::format("outputs: \"{}\" reads {}, which is counted; give that a name first", key.str(), item.name));
+      }
+    }
+  }
 
   static std::pair<toml::source_index, toml::source_index> place_of(const toml::source_region& source) {
     return {source.begin.line, source.begin.column};
@@ -561,8 +804,13 @@ class SceneText::Editing {
     return out;
   }
 
-  /// Behind all tables of its rank and of lower ones.
   void insert_table(const std::string& path, const std::string& header, const TomlKeys& keys) {
+    const char* const end = edits_.line_end();
+    insert_lines(path, header + end + listed(keys, "", end) + end);
+  }
+
+  /// Behind all tables of its rank and of lower ones.
+  void insert_lines(const std::string& path, const std::string& lines) {
     const char* const end = edits_.line_end();
     const int rank = rank_of(path.substr(0, path.find('.')));
     std::vector<std::pair<const toml::table*, int>> headers;
@@ -581,7 +829,6 @@ class SceneText::Editing {
               [](const auto& a, const auto& b) { return a.first->source().begin < b.first->source().begin; });
     std::size_t at = headers.size();
     while (at > 0 && headers[at - 1].second > rank) --at;
-    const std::string lines = header + end + listed(keys, "", end) + end;
     if (at < headers.size()) return edits_.insert_before(headers[at].first, lines + end);
     edits_.insert_before(nullptr, (edits_.is_empty() ? "" : end) + lines);
   }
@@ -663,16 +910,28 @@ class SceneText::Editing {
     }
   }
 
-  void rename_in_outputs(const std::string& old, const std::string& name) {
+  void rename_in_outputs(const std::map<std::string, std::string>& names) {
     const toml::table* const outputs = table_in(&document_, "outputs");
     if (outputs == nullptr) return;
     for (auto&& [key, node] : *outputs) {
       const auto* const text = node.as_string();
       if (text == nullptr) continue;
-      std::string out = text->get();
-      for (std::size_t at = 0; (at = find_in_expression(out, old, at)) != std::string::npos; at += name.size())
-        out.replace(at, old.size(), name);
-      if (out != text->get()) edits_.replace(node, toml_string(out));
+      const std::string& before = text->get();
+      std::string out;
+      for (std::size_t at = 0; at < before.size();) {
+        std::size_t next = before.size();
+        const std::pair<const std::string, std::string>* found = nullptr;
+        for (const auto& one : names) {
+          const std::size_t there = find_in_expression(before, one.first, at);
+          if (there > next || there == std::string::npos || (there == next && found == nullptr)) continue;
+          if (there == next && one.first.size() < found->first.size()) continue;
+          next = there;
+          found = &one;
+        }
+        out.append(before, at, next - at).append(found != nullptr ? found->second : "");
+        at = next + (found != nullptr ? found->first.size() : 0);
+      }
+      if (out != before) edits_.replace(node, toml_string(out));
     }
   }
 
@@ -692,6 +951,7 @@ SceneText::SceneText(std::string text, std::string file) : file_(std::move(file)
 void SceneText::take(std::string text) {
   Editing read(text, file_);
   items_ = read.items();
+  parts_ = read.parts();
   scene_ = read.take_scene();
   text_ = std::move(text);
 }
@@ -761,6 +1021,33 @@ void SceneText::rename(const std::string& item, const std::string& name) {
   Editing editing(text_, file_);
   editing.rename(editing.item(item), name);
   take(editing.made());
+}
+
+GroupedText SceneText::grouped(const std::vector<std::string>& items, const std::string& name,
+                               const std::string& file) const {
+  if (items.empty()) throw InputError("items: expected one at least");
+  Editing editing(text_, file_);
+  return editing.group(editing.chosen(items), name, file);
+}
+
+std::string SceneText::ungrouped(const std::string& part) const {
+  Editing editing(text_, file_);
+  const std::string text = editing.ungroup(part);
+  Scene scene = parse_sketch(text, file_);
+  std::map<std::string, double> wanted;
+  const std::vector<ParameterRow> rows = parameter_table(scene_);
+  const std::vector<std::optional<double>> values = parameter_values(scene_);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::string path = rows[i].path.text();
+    if (const std::size_t at = path.find("." + part + "."); at != std::string::npos) path.erase(at, part.size() + 1);
+    if (values[i]) wanted.emplace(std::move(path), *values[i]);
+  }
+  for (const ParameterRow& row : parameter_table(scene)) {
+    const auto value = wanted.find(row.path.text());
+    if (value == wanted.end() || dependent_number(scene, row.place) != nullptr) continue;
+    if (value_at(scene, row.place) != value->second) set_value_at(scene, row.place, value->second);
+  }
+  return rewritten_scene(text, file_, scene);
 }
 
 }  // namespace poise

@@ -29,6 +29,11 @@ struct PlaneMotion {
   PlaneMotion after(const PlaneMotion& first, double angle_unit) const;
 };
 
+/// Items that become a part: the text of its file, and that of the scene with a table [[part]] in their place.
+struct GroupedText {
+  std::string part, scene;
+};
+
 /// Reads a scene as parse_scene(), also one that is still being drawn, which may have no body.
 Scene parse_sketch(std::string_view text, const std::string& name);
 
@@ -74,6 +79,15 @@ class SceneText {
   void move(const std::vector<std::string>& items, const PlaneMotion& motion);
   /// Gives an item another name, also where others refer to it.
   void rename(const std::string& item, const std::string& name);
+  /// Makes items, with what copy() would copy, a part NAME in a file beside the scene's. What refers to them elsewhere
+  /// calls them NAME.ITEM then; points of the ground stay, and the part is joined to them. Changes nothing here: the
+  /// scene can be read once the file is there.
+  GroupedText grouped(const std::vector<std::string>& items, const std::string& name, const std::string& file) const;
+  /// The text with the items of a part in the place of its table, with their numbers of now. Throws InputError of a
+  /// part that stands elsewhere than its file says, or whose names the scene has too.
+  std::string ungrouped(const std::string& part) const;
+  /// Names of the parts that ungrouped() may take apart: each stands once.
+  const std::vector<std::string>& parts() const { return parts_; }
 
  private:
   class Editing;
@@ -83,6 +97,7 @@ class SceneText {
   std::string file_;
   Scene scene_;
   std::vector<SceneItem> items_;
+  std::vector<std::string> parts_;
 };
 
 }  // namespace poise

@@ -161,9 +161,23 @@ void TomlEdits::add_element(const toml::array& array, const std::string& value) 
 
 bool TomlEdits::remove_table(const toml::table& table) {
   if (!has_header(table)) return false;
+  for (const auto& [from, to] : blocks(table)) remove(from, to);
+  return true;
+}
+
+std::string TomlEdits::block(const toml::table& table) const {
+  std::string out;
+  if (!has_header(table)) return out;
+  for (const auto& [from, to] : blocks(table)) out += text_.substr(from, to - from);
+  return out;
+}
+
+/// Where the tables stand that belong to one with a header, in the order of the text.
+std::vector<std::pair<std::size_t, std::size_t>> TomlEdits::blocks(const toml::table& table) const {
   const std::vector<const toml::table*> headers = headers_below(document_);
   std::vector<const toml::table*> within = headers_below(table);
   within.push_back(&table);
+  std::vector<std::pair<std::size_t, std::size_t>> out;
   for (const toml::table* const one : within) {
     const std::size_t from = begin_of_line(offset(one->source().begin));
     std::size_t next = text_.size();
@@ -172,9 +186,10 @@ bool TomlEdits::remove_table(const toml::table& table) {
       if (begin > from) next = std::min(next, begin);
     }
     // What stands above the next header is a comment on that.
-    remove(above_comment(from), next < text_.size() ? above_comment(next) : next);
+    out.emplace_back(above_comment(from), next < text_.size() ? above_comment(next) : next);
   }
-  return true;
+  std::sort(out.begin(), out.end());
+  return out;
 }
 
 void TomlEdits::insert_before(const toml::table* table, const std::string& lines) {

@@ -37,6 +37,8 @@ class TomlEdits {
   /// A table under a header of its own with all tables that belong to it, and the comment that stands directly above;
   /// false where it has no such header.
   bool remove_table(const toml::table& table);
+  /// The text that remove_table() takes away; empty of a table without a header of its own.
+  std::string block(const toml::table& table) const;
   /// A value behind the last of an array that is written within brackets.
   void add_element(const toml::array& array, const std::string& value);
   /// Lines in front of the line where a table begins, above its comment; null: at the end of the text.
@@ -70,6 +72,7 @@ class TomlEdits {
   std::size_t begin_of_next_line(std::size_t at) const;
   std::size_t begin_of_dotted(std::size_t key) const;
   std::size_t above_comment(std::size_t line) const;
+  std::vector<std::pair<std::size_t, std::size_t>> blocks(const toml::table& table) const;
   static toml::source_position end_of(const toml::node& node);
   void insert(std::size_t at, std::string text) { edits_.push_back({at, at, std::move(text)}); }
   void remove(std::size_t from, std::size_t to) { edits_.push_back({from, to, ""}); }

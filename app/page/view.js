@@ -27,7 +27,7 @@ const long_computing = 600;
 const visible_move = 2;
 
 // Requests that change items.
-const edits = ['draw', 'place', 'remove', 'rename', 'keys', 'copy', 'move', 'import'];
+const edits = ['draw', 'place', 'remove', 'rename', 'keys', 'copy', 'move', 'group', 'ungroup', 'import'];
 
 const notes_of_requests = {
   undo: 'Undone: back to what was before the last change.',
@@ -178,7 +178,7 @@ class LiveView {
         {name: 'forces', title: 'Forces', content: this.forces},
         {name: 'others', title: 'Other equilibria', content: this.others.element},
         {name: 'run', title: 'Run', content: this.run.element},
-        {name: 'text', title: 'Scene text', content: this.text.element},
+        {name: 'text', title: 'Text', content: this.text.element},
       ],
       (name) => this.opened(name)
     );
@@ -416,6 +416,8 @@ class LiveView {
       this.drawing.update(state.sheet);
       this.drawing.selection.keep(state.items);
       if (wish?.request.do === 'copy') this.drawing.selection.choose(made);
+      // Joints without a name of their own are called as the points of the part, and so are new too.
+      if (wish?.request.do === 'group') this.drawing.selection.choose(made.filter((name) => name.startsWith('part ')));
       // The next poll may already tell of another change.
       if (['save', 'reload'].includes(wish?.request.do)) this.file_state = 'same';
       if (!state.draft) this.bars.hide('draft');

@@ -509,7 +509,7 @@ export class ItemsPanel {
     const {chosen} = this;
     this.none.hidden = items.length > 0;
     this.list.replaceChildren(
-      ...items.map(({item, name, point}) => {
+      ...items.map(({item, name, point, part}) => {
         const field = element('input', {
           type: 'text',
           'aria-label': `Name of ${item}`,
@@ -518,6 +518,7 @@ export class ItemsPanel {
           },
         });
         field.value = name;
+        field.readOnly = part;
         const kind = item.endsWith(` ${name}`) ? item.slice(0, -name.length - 1) : 'link';
         const box = element('input', {type: 'checkbox', 'aria-label': `Choose ${item}`, change: () => this.choose(item)});
         return element(
@@ -526,10 +527,12 @@ export class ItemsPanel {
           box,
           element('span', {class: 'item-kind'}, point ? `point of ${item.slice(0, -name.length - 1)}` : kind),
           field,
-          button('Delete', () => this.ask({do: 'remove', items: [item]}), {
-            class: 'quiet',
-            'aria-label': `Delete ${item}`,
-          })
+          part
+            ? button('Ungroup', () => this.ask({do: 'ungroup', part: name}), {class: 'quiet', 'aria-label': `Ungroup ${item}`})
+            : button('Delete', () => this.ask({do: 'remove', items: [item]}), {
+                class: 'quiet',
+                'aria-label': `Delete ${item}`,
+              })
         );
       })
     );

@@ -1,5 +1,5 @@
-// Several items that are chosen at once: they are copied, mirrored, repeated, moved and taken away together. Members of
-// a group are chosen together, for as long as the page is open.
+// Several items that are chosen at once: they are copied, mirrored, repeated, moved and taken away together. A group is a
+// part of the scene, whose items are chosen as one.
 
 import {button, element, menu, numberText} from './dom.js';
 
@@ -24,11 +24,10 @@ function numberField(label, value, options = {}) {
 /// that there are.
 export class Selection {
   constructor(drawing, ask, changed) {
-    Object.assign(this, {drawing, ask, changed, items: [], groups: [], copied: []});
+    Object.assign(this, {drawing, ask, changed, items: [], parts: [], copied: []});
     this.title = element('span', {class: 'selection-title'});
-    const group = button('Group', () => this.group(), {title: 'From now on these are chosen together'});
-    const ungroup = button('Ungroup', () => this.ungroup());
-    Object.assign(this, {group_button: group, ungroup_button: ungroup});
+    this.group_menu = this.groupMenu();
+    this.ungroup_button = button('Ungroup', () => this.ungroup(), {title: 'Its items become the scene’s own'});
     this.element = element(
       'div',
       {class: 'draw-selection', role: 'toolbar', 'aria-label': 'Chosen items', hidden: true},
@@ -42,8 +41,8 @@ export class Selection {
         button('About a horizontal line', () => this.mirror([1, 0]))
       ),
       this.arrayMenu(),
-      group,
-      ungroup,
+      this.group_menu,
+      this.ungroup_button,
       button('Delete', () => this.remove(), {title: 'Delete'}),
       button('None', () => this.choose([]), {class: 'quiet', title: 'Choose nothing'})
     );
@@ -84,21 +83,43 @@ export class Selection {
     return box;
   }
 
-  /// Chooses items, with all that are in a group with one of them.
+  // A part of its own file that the chosen items become.
+  groupMenu() {
+    const field = element('input', {type: 'text', placeholder: 'part_1', size: 10});
+    const make = () => {
+      const request = {do: 'group', items: this.items};
+      if (field.value.trim()) request.name = field.value.trim();
+      field.value = '';
+      box.open = false;
+      this.ask(request);
+    };
+    field.addEventListener('keydown', (event) => event.key === 'Enter' && make());
+    const box = menu(
+      'Group',
+      element('label', {class: 'selection-field'}, 'Name', field),
+      button('Make a part', make, {title: 'Its items go into a file of its own, beside the scene’s'})
+    );
+    return box;
+  }
+
+  // The item of the list that has a name of the picture: "part lift" of "lift.rod" and "pin lift.B".
+  listed(name) {
+    return this.parts.find((part) => ` ${name}`.includes(` ${part.name}.`))?.item ?? name;
+  }
+
+  /// Chooses items; of a part it is the whole part.
   choose(names) {
-    const whole = new Set(names);
-    for (const group of this.groups) {
-      if (group.some((name) => whole.has(name))) group.forEach((name) => whole.add(name));
-    }
-    this.items = this.changed([...whole]);
+    this.items = this.changed([...new Set(names.map((name) => this.listed(name)))]);
     const {items} = this;
-    for (const one of this.element.querySelectorAll(':scope > button')) one.disabled = items.length === 0;
-    for (const box of this.element.querySelectorAll('.menu')) box.inert = items.length === 0;
+    const part = this.parts.find(({item}) => items.includes(item));
+    for (const one of this.element.querySelectorAll(':scope > button, :scope > .menu')) {
+      const stays = one === this.ungroup_button || one.classList.contains('quiet');
+      one[one.tagName === 'BUTTON' ? 'disabled' : 'inert'] = items.length === 0 || (part !== undefined && !stays);
+    }
     const many = items.length > 0 ? `${items.length} items: ${items.join(', ')}` : 'Nothing is chosen';
     this.title.textContent = items.length === 1 ? items[0] : many;
-    const is_group = this.groups.some((group) => group.every((name) => items.includes(name)));
-    this.group_button.hidden = items.length < 2 || is_group;
-    this.ungroup_button.hidden = !is_group;
+    this.group_menu.hidden = part !== undefined;
+    this.ungroup_button.hidden = part === undefined || items.length > 1;
     this.drawing.draw();
   }
 
@@ -110,28 +131,22 @@ export class Selection {
   /// From the list of all items.
   toggle(name) {
     if (this.element.hidden) this.drawing.choose('select');
-    const group = this.groups.find((one) => one.includes(name)) ?? [name];
-    if (this.items.includes(name)) this.choose(this.items.filter((one) => !group.includes(one)));
-    else this.choose([...this.items, name]);
+    const item = this.listed(name);
+    if (this.items.includes(item)) this.choose(this.items.filter((one) => one !== item));
+    else this.choose([...this.items, item]);
   }
 
   /// Forgets what is not there any more, after a change of the items.
   keep(known) {
     const has = (name) => known.some(({item}) => item === name);
-    this.groups = this.groups.map((group) => group.filter(has)).filter((group) => group.length > 1);
+    this.parts = known.filter(({part}) => part);
     this.copied = this.copied.filter(has);
     if (!this.items.every(has)) this.choose(this.items.filter(has));
   }
 
-  group() {
-    const members = [...this.items];
-    this.groups = [...this.groups.filter((group) => !group.some((name) => members.includes(name))), members];
-    this.choose(members);
-  }
-
   ungroup() {
-    this.groups = this.groups.filter((group) => !group.every((name) => this.items.includes(name)));
-    this.choose(this.items);
+    const {name} = this.parts.find(({item}) => this.items.includes(item));
+    this.ask({do: 'ungroup', part: name});
   }
 
   remove() {
@@ -155,7 +170,7 @@ export class Selection {
   outlines(items, motion) {
     const of_body = new Map(items.map((name) => [name, []]));
     for (const {name, at} of this.drawing.sheet.points) {
-      of_body.get(bodyOf(name))?.push(motion(at));
+      of_body.get(this.listed(name) === name ? bodyOf(name) : this.listed(name))?.push(motion(at));
       if (of_body.has(name)) of_body.get(name).push(motion(at));
     }
     return [...of_body.values()].filter((places) => places.length > 0);

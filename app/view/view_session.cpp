@@ -22,6 +22,7 @@
 #include "app/view/drawing_tools.hpp"
 #include "app/view/exchanged.hpp"
 #include "app/view/parked_items.hpp"
+#include "app/view/part_file.hpp"
 #include "app/view/requested_motion.hpp"
 #include "app/view/templates.hpp"
 #include "model/dependent_number.hpp"
@@ -61,9 +62,9 @@ std::optional<int> line_in(const std::string& message, const std::string& file) 
 
 /// Whether undo takes a request back: dragging about with the hand changes no number.
 bool changes_scene(const std::string& what) {
-  constexpr std::array<std::string_view, 15> changing = {"ground", "load",   "set",  "switch", "text",
-                                                         "import", "reload", "draw", "place",  "remove",
-                                                         "rename", "keys",   "copy", "move",   "go"};
+  constexpr std::array<std::string_view, 17> changing = {"ground", "load", "set",   "switch",  "text",   "import",
+                                                         "reload", "draw", "place", "remove",  "rename", "keys",
+                                                         "copy",   "move", "group", "ungroup", "go"};
   return std::find(changing.begin(), changing.end(), what) != changing.end();
 }
 
@@ -604,6 +605,29 @@ Transition ViewSession::take_moved(const SceneText& moved) {
   return {};
 }
 
+/// Takes over a text in which items have become a part, or those of a part the scene's own: all stays where it is.
+Transition ViewSession::take_regrouped(const SceneText& regrouped, const std::string& part) {
+  std::set<std::string> known;
+  for (const SwitchedItem& item : items_of(regrouped.scene())) known.insert(item.item);
+  for (const std::string& off : now_.off) {
+    if (!known.contains(off)) throw InputError(off + ": expected what is switched on in a part; switch it on first");
+  }
+  const std::vector<Body>& before = now_.scene.bodies;
+  const BodyPoses there = now_.shown.poses();
+  BodyPoses poses(regrouped.scene().bodies.size());
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    const std::string& name = regrouped.scene().bodies[b].name;
+    const auto known_as = std::find_if(before.begin(), before.end(), [&](const Body& body) {
+      return body.name == name || body.name == part + "." + name || part + "." + body.name == name;
+    });
+    if (known_as != before.end()) poses[b] = there[static_cast<std::size_t>(known_as - before.begin())];
+  }
+  now_.text = regrouped.text();
+  now_.scene = regrouped.scene();
+  return_to(poses);
+  return {};
+}
+
 /// Takes the mechanism of the scene to where it stood, stable or not.
 void ViewSession::return_to(const BodyPoses& poses) {
   now_.shown.restore(effective(now_.scene));
@@ -662,11 +686,29 @@ Transition ViewSession::do_items(const std::string& what, const json& request) {
   } else if (what == "move") {
     text.move(request.at("items").get<std::vector<std::string>>(), requested_motion(request, now_.scene.units.angle));
     return take_moved(text);
+  } else if (what == "ungroup") {
+    const std::string part = request.at("part").get<std::string>();
+    return take_regrouped({text.ungrouped(part), file_.string()}, part);
   } else {
     const std::map<std::string, std::string> values = toml_values(request.at("values"));
     text.set(request.at("item").get<std::string>(), {values.begin(), values.end()});
   }
   return take_edited(text);
+}
+
+Transition ViewSession::do_group(const json& request) {
+  expect_file();
+  const SceneText text = whole_text();
+  PartFile part(file_, request.value("name", ""), text.parts());
+  const GroupedText grouped =
+      text.grouped(request.at("items").get<std::vector<std::string>>(), part.name(), part.file());
+  part.write(grouped.part);
+  try {
+    return take_regrouped({grouped.scene, file_.string()}, part.name());
+  } catch (...) {
+    part.remove();
+    throw;
+  }
 }
 
 /// Moves a point, with all that joints keep at its place, within the bodies that have them.
@@ -756,7 +798,8 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
   if (what == "go") return do_go(request);
   if (what == "draw") return do_draw(request);
   if (what == "place") return do_place(request);
-  if (what == "remove" || what == "rename" || what == "keys" || what == "copy" || what == "move")
+  if (what == "group") return do_group(request);
+  if (what == "remove" || what == "rename" || what == "keys" || what == "copy" || what == "move" || what == "ungroup")
     return do_items(what, request);
   Transition out;
   if (what == "release") {
@@ -1011,8 +1054,11 @@ json ViewSession::items() {
     now_.parsed = std::make_shared<const SceneText>(now_.text, file_.string());
   for (const SceneItem& item : now_.parsed->items()) {
     if (item.owner == Owner::body && item.index == 0) continue;
-    out.push_back({{"item", item.name}, {"name", item.own_name}, {"point", item.owner == Owner::point}});
+    const bool is_point = item.owner == Owner::point;
+    out.push_back({{"item", item.name}, {"name", item.own_name}, {"point", is_point}, {"part", false}});
   }
+  for (const std::string& part : now_.parsed->parts())
+    out.push_back({{"item", "part " + part}, {"name", part}, {"point", false}, {"part", true}});
   return out;
 }
 

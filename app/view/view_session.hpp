@@ -133,11 +133,13 @@ class ViewSession {
   Transition take_edited(const SceneText& edited);
   Transition take_moved(const SceneText& moved);
   Transition take_renamed(const SceneText& renamed);
+  Transition take_regrouped(const SceneText& regrouped, const std::string& part);
   void return_to(const BodyPoses& poses);
   SceneText whole_text() const;
   Transition do_draw(const nlohmann::json& request);
   Transition do_place(const nlohmann::json& request);
   Transition do_items(const std::string& what, const nlohmann::json& request);
+  Transition do_group(const nlohmann::json& request);
   Transition do_go(const nlohmann::json& request);
   Transition do_save(const nlohmann::json& request);
 
