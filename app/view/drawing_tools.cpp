@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "app/draw/symbols.hpp"
+#include "app/view/link_mass.hpp"
+#include "app/view/rounded.hpp"
 #include "model/nearest_name.hpp"
 #include "model/one_line.hpp"
 #include "model/toml_text.hpp"
@@ -20,22 +22,6 @@ namespace poise::app {
 namespace {
 
 using Poses = std::vector<BodyPose<double>>;
-
-/// A number without digits that mean nothing: to a multiple of `grain`, which is a power of ten.
-std::string rounded(double value, double grain) {
-  constexpr double longest = 1e15;
-  if (std::abs(value) >= longest) return toml_number(value);
-  const int digits = std::clamp(static_cast<int>(std::lround(-std::log10(grain))), 0, 15);
-  const double scale = std::pow(10.0, digits);
-  double near = std::round(value * scale) / scale;
-  if (near == 0.0) near = 0.0;  // not -0
-  std::string out = fmt::format("{:.{}f}", near, digits);
-  if (digits > 0) {
-    out.erase(out.find_last_not_of('0') + 1);
-    if (out.back() == '.') out.pop_back();
-  }
-  return out;
-}
 
 /// A number of one digit, 1, 2 or 5, that is near.
 std::string plain(double value) {
@@ -396,160 +382,30 @@ class Sketcher {
     return poses_[static_cast<std::size_t>(b)].angle - poses_[static_cast<std::size_t>(a)].angle;
   }
 
-  /// An area has a size, a first moment and a second moment about the origin; lengths are in m.
-  struct Area {
-    double size = 0.0;
-    Vec2 moment{};
-    double second = 0.0;
-
-    Vec2 center() const { return (1.0 / size) * moment; }
-    /// About its centre, m^4.
-    double polar() const { return second - dot(moment, moment) / size; }
-  };
-
-  /// The polygon of a link's points in their order; counterclockwise ones have a positive area.
-  static Area polygon(const std::vector<NamedPoint>& points) {
-    Area out;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const Vec2 a = points[p].at, b = points[(p + 1) % points.size()].at;
-      const double twice = cross(a, b);
-      out.size += 0.5 * twice;
-      out.moment += (twice / 6.0) * (a + b);
-      out.second += twice / 12.0 * (dot(a, a) + dot(a, b) + dot(b, b));
-    }
-    return out;
-  }
-
   int pressed_link() const {
     const int body = body_at(drawn_.pressed[0], {}, within(0));
     if (body == 0) throw InputError("expected a place on a moving body");
     return body;
   }
 
-  /// A value as it reads within an expression.
-  static std::string as_factor(const std::string& value) {
-    const bool is_text = value.size() > 1 && value.front() == '"';
-    return is_text ? "(" + value.substr(1, value.size() - 2) + ")" : value;
+  /// What was given under a key, as TOML.
+  std::string given(const char* key, const char* otherwise) const {
+    const auto found = drawn_.values.find(key);
+    return found != drawn_.values.end() ? found->second : otherwise;
   }
 
-  /// Mass, centre and inertia of a link: of a bar, or of the polygon of its points.
   std::string mass() {
     const int body = pressed_link();
-    const std::vector<NamedPoint>& points = scene().bodies[static_cast<std::size_t>(body)].points;
-    const auto given = drawn_.values.find("mass");
-    const std::string mass = given != drawn_.values.end() ? given->second : "1";
-    const Area area = polygon(points);
-    const double least = 1e-9 * size_ * size_;
-    Vec2 center{};
-    double radius_squared = 0.0;
-    if (std::abs(area.size) < least) {  // a bar
-      double longest = 0.0;
-      for (const NamedPoint& a : points) {
-        for (const NamedPoint& b : points) {
-          if (norm(b.at - a.at) <= longest) continue;
-          longest = norm(b.at - a.at);
-          center = 0.5 * (a.at + b.at);
-        }
-      }
-      radius_squared = longest * longest / 12.0;
-    } else {
-      center = area.center();
-      radius_squared = area.polar() / area.size;
-    }
-    const double in_unit = std::sqrt(std::max(0.0, radius_squared)) / unit();
-    const std::string arm = rounded(in_unit, drawn_.grain / unit());
-    text_.set(body_name(body), {{"mass", mass},
-                                {"center", pair(center)},
-                                {"inertia", toml_string(fmt::format("{}*{}^2", as_factor(mass), arm))}});
+    const Body& link = scene().bodies[static_cast<std::size_t>(body)];
+    text_.set(link.name, spread_mass(link, given("mass", "1"), scene().units, drawn_.grain));
     return body_name(body);
   }
 
-  struct Hole {
-    std::string point, written;
-    Vec2 at{};              // m
-    double diameter = 0.0;  // m
-  };
-
-  static double positive(const char* key, const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != '\0' || !(value > 0.0) || !std::isfinite(value))
-      throw InputError(fmt::format("{}: expected a number above 0, found \"{}\"", key, one_line(text)));
-    return value;
-  }
-
-  /// Reads holes from a TOML string, "A 8, B 6".
-  std::vector<Hole> holes_of(const Body& link, const std::string& text) const {
-    std::vector<Hole> out;
-    std::istringstream list(text.substr(1, text.size() - 2));
-    for (std::string one; std::getline(list, one, ',');) {
-      std::istringstream words(one);
-      Hole hole;
-      std::string more;
-      if (!(words >> hole.point)) continue;
-      words >> hole.written;
-      const auto at = std::find_if(link.points.begin(), link.points.end(),
-                                   [&](const NamedPoint& point) { return point.name == hole.point; });
-      if (at == link.points.end() || hole.written.empty() || words >> more) {
-        throw InputError(fmt::format("holes: expected points of {} with diameters, \"{} 8\", found \"{}\"", link.name,
-                                     link.points.front().name, one_line(one)));
-      }
-      hole.at = at->at;
-      hole.diameter = positive("holes", hole.written) * unit();
-      out.push_back(std::move(hole));
-    }
-    return out;
-  }
-
-  /// The points of a plate's edge in their order: a hole inside is no corner of it.
-  static std::vector<NamedPoint> outline_around(const std::vector<NamedPoint>& points, const std::vector<Hole>& holes) {
-    std::vector<Vec2> all;
-    for (const NamedPoint& point : points) all.push_back(point.at);
-    const std::vector<Vec2> hull = convex_hull(std::move(all));
-    std::vector<NamedPoint> out;
-    for (const NamedPoint& point : points) {
-      const bool has_hole =
-          std::any_of(holes.begin(), holes.end(), [&](const Hole& hole) { return hole.point == point.name; });
-      if (!has_hole || std::find(hull.begin(), hull.end(), point.at) != hull.end()) out.push_back(point);
-    }
-    return out;
-  }
-
-  /// Gives a link the mass, centre and inertia of a plate with the outline of its points. "thickness" is a number in
-  /// the scene's length or an expression, at first 5; "density" is in kg/m^3, at first that of steel; "holes" lie round
-  /// points of the link, by their names with their diameters: "A 8, B 6".
   std::string plate() {
     const int body = pressed_link();
     const Body& link = scene().bodies[static_cast<std::size_t>(body)];
-    const auto given = [&](const char* key, const char* otherwise) {
-      const auto found = drawn_.values.find(key);
-      return found != drawn_.values.end() ? found->second : std::string(otherwise);
-    };
-    const std::string thickness = given("thickness", "5");
-    if (thickness.front() != '"') positive("thickness", thickness);
-    // A mass per area and thickness, in the units of the scene.
-    const double per_volume = positive("density", given("density", "7850")) * std::pow(unit(), 3) / scene().units.mass;
-    std::vector<Hole> holes = holes_of(link, given("holes", "\"\""));
-    const std::vector<NamedPoint> outline = outline_around(link.points, holes);
-    Area area = polygon(outline);
-    if (area.size < 0.0) area = {-area.size, -1.0 * area.moment, -area.second};
-    if (area.size < 1e-9 * size_ * size_)
-      throw InputError("expected a link whose points enclose an area; the tool Mass is for bars");
-    std::string in_words = fmt::format("{:.7g}", area.size / (unit() * unit())), squares;
-    for (const Hole& hole : holes) {
-      const double part = std::numbers::pi / 4.0 * hole.diameter * hole.diameter;
-      area.size -= part;
-      area.moment += -part * hole.at;
-      area.second -= part * (dot(hole.at, hole.at) + hole.diameter * hole.diameter / 8.0);
-      squares += (squares.empty() ? "" : " + ") + hole.written + "^2";
-    }
-    if (!(area.size > 0.0) || !(area.polar() > 0.0)) throw InputError("holes: expected smaller ones than the link");
-    if (!squares.empty()) in_words = fmt::format("({} - pi/4*({}))", in_words, squares);
-    const std::string of_area = fmt::format("{:.6g}*{}", per_volume, as_factor(thickness));
-    const double polar = area.polar() / std::pow(unit(), 4);
-    text_.set(body_name(body), {{"mass", toml_string(of_area + "*" + in_words)},
-                                {"center", pair(area.center())},
-                                {"inertia", toml_string(fmt::format("{}*{:.7g}", of_area, polar))}});
+    const PlateWords words{given("thickness", "5"), given("density", "7850"), given("holes", "\"\"")};
+    text_.set(link.name, mass_of_plate(link, words, scene().units, drawn_.grain));
     return body_name(body);
   }
 

@@ -21,6 +21,7 @@
 #include "app/terminal/output_file.hpp"
 #include "app/view/drawing_tools.hpp"
 #include "app/view/exchanged.hpp"
+#include "app/view/link_mass.hpp"
 #include "app/view/parked_items.hpp"
 #include "app/view/part_file.hpp"
 #include "app/view/requested_motion.hpp"
@@ -465,6 +466,22 @@ Transition ViewSession::take(Scene scene) {
   return out;
 }
 
+/// Takes over a scene in which points are elsewhere. The masses that the drawing tools have spread over links follow.
+Transition ViewSession::take_shaped(Scene scene, std::optional<double> grain) {
+  const double finest =
+      std::pow(10.0, std::floor(std::log10(std::max(size_of_mechanism(), 1e-30) / scene.units.length)) - 4);
+  const std::vector<std::pair<std::string, TomlKeys>> masses =
+      masses_that_follow(now_.scene, scene, grain.value_or(finest * scene.units.length));
+  if (masses.empty()) return take(std::move(scene));
+  SceneText text(rewritten_scene(now_.text, file_.string(), scene), file_.string());
+  for (const std::pair<std::string, TomlKeys>& one : masses) {
+    // That of a part has its table in another file.
+    const auto is_body = [&](const SceneItem& item) { return item.name == one.first; };
+    if (std::any_of(text.items().begin(), text.items().end(), is_body)) text.set(one.first, one.second);
+  }
+  return take_edited(text);
+}
+
 PointRef ViewSession::point_called(const std::string& name) const {
   std::vector<std::string> names;
   const Scene& scene = now_.shown.scene();
@@ -518,7 +535,7 @@ Transition ViewSession::do_load(const json& request) {
 Transition ViewSession::do_set(const json& request) {
   Scene wanted = now_.scene;
   set_value(wanted, request.at("path").get<std::string>(), request.at("value").get<double>());
-  return take(std::move(wanted));
+  return take_shaped(std::move(wanted));
 }
 
 Transition ViewSession::do_switch(const json& request) {
@@ -727,19 +744,18 @@ Transition ViewSession::do_place(const json& request) {
       }
     }
   }
+  std::optional<double> grain;
+  if (request.contains("grain")) grain = unit * request.at("grain").get<double>();
   const BodyPoses poses = now_.shown.poses();
   Scene wanted = now_.scene;
   for (const PointRef& one : together) {
     for (const int component : {0, 1}) expect_free({Owner::point, one.body, one.point, component});
     const BodyPose<double>& pose = poses[static_cast<std::size_t>(one.body)];
     Vec2 local = (place - pose.origin) * conj(pose.direction());
-    if (request.contains("grain")) {
-      const double grain = unit * request.at("grain").get<double>();
-      local = {std::round(local.x / grain) * grain, std::round(local.y / grain) * grain};
-    }
+    if (grain) local = {std::round(local.x / *grain) * *grain, std::round(local.y / *grain) * *grain};
     wanted.bodies[static_cast<std::size_t>(one.body)].points[static_cast<std::size_t>(one.point)].at = local;
   }
-  return take(std::move(wanted));
+  return take_shaped(std::move(wanted), grain);
 }
 
 Transition ViewSession::do_go(const json& request) {

@@ -107,6 +107,7 @@ class ViewSession {
   void remember(std::shared_ptr<const Snapshot> before);
   void go_back(const std::string& what, Snapshots& from, Snapshots& to);
   Transition take(Scene scene);
+  Transition take_shaped(Scene scene, std::optional<double> grain = {});
   PointRef point_called(const std::string& name) const;
   nlohmann::json shown(const Transition& transition, Parts parts);
   nlohmann::json verdict_json() const;

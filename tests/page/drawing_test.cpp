@@ -122,6 +122,58 @@ TEST(Drawing, MassOfAPlateFromItsOutlineThicknessAndHoles) {
   EXPECT_EQ(hand.text(), before);
 }
 
+// The corner C of that plate, its hole and a corner of a bar are moved: what the tools wrote is as if it were drawn
+// there.
+TEST(Drawing, MassesFollowPointsThatAreMoved) {
+  const TempFolder folder;
+  const auto text_with = [](const std::string& corner, const std::string& hole, const std::string& end) {
+    return "[units]\nlength = \"mm\"\n[numbers]\nt = 5\n[body.plate]\npoints = { A = [0, 0], B = [100, 0], H = " +
+           hole + ", C = " + corner + ", D = [0, 40] }\n[body.bar]\npoints = { A = [0, 0], E = " + end +
+           " }\n[body.other]\npoints = { E = [0, 0], F = [30, 0], G = [0, 30] }\nmass = 2\ninertia = 30\n"
+           "[[pin]]\npoints = [\"ground.O\", \"plate.A\"]\n[[pin]]\npoints = [\"ground.P\", \"bar.A\"]\n"
+           "[[pin]]\npoints = [\"ground.Q\", \"other.E\"]\n"
+           "[ground]\npoints = { O = [0, 0], P = [0, -200], Q = [0, -400] }\n";
+  };
+  const auto give_masses = [](Hand& hand) {
+    ASSERT_EQ(error_of(hand.draw("plate", {{50, 5}}, {{"thickness", "t"}, {"density", 7850}, {"holes", "H 20"}})), "");
+    ASSERT_EQ(error_of(hand.draw("mass", {{40, -200}}, {{"mass", 3}})), "");
+  };
+  const auto expect_same = [](const std::string& found, const std::string& expected) {
+    const Scene a = parse_sketch(found, "moved.toml"), b = parse_sketch(expected, "drawn.toml");
+    for (std::size_t k = 1; k < a.bodies.size(); ++k) {
+      EXPECT_NEAR(a.bodies[k].mass, b.bodies[k].mass, 1e-6 * b.bodies[k].mass) << found;
+      EXPECT_NEAR(norm(a.bodies[k].center - b.bodies[k].center), 0.0, 2e-6) << found;
+      EXPECT_NEAR(a.bodies[k].inertia, b.bodies[k].inertia, 1e-3 * b.bodies[k].inertia) << found;
+    }
+  };
+  Hand hand(folder.write("moved.toml", text_with("[100, 40]", "[30, 20]", "[80, 0]")));
+  give_masses(hand);
+  const std::string before = hand.text();
+  const auto place = [&](const char* point, const std::vector<double>& at, bool goes_on) {
+    ASSERT_EQ(
+        error_of(hand.ask({{"do", "place"}, {"point", point}, {"at", at}, {"grain", 0.001}, {"goes_on", goes_on}})),
+        "");
+  };
+  // A gesture of three moves is one step.
+  place("plate.C", {105, 41}, true);
+  place("plate.C", {115, 48}, true);
+  place("plate.C", {120, 55}, false);
+  Hand drawn(folder.write("drawn.toml", text_with("[120, 55]", "[30, 20]", "[80, 0]")));
+  give_masses(drawn);
+  expect_same(hand.text(), drawn.text());
+  EXPECT_NE(hand.text().find("(t)*("), std::string::npos) << "its thickness is still a number\n" << hand.text();
+  ASSERT_EQ(error_of(hand.ask({{"do", "undo"}})), "");
+  EXPECT_EQ(hand.text(), before);
+  // By a number of the panel too, and what no tool wrote stays.
+  ASSERT_EQ(error_of(hand.ask({{"do", "set"}, {"path", "point.bar.E.x"}, {"value", 140}})), "");
+  place("plate.H", {50, 15}, false);
+  place("other.F", {60, -400}, false);
+  Hand others(folder.write("others.toml", text_with("[100, 40]", "[50, 15]", "[140, 0]")));
+  give_masses(others);
+  expect_same(hand.text(), others.text());
+  EXPECT_NE(hand.text().find("mass = 2\ninertia = 30\n"), std::string::npos) << hand.text();
+}
+
 // The message about an unknown key lists all keys of a scene file.
 TEST(Drawing, EveryTableHasATool) {
   const std::string message = test::message_of([] { parse_scene("nothing = 1\n", "s.toml"); });
