@@ -163,7 +163,8 @@ class SceneText::Editing {
     if (!added.empty()) edits_.add(&table, item.owner == Owner::body ? "body." + toml_key(item.own_name) : "", added);
   }
 
-  void copy(const std::vector<SceneItem>& chosen, const PlaneMotion& step, int times) {
+  /// Returns where the tables of the originals stand in their lists: each copy is behind those that there were.
+  std::vector<CopiedSelection::Item> copy(const std::vector<SceneItem>& chosen, const PlaneMotion& step, int times) {
     const CopiedSelection selection = selected(chosen);
     constexpr std::size_t most_items = 10'000;
     if ((selection.bodies.size() + selection.items.size()) * static_cast<std::size_t>(times) > most_items)
@@ -191,7 +192,19 @@ class SceneText::Editing {
                      [](const auto& a, const auto& b) { return rank_of(a.first) < rank_of(b.first); });
     for (const auto& [table, keys] : items) add_item(table, keys);
     write_start(start, positions);
+    return selection.items;
   }
+
+  /// The place of an item in the list of its owner, by that of its table in [[table]].
+  int place_of_table(const std::string& table, std::size_t index) const {
+    const toml::table* const wanted = document_[table][index].as_table();
+    for (const auto& [item, own] : items_of_lists()) {
+      if (own == wanted) return item.index;
+    }
+    return -1;
+  }
+
+  std::size_t count_of_tables(const std::string& table) const { return document_[table].as_array()->size(); }
 
   void move(const std::vector<SceneItem>& chosen, const PlaneMotion& motion) {
     const CopiedSelection selection = selected(chosen);
@@ -1000,14 +1013,24 @@ void SceneText::remove(const std::vector<std::string>& items) {
   take(editing.made());
 }
 
-void SceneText::copy(const std::vector<std::string>& items, const PlaneMotion& step, int times) {
+std::vector<ItemCopy> SceneText::copy(const std::vector<std::string>& items, const PlaneMotion& step, int times) {
   constexpr int most_times = 1000;
   if (items.empty()) throw InputError("items: expected one at least");
   if (times < 1 || times > most_times)
     throw InputError(fmt::format("times: expected a whole number from 1 to {}, found {}", most_times, times));
   Editing editing(text_, file_);
-  editing.copy(editing.chosen(items), step, times);
+  const std::vector<CopiedSelection::Item> originals = editing.copy(editing.chosen(items), step, times);
   take(editing.made());
+  const Editing made(text_, file_);
+  std::vector<ItemCopy> out;
+  std::map<std::string, std::size_t> next;  // in the list of each table
+  for (int k = 0; k < times; ++k) {
+    for (const CopiedSelection::Item& one : originals) {
+      const std::size_t at = next.emplace(one.table, editing.count_of_tables(one.table)).first->second++;
+      out.push_back({one.owner, editing.place_of_table(one.table, one.index), made.place_of_table(one.table, at)});
+    }
+  }
+  return out;
 }
 
 void SceneText::move(const std::vector<std::string>& items, const PlaneMotion& motion) {

@@ -47,6 +47,12 @@ struct SceneItem {
   int point = -1;  ///< of a point: index in the body
 };
 
+/// An item and a copy of it, by their places in the lists of the scenes before and after.
+struct ItemCopy {
+  Owner owner;
+  int original, copy;
+};
+
 /// The text of a scene, which may still be without bodies (parse_sketch()), and changes of it as a person would make
 /// them: a new item stands behind the others of its kind, comments and layout stay. Every function throws InputError,
 /// with the text as it was, where what it is to become is no scene.
@@ -73,8 +79,9 @@ class SceneText {
   /// Takes items away, and with them all that refers to them: joints, springs, loads, stops, guesses, outputs.
   void remove(const std::vector<std::string>& items);
   /// Copies items, moved once, twice, ... `times` times: bodies with all that is among them and between them and the
-  /// ground. Other names are found for them; loads that keep their direction are turned too.
-  void copy(const std::vector<std::string>& items, const PlaneMotion& step, int times);
+  /// ground. Other names are found for them; loads that keep their direction are turned too. Returns what is copied of
+  /// the items that have a table in a list.
+  std::vector<ItemCopy> copy(const std::vector<std::string>& items, const PlaneMotion& step, int times);
   /// Moves items themselves, which keep their names, with what copy() would copy.
   void move(const std::vector<std::string>& items, const PlaneMotion& motion);
   /// Gives an item another name, also where others refer to it.

@@ -47,6 +47,14 @@ AllItems all_items(const Scene& scene) {
   return out;
 }
 
+std::map<Owner, const std::vector<SwitchedItem>*> by_owner(const AllItems& all) {
+  return {{Owner::element, &all.elements},
+          {Owner::stop, &all.stops},
+          {Owner::coupling, &all.stops},
+          {Owner::force, &all.forces},
+          {Owner::torque, &all.torques}};
+}
+
 template <class Kept>
 void remove(std::vector<Kept>& list, const std::vector<SwitchedItem>& items, const std::set<std::string>& off) {
   std::size_t at = 0;
@@ -69,11 +77,7 @@ int place_of_load(const AllItems& all, const TimeFunction& function, const std::
 /// Expressions of items that are left, at their new places.
 void move_expressions(Scene& scene, const AllItems& all, const std::set<std::string>& off) {
   if (!scene.dependents) return;
-  const std::map<Owner, const std::vector<SwitchedItem>*> lists{{Owner::element, &all.elements},
-                                                                {Owner::stop, &all.stops},
-                                                                {Owner::coupling, &all.stops},
-                                                                {Owner::force, &all.forces},
-                                                                {Owner::torque, &all.torques}};
+  const std::map<Owner, const std::vector<SwitchedItem>*> lists = by_owner(all);
   const auto place_of_function = [&](int place) {
     int at = 0;
     for (int f = 0; f <= place; ++f) {
@@ -125,6 +129,13 @@ std::vector<SwitchedItem> items_of(const Scene& scene) {
                      [](const SwitchedItem& a, const SwitchedItem& b) { return a.item == b.item; });
   }
   return out;
+}
+
+std::string switched_item(const Scene& scene, Owner owner, int index) {
+  const AllItems all = all_items(scene);
+  const auto lists = by_owner(all);
+  const auto list = lists.find(owner);
+  return list != lists.end() ? list->second->at(static_cast<std::size_t>(index)).item : "";
 }
 
 Scene without_items(Scene scene, const std::set<std::string>& off) {

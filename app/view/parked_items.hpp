@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "model/parameters.hpp"
 #include "model/scene.hpp"
 
 namespace poise::app {
@@ -18,6 +19,9 @@ struct SwitchedItem {
 
 /// All of them.
 std::vector<SwitchedItem> items_of(const Scene& scene);
+/// What one is called (SwitchedItem::item), by its place in the list of its owner; empty of what cannot be switched
+/// off.
+std::string switched_item(const Scene& scene, Owner owner, int index);
 
 /// The scene without some of its items.
 Scene without_items(Scene scene, const std::set<std::string>& off);

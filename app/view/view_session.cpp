@@ -570,7 +570,8 @@ Transition ViewSession::do_text(const std::string& text) {
 }
 
 /// Takes over a text whose items were changed here. What stands already stays where it is.
-Transition ViewSession::take_edited(const SceneText& edited) {
+/// What is copied from what is off is off too.
+Transition ViewSession::take_edited(const SceneText& edited, const std::vector<ItemCopy>& copies) {
   Scene scene = edited.scene();
   const Scene& before = now_.scene;
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
@@ -591,9 +592,15 @@ Transition ViewSession::take_edited(const SceneText& edited) {
   for (const SwitchedItem& item : items_of(scene)) {
     if (now_.off.contains(item.item)) left.insert(item.item);
   }
+  for (const ItemCopy& one : copies) {
+    if (now_.off.contains(switched_item(before, one.owner, one.original)))
+      left.insert(switched_item(scene, one.owner, one.copy));
+  }
   now_.off = std::move(left);
   now_.text = edited.text();
-  return take(std::move(scene));
+  Transition out = take(std::move(scene));
+  if (!copies.empty() && !now_.off.empty()) expect_parked();
+  return out;
 }
 
 /// Takes over a text in which an item has another name: all stays where it is.
@@ -698,8 +705,10 @@ Transition ViewSession::do_items(const std::string& what, const json& request) {
     text.rename(request.at("item").get<std::string>(), request.at("name").get<std::string>());
     return take_renamed(text);
   } else if (what == "copy") {
-    text.copy(request.at("items").get<std::vector<std::string>>(), requested_motion(request, now_.scene.units.angle),
-              request.value("times", 1));
+    const std::vector<ItemCopy> copies =
+        text.copy(request.at("items").get<std::vector<std::string>>(),
+                  requested_motion(request, now_.scene.units.angle), request.value("times", 1));
+    return take_edited(text, copies);
   } else if (what == "move") {
     text.move(request.at("items").get<std::vector<std::string>>(), requested_motion(request, now_.scene.units.angle));
     return take_moved(text);

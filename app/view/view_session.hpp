@@ -131,7 +131,7 @@ class ViewSession {
   Transition do_set(const nlohmann::json& request);
   Transition do_switch(const nlohmann::json& request);
   Transition do_text(const std::string& text);
-  Transition take_edited(const SceneText& edited);
+  Transition take_edited(const SceneText& edited, const std::vector<ItemCopy>& copies = {});
   Transition take_moved(const SceneText& moved);
   Transition take_renamed(const SceneText& renamed);
   Transition take_regrouped(const SceneText& regrouped, const std::string& part);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <random>
 #include <set>
 #include <string>
@@ -293,6 +294,30 @@ TEST(CopiedItems, LinesOfACopy) {
                                  "bodies = [\"crank_2\", \"ground\"]\nstiffness = 1\nfree_angle = -170\n",
                                  "min = -260\nmax = -100\n", "crank_2 = 150\n", "vector = [0, -5]"})
     EXPECT_NE(mirrored.text().find(line), std::string::npos) << line << "\n" << mirrored.text();
+}
+
+// What is off is no item of the mechanism, and stands in the file as a comment; so do its copies.
+TEST(CopiedItems, CopiesOfWhatIsOffAreOff) {
+  const TempFolder folder;
+  CopyingHand hand(folder.write("crank.toml", crank));
+  const json before = hand.ask({{"do", "look"}});
+  for (const json& one : before["switches"]) {
+    if (one["group"] == "springs" && one["name"] != "holder") continue;
+    ASSERT_EQ(error_of(hand.ask({{"do", "switch"}, {"item", one["item"]}, {"on", false}})), "") << one;
+  }
+  ASSERT_EQ(error_of(hand.ask({{"do", "copy"}, {"items", {"crank"}}, {"move", {10, 0}}, {"times", 2}})), "");
+  std::map<std::string, bool> switches;
+  const json state = hand.ask({{"do", "look"}});
+  for (const json& one : state["switches"]) switches[one["item"]] = one["on"];
+  EXPECT_EQ(switches.size(), 12U);
+  for (const auto& [item, on] : switches) EXPECT_EQ(on, item.find("torsion") != std::string::npos) << item;
+  const Scene saved = parse_scene(hand.text(), "saved.toml");
+  EXPECT_EQ(saved.elements.size(), 3U) << hand.text();
+  EXPECT_TRUE(saved.stops.empty() && saved.forces.empty()) << hand.text();
+  ASSERT_EQ(error_of(hand.ask({{"do", "undo"}})), "");
+  ASSERT_EQ(error_of(hand.ask({{"do", "switch"}, {"item", "spring.holder"}, {"on", true}})), "");
+  ASSERT_EQ(error_of(hand.ask({{"do", "copy"}, {"items", {"crank"}}, {"move", {10, 0}}})), "");
+  EXPECT_EQ(parse_scene(hand.text(), "saved.toml").elements.size(), 4U) << hand.text();
 }
 
 TEST(CopiedItems, WhatCannotBeCopied) {
