@@ -851,8 +851,9 @@ Transition ViewSession::carry_out(const std::string& what, const json& request) 
 
 /// The answer to a request that leaves the mechanism alone, in JSON; empty where it is none of these.
 std::string ViewSession::answer_beside(const json& request, const std::string& what) {
-  if (what == "templates") {
-    json out = answer_templates(request);
+  if (what == "templates" || what == "export") {
+    json out = what == "templates" ? answer_templates(request)
+                                   : exported_json(request, now_.shown.scene(), now_.shown.poses());
     out["revision"] = now_.revision;
     return out.dump(-1, ' ', false, json::error_handler_t::replace);
   }
@@ -867,13 +868,8 @@ std::string ViewSession::answer_beside(const json& request, const std::string& w
   return commands_.answer(request, shown);
 }
 
-/// The state in JSON with its drawing.
+/// The state in JSON; returns its drawing.
 std::string ViewSession::answered(const std::string& what, const json& request, json& out) {
-  if (what == "export") {
-    out = exported_json(request, now_.shown.scene(), now_.shown.poses());
-    out["revision"] = now_.revision;
-    return "";
-  }
   if (what != "look") expect_present(request);
   // What a slider or an arrow does in one go is one step for undo.
   const std::string gesture = what == "set"      ? "set " + request.value("path", "")
