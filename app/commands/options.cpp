@@ -414,8 +414,10 @@ void add_experiment_options(Command& command, ExperimentRequest& request, std::v
 
 Experiment load_experiment(const ExperimentRequest& request) {
   quiet_ceres();
-  Experiment experiment =
-      read_experiment(request.common.scene, {.data = request.data, .settings = request.common.settings});
+  const Caller* const caller = request.common.caller;
+  Experiment experiment = read_experiment(request.common.scene, {.data = request.data,
+                                                                 .settings = request.common.settings,
+                                                                 .scene = caller != nullptr ? caller->scene : nullptr});
   if (experiment.unknowns.empty()) {
     throw InputError(experiment.file +
                      ":1: unknown: expected at least one [[unknown]]; add one with path = \"body.arm.mass\", say");

@@ -158,12 +158,7 @@ void PageCommands::start(const json& request, const ShownScene& shown) {
   auto run = std::make_unique<Run>();
   run->shown = shown;
   run->command = name;
-  if (entry->in_page == InPage::of_scene) {
-    run->options.emplace_back("SCENE", shown.file.string());
-  } else if (!shown.is_saved) {
-    throw InputError(
-        fmt::format("poise: {} reads the scene through its experiment, from the file; save the scene first", name));
-  }
+  if (entry->in_page == InPage::of_scene) run->options.emplace_back("SCENE", shown.file.string());
   for (const json& one : request.value("options", json::array())) {
     GivenOption given{one.at(0).get<std::string>(), one.size() > 1 ? one.at(1).get<std::string>() : ""};
     check_option(command, given, shown);

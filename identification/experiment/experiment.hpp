@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -216,6 +217,8 @@ std::vector<double> simulated_times(const Experiment& experiment, const Run& run
 struct ExperimentOptions {
   std::filesystem::path data{};         ///< takes the place of the data file that the runs name
   std::vector<std::string> settings{};  ///< PATH=NUMBER changes of the scene, after those of the file
+  /// Takes the place of the scene of this name (Scene::file); null: all are read.
+  std::shared_ptr<const Scene> scene{};
 };
 
 /// Reads an experiment file (TOML; grammar in docs/experiment-files.md), its scene and its data. Throws InputError

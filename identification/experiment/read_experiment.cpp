@@ -74,10 +74,12 @@ class ExperimentReader {
     const TomlText name = root_.text("scene");
     const fs::path scene = (file_.parent_path() / name.value).lexically_normal();
     std::error_code unknown;
-    if (!fs::is_regular_file(scene, unknown)) {
+    const auto whole = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path), unknown); };
+    const bool is_given = options.scene != nullptr && whole(options.scene->file) == whole(scene);
+    if (!is_given && !fs::is_regular_file(scene, unknown)) {
       name.place.fail(fmt::format("expected a scene file, relative to this file; there is no \"{}\"", scene.string()));
     }
-    experiment_.scene = read_scene(scene);
+    experiment_.scene = is_given ? *options.scene : read_scene(scene);
     refuse_rubbing_ropes(experiment_.scene, "identification");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
