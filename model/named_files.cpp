@@ -1,9 +1,11 @@
 #include "model/named_files.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 
 namespace poise {
@@ -31,18 +33,35 @@ std::vector<NamedFile> named_files(std::string_view text, const std::string& sce
   return out;
 }
 
-std::vector<std::string> files_beside(std::string_view text, const std::string& scene, const std::string& written) {
+std::vector<std::string> files_named_from(const std::string& file) {
   namespace fs = std::filesystem;
-  const auto folder_of = [](const fs::path& file) { return fs::weakly_canonical(fs::absolute(file).parent_path()); };
-  std::vector<std::string> out;
-  for (const NamedFile& one : named_files(text, scene)) {
-    if (!written.empty() && folder_of(written) != folder_of(scene)) {
-      throw InputError(fmt::format("--scene {}: expected a file in the folder of {}, beside which it reads {}", written,
-                                   scene, one.name));
+  std::vector<std::string> out, open{file};
+  while (!open.empty()) {
+    const fs::path path = open.back();
+    open.pop_back();
+    std::error_code unknown;
+    if (path.extension() != ".toml" || !fs::is_regular_file(path, unknown)) continue;
+    try {
+      for (const NamedFile& one : named_files(read_text_file(path), path.string())) {
+        std::string named = (path.parent_path() / one.name).lexically_normal().string();
+        if (std::find(out.begin(), out.end(), named) != out.end()) continue;
+        open.push_back(named);
+        out.push_back(std::move(named));
+      }
+    } catch (const InputError&) {
+      continue;
     }
-    out.push_back((fs::path(scene).parent_path() / one.name).string());
   }
   return out;
+}
+
+void expect_beside_files(std::string_view text, const std::string& scene, const std::string& written) {
+  namespace fs = std::filesystem;
+  const auto folder_of = [](const fs::path& file) { return fs::weakly_canonical(fs::absolute(file).parent_path()); };
+  const std::vector<NamedFile> named = named_files(text, scene);
+  if (written.empty() || named.empty() || folder_of(written) == folder_of(scene)) return;
+  throw InputError(fmt::format("--scene {}: expected a file in the folder of {}, beside which it reads {}", written,
+                               scene, named.front().name));
 }
 
 }  // namespace poise

@@ -16,8 +16,12 @@ struct NamedFile {
 /// is no TOML.
 std::vector<NamedFile> named_files(std::string_view text, const std::string& scene);
 
-/// The paths of these files, of a scene whose text --scene writes into a file; nowhere where that is empty. Throws
-/// InputError unless it is in the folder of the scene, beside which it will read them.
-std::vector<std::string> files_beside(std::string_view text, const std::string& scene, const std::string& written);
+/// The paths of the files that a TOML file names so, and of those that these name. What cannot be read names none here:
+/// whoever reads it says so.
+std::vector<std::string> files_named_from(const std::string& file);
+
+/// Throws InputError where --scene writes a scene's text beside other files than those that it names; nowhere where
+/// that is empty.
+void expect_beside_files(std::string_view text, const std::string& scene, const std::string& written);
 
 }  // namespace poise

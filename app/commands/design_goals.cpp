@@ -23,9 +23,7 @@ int run_goals(const DesignRequest& request, const Palette& palette) {
   const GoalProblem problem = read_goals(request.common.scene);
   std::vector<std::string> read{problem.scene_file.string()};
   read.insert(read.end(), problem.files.begin(), problem.files.end());
-  for (std::string& one : files_beside(problem.scene_text, problem.scene_file.string(), request.common.written_scene)) {
-    read.push_back(std::move(one));
-  }
+  expect_beside_files(problem.scene_text, problem.scene_file.string(), request.common.written_scene);
   const auto aims = std::count_if(problem.goals.begin(), problem.goals.end(),
                                   [](const DesignGoal& goal) { return !goal.is_limit(); });
   if (request.trade_off == 1) throw InputError("--trade-off 1: expected two points at least");

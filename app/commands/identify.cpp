@@ -57,16 +57,11 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
     throw InputError("--scene: expected an experiment with one scene, " + experiment.file +
                      " joins several; leave it out");
   }
-  std::vector<std::string> read = files_read(experiment);
-  if (!common.written_scene.empty()) {
-    for (std::string& one :
-         files_beside(read_text_file(experiment.scene.file), experiment.scene.file, common.written_scene)) {
-      read.push_back(std::move(one));
-    }
-  }
+  if (!common.written_scene.empty())
+    expect_beside_files(read_text_file(experiment.scene.file), experiment.scene.file, common.written_scene);
   const FitProblem problem(experiment);
   check_spans(problem);
-  OutputFiles files(common, read);
+  OutputFiles files(common, files_read(experiment));
   options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 

@@ -14,6 +14,7 @@
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
+#include "model/named_files.hpp"
 #include "model/one_line.hpp"
 #include "model/set_parameter.hpp"
 #include "statics/quantities/quantities_at.hpp"
@@ -61,9 +62,19 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   add("--scene", request.written_scene);
   add("--experiment", request.experiment);
   for (const auto& [option, path] : request.exported) add(option, path);
+  std::vector<std::string> all_read = read;
+  const bool writes =
+      std::any_of(outputs_.begin(), outputs_.end(), [](const Output& one) { return !one.path.empty(); });
+  if (writes) {
+    for (const std::string& file : files_named_from(request.scene)) all_read.push_back(file);
+    for (const std::string& one : read) {
+      for (const std::string& file : files_named_from(one)) all_read.push_back(file);
+    }
+  }
   for (const Output& output : outputs_) {
     expect_different(output.path, output.option, request.scene, "the " + request.kind);
-    for (const std::string& other : read) expect_different(output.path, output.option, other, "a file that is read");
+    for (const std::string& other : all_read)
+      expect_different(output.path, output.option, other, "a file that is read");
   }
   for (auto output = outputs_.begin(); output != outputs_.end(); ++output) {
     for (auto earlier = outputs_.begin(); earlier != output; ++earlier) {

@@ -76,6 +76,28 @@ TEST_F(CommandsOnParts, EstimatesAreWrittenIntoTheScene) {
   EXPECT_EQ(contents(rod_), before);
 }
 
+// Whatever an option writes, it is no file that the scene reads: a part, what a part reads, a curve.
+TEST_F(CommandsOnParts, FilesThatTheSceneReadsStay) {
+  const std::string part =
+      folder_.write("half.toml", "[[part]]\nname = \"half\"\nfile = \"rod.toml\"\n" + contents(rod_));
+  const std::string curve = folder_.write("force.csv", "x;F\n0.5;0\n1;10\n2;30\n");
+  const std::string scene = folder_.write(
+      "whole.toml",
+      "gravity = [0, -9.81]\n[ground]\npoints = { O = [3, 0] }\n[[part]]\nname = \"a\"\nfile = \"half.toml\"\n"
+      "[[spring]]\nname = \"tie\"\npoints = [\"a.rod.B\", \"ground.O\"]\nforce = { file = \"force.csv\" }\n");
+  const std::vector<std::string> before = folder_.names();
+  const std::string other = folder_.path("other.json").string();
+  for (const std::string& read : {rod_, part, curve}) {
+    for (const char* const option : {"--json", "--html", "--markdown"}) {
+      const std::string text = contents(read), why = refused({"check", scene, option, read});
+      EXPECT_TRUE(contains(why, std::string(option) + ": \"" + read + "\" is a file that is read too")) << why;
+      EXPECT_EQ(contents(read), text);
+    }
+  }
+  EXPECT_TRUE(contains(refused({"solve", scene_, "--json", other, "--svg", rod_}), "is a file that is read too"));
+  EXPECT_EQ(folder_.names(), before);
+}
+
 TEST_F(CommandsOnParts, WhatADesignFindsIsWrittenIntoTheScene) {
   const std::string before = contents(rod_), found = folder_.path("found.toml");
   const std::string design = folder_.write(
