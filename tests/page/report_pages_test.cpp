@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/app/run_poise.hpp"
+#include "tests/page/recordings.hpp"
 #include "tests/support/browser.hpp"
 
 namespace poise::page_tests::report_pages_test {
@@ -155,6 +156,33 @@ TEST(PlotThis, WhatIsClickedIsShownAlone) {
   browser().let_go();
   EXPECT_TRUE(browser().wait_for("document.querySelectorAll('.chart.asked-for').length > 0", 5.0));
   EXPECT_LT(shown().size(), all.size());
+  for (const std::string& line : browser().console()) ADD_FAILURE() << line;
+}
+
+// What the buttons of a figure make are files: a picture, and a film while the positions of a path are played.
+TEST(Recording, PicturesAndFilmsOfAReport) {
+  if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+  browser().emulate({});
+  const TempFolder folder;
+  const std::string file = folder.path("path.html").string();
+  ASSERT_EQ(run_poise({"path", dataset("toggle_clamp"), "--vary", "load.P=0..60", "--html", file}).exit_code, 0);
+  browser().open("file://" + file);
+  ASSERT_TRUE(browser().wait_for("document.querySelector('[data-recording=\"webm\"]') !== null"));
+  browser().console();
+  keep_files(browser());
+  const auto press = [](const std::string& what) {
+    browser().run("document.querySelector(`[data-recording=\"${arguments[0]}\"]`).click()", {what});
+  };
+  press("png");
+  wait_for_file(browser(), 1);
+  expect_png(browser(), "svg.picture");
+  press("webm");
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null", 20));
+  browser().run("document.querySelector('[aria-label=\"Play\"]').click()");
+  browser().run("return new Promise((go_on) => setTimeout(go_on, 500))");
+  press("webm");
+  wait_for_file(browser(), 2);
+  expect_film(browser());
   for (const std::string& line : browser().console()) ADD_FAILURE() << line;
 }
 

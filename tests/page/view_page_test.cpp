@@ -23,11 +23,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "app/view/view_session.hpp"
 #include "model/input_error.hpp"
 #include "model/scene.hpp"
 #include "model/scene_text.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/page/hand.hpp"
+#include "tests/page/recordings.hpp"
 #include "tests/support/browser.hpp"
 #include "tests/support/seed.hpp"
 
@@ -730,23 +732,10 @@ TEST_F(ViewPage, ChosenItemsAreCopiedByMouse) {
 // Files of what is shown: the page hands them to the browser as blobs.
 TEST_F(ViewPage, PicturesAndFilms) {
   show("toggle_clamp");
-  browser().run(
-      "window.blobs = []; const make = URL.createObjectURL;"
-      "URL.createObjectURL = (blob) => { window.blobs.push(blob); return make.call(URL, blob); };");
+  keep_files(browser());
   press_button("Picture (PNG)");
-  ASSERT_TRUE(browser().wait_for("window.blobs.length === 1", 20));
-  const json png = browser().run(
-      "return createImageBitmap(window.blobs[0]).then((image) => {"
-      "  const svg = document.querySelector('.live-picture svg.picture');"
-      "  const canvas = document.createElement('canvas'); canvas.width = image.width; canvas.height = image.height;"
-      "  const context = canvas.getContext('2d'); context.drawImage(image, 0, 0);"
-      "  const {data} = context.getImageData(0, 0, image.width, image.height);"
-      "  const colours = new Set(); for (let k = 0; k < data.length; k += 4) colours.add(`${data[k]},${data[k + 1]}`);"
-      "  return [image.width, image.height, svg.clientWidth, svg.clientHeight, colours.size];"
-      "})");
-  EXPECT_NEAR(png[0].get<double>(), 2 * png[2].get<double>(), 1.0);
-  EXPECT_NEAR(png[1].get<double>(), 2 * png[3].get<double>(), 1.0);
-  EXPECT_GT(png[4].get<int>(), 20);  // something is drawn on the paper
+  wait_for_file(browser(), 1);
+  expect_png(browser(), ".live-picture svg.picture");
   press_button("Picture (SVG)");
   const std::string svg = browser().run("return window.blobs[1].text()");
   EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 100);
@@ -758,15 +747,29 @@ TEST_F(ViewPage, PicturesAndFilms) {
   for (int k = 1; k <= 10; ++k) browser().move(x + 6.0 * k, y - 8.0 * k);
   browser().let_go();
   press_button("Stop recording");
-  ASSERT_TRUE(browser().wait_for("window.blobs.length === 3", 20));
-  const json film = browser().run(
-      "return window.blobs[2].arrayBuffer().then((all) => [...new Uint8Array(all)].slice(0, 4)"
-      ".concat([all.byteLength]))");
-  EXPECT_EQ(film[0], 0x1A);
-  EXPECT_EQ(film[1], 0x45);
-  EXPECT_EQ(film[2], 0xDF);
-  EXPECT_EQ(film[3], 0xA3);
-  EXPECT_GT(film[4].get<int>(), 1000);
+  wait_for_file(browser(), 3);
+  expect_film(browser());
+  expect_silence();
+}
+
+// A session of another program holds the file as this one does, for as long as it runs.
+TEST_F(ViewPage, AnotherProgramWithTheFileIsToldOf) {
+  show("toggle_clamp");
+  const std::string bar =
+      "[...document.querySelectorAll('.bar-over p')].some((p) => p.textContent.includes("
+      "'Another poise view shows this file'))";
+  EXPECT_FALSE(browser().run("return " + bar));
+  {
+    const app::ViewSession other(file_);
+    EXPECT_TRUE(browser().wait_for(bar, 20));
+  }
+  EXPECT_TRUE(browser().wait_for("!" + bar, 20)) << "it has gone";
+  const app::ViewSession again(file_);
+  EXPECT_TRUE(browser().wait_for(bar, 20));
+  press_button("Close");
+  EXPECT_FALSE(browser().run("return " + bar));
+  // The mechanism can be used all the while.
+  ASSERT_FALSE(ask({{"do", "set"}, {"path", "load.P"}, {"value", 10}, {"revision", revision()}}).contains("error"));
   expect_silence();
 }
 
