@@ -71,9 +71,9 @@ class Tabs {
         tab.content
       );
     }
-    const list = element('div', {role: 'tablist', 'aria-label': label, class: 'tabs'}, ...tabs.map((tab) => tab.button));
-    list.addEventListener('keydown', (event) => this.key(event));
-    this.element = element('section', {class: 'panels'}, list, ...tabs.map((tab) => tab.panel));
+    this.list = element('div', {role: 'tablist', 'aria-label': label, class: 'tabs'}, ...tabs.map((tab) => tab.button));
+    this.list.addEventListener('keydown', (event) => this.key(event));
+    this.element = element('section', {class: 'panels'}, this.list, ...tabs.map((tab) => tab.panel));
     this.open(0);
   }
 
@@ -84,6 +84,11 @@ class Tabs {
       tab.button.tabIndex = i === index ? 0 : -1;
       tab.panel.hidden = i !== index;
     });
+    // The row of the tabs scrolls where it is too narrow for all.
+    const {list} = this;
+    const tab = this.tabs[index].button;
+    const first = tab.offsetLeft - list.offsetLeft;
+    list.scrollLeft = Math.min(Math.max(list.scrollLeft, first + tab.offsetWidth - list.clientWidth), first);
     this.opened(this.tabs[index].name);
   }
 
@@ -173,10 +178,10 @@ class LiveView {
       'Panels',
       [
         {name: 'numbers', title: 'Numbers', content: this.numbers.element},
-        {name: 'switches', title: 'Springs and stops', content: this.switches.element},
+        {name: 'switches', title: 'Switches', content: this.switches.element},
         {name: 'items', title: 'Items', content: this.items.element},
         {name: 'forces', title: 'Forces', content: this.forces},
-        {name: 'others', title: 'Other equilibria', content: this.others.element},
+        {name: 'others', title: 'Equilibria', content: this.others.element},
         {name: 'run', title: 'Run', content: this.run.element},
         {name: 'text', title: 'Text', content: this.text.element},
       ],
@@ -392,7 +397,12 @@ class LiveView {
     if (!same) this.hand_stops = '';
     if (!same || refitted) this.others.forget();
     else if (whole || request.do === 'drag') this.others.suspend();
-    this.tabs.retitle('others', this.others.count > 0 ? `Other equilibria (${this.others.count})` : 'Other equilibria');
+    this.countOthers();
+  }
+
+  countOthers() {
+    const {count} = this.others;
+    this.tabs.retitle('others', count > 0 ? `Equilibria (${count})` : 'Equilibria');
   }
 
   // The mechanism is where the state says.
@@ -624,8 +634,7 @@ class LiveView {
       this.program.others_had = others.revision;
       if (others.revision === this.state.revision) {
         this.others.show(others);
-        const {count} = this.others;
-        this.tabs.retitle('others', count > 0 ? `Other equilibria (${count})` : 'Other equilibria');
+        this.countOthers();
       }
     }
     this.followFile(file);

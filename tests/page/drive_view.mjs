@@ -241,7 +241,7 @@ async function checkNumbers() {
 
 async function checkText() {
   const page = await open();
-  await page.getByRole('tab', {name: 'Scene text'}).click();
+  await page.getByRole('tab', {name: 'Text'}).click();
   const area = page.getByRole('textbox', {name: 'Scene text'});
   const text = await area.inputValue();
   const before = await data(page);
@@ -301,7 +301,7 @@ async function checkText() {
 
 async function checkSwitchesAndOthers() {
   const page = await open();
-  await page.getByRole('tab', {name: 'Springs and stops'}).click();
+  await page.getByRole('tab', {name: 'Switches'}).click();
   await page.screenshot({path: `${shots}/${scene}-switches.png`});
   const one = page.getByRole('switch').first();
   if ((await one.count()) > 0) {
@@ -317,7 +317,7 @@ async function checkSwitchesAndOthers() {
       expect('on again', await page.getByRole('switch').first().isChecked());
     }
   }
-  await page.getByRole('tab', {name: 'Other equilibria'}).click();
+  await page.getByRole('tab', {name: 'Equilibria'}).click();
   await page.waitForFunction(() => document.querySelector('.statement').textContent !== 'Being looked for …', null, {
     timeout: 15000,
   });
@@ -393,7 +393,7 @@ async function checkSnap() {
 async function checkAccess() {
   const page = await open();
   await page.addScriptTag({content: readFileSync(need.resolve('axe-core/axe.min.js'), 'utf8')}).catch(() => {});
-  for (const name of ['Numbers', 'Springs and stops', 'Forces', 'Other equilibria', 'Scene text']) {
+  for (const name of ['Numbers', 'Switches', 'Forces', 'Equilibria', 'Text']) {
     await page.getByRole('tab', {name}).click();
     await page.waitForTimeout(200);
     const found = await page.evaluate(async () => {
@@ -451,7 +451,7 @@ async function checkTouch() {
 async function checkGone() {
   const page = await open();
   page.silent = false;
-  await page.getByRole('tab', {name: 'Scene text'}).click();
+  await page.getByRole('tab', {name: 'Text'}).click();
   process.kill(Number(process.env.PROGRAM), 'SIGINT');
   await page.getByText('The program has ended').waitFor({timeout: 9000});
   await page.screenshot({path: `${shots}/${scene}-gone.png`});

@@ -773,6 +773,46 @@ TEST_F(ViewPage, AnotherProgramWithTheFileIsToldOf) {
   expect_silence();
 }
 
+// All tabs of the panels are on one row; on a telephone it scrolls, to the tab that is chosen too.
+TEST_F(ViewPage, TabsAreOneRow) {
+  const std::string boxes =
+      "const list = document.querySelector('.tabs'), whole = list.getBoundingClientRect();"
+      "return {left: whole.left, right: whole.right, scrolls: list.scrollWidth - list.clientWidth,"
+      "  wide: document.documentElement.scrollWidth - innerWidth,"
+      "  tabs: [...list.children].map((tab) => { const box = tab.getBoundingClientRect();"
+      "    return {name: tab.id, top: box.top, left: box.left, right: box.right, height: box.height}; })}";
+  for (const int width : {1280, 400}) {
+    SCOPED_TRACE(width);
+    browser().emulate({.width = width, .height = 900});
+    show("toggle_clamp");
+    // With the number of other equilibria, as it is once they are known.
+    ASSERT_TRUE(browser().wait_for("/\\d/.test(document.querySelector('#tab-others').textContent)", 20));
+    json seen = browser().run(boxes);
+    ASSERT_EQ(seen["tabs"].size(), 7U);
+    for (const json& tab : seen["tabs"]) {
+      EXPECT_EQ(tab["top"], seen["tabs"][0]["top"]) << tab;
+      EXPECT_LT(tab["height"].get<double>(), 48.0) << "its words are on one line: " << tab;
+      if (width == 1280) {
+        EXPECT_LE(tab["right"].get<double>(), seen["right"].get<double>()) << tab;
+      }
+    }
+    EXPECT_LE(seen["wide"], 0);
+    for (const char* const name : {"text", "numbers"}) {
+      browser().run("document.querySelector('#tab-' + arguments[0]).click()", {name});
+      seen = browser().run(boxes);
+      for (const json& tab : seen["tabs"]) {
+        if (tab["name"] != std::string("tab-") + name) continue;
+        EXPECT_GE(tab["left"].get<double>(), seen["left"].get<double>()) << tab;
+        EXPECT_LE(tab["right"].get<double>(), seen["right"].get<double>() + 0.5) << tab;
+      }
+    }
+    expect_silence();
+    browser().open("about:blank");
+    end();
+    browser().console();
+  }
+}
+
 TEST_F(ViewPage, BadTextShowsItsError) {
   show("toggle_clamp");
   const std::string bad = contents(dataset("toggle_clamp")) + "\n[[sprin]]\nname = \"x\"\n";
