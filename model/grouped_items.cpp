@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include <fmt/format.h>
+
 #include "model/toml_text.hpp"
 
 namespace poise {
@@ -71,13 +73,15 @@ std::string text_of_part(const GroupedItems& items, const toml::table& document,
   };
   const toml::table& known = table_called(document, "numbers");
   std::set<std::string> needed;
-  std::vector<const toml::node*> looked_at;
-  const auto look_at = [&](const toml::node& node) { looked_at.push_back(&node); };
+  std::vector<const toml::node*> to_read;
+  const auto look_at = [&](const toml::node& node) { to_read.push_back(&node); };
   TomlKeys points, guesses, places;
   const toml::table& all_points = table_called(table_called(document, ground), "points");
   for (const std::string& point : items.ground_points) {
     const toml::node* const at = all_points.get(point);
-    if (at == nullptr) throw InputError(ground + "." + point + ": expected a point that the scene's text has");
+    if (at == nullptr) {
+      throw InputError(fmt::format("{}.{}: expected a point that the scene's text has", ground, point));
+    }
     points.emplace_back(point, text.source(*at));
     look_at(*at);
   }
@@ -96,8 +100,10 @@ std::string text_of_part(const GroupedItems& items, const toml::table& document,
     look_at(*gravity);
   }
   for (const auto& [header, table] : items.tables) look_at(*table);
-  for (std::size_t k = 0; k < looked_at.size(); ++k) {
-    each_word(*looked_at[k], items.names, [&](const std::string& word) {
+  while (!to_read.empty()) {
+    const toml::node& node = *to_read.back();
+    to_read.pop_back();
+    each_word(node, items.names, [&](const std::string& word) {
       if (known.contains(word) && needed.insert(word).second) look_at(*known.get(word));
     });
   }

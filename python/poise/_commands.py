@@ -107,7 +107,7 @@ class SceneCommands:
         at_rest: bool = False,
         progress: Progress | None = None,
     ) -> Found:
-        """Whether friction holds a pose, by what margin, and for which loads.
+        """Whether friction holds a position, by what margin, and for which loads.
 
         As by the command line::
 
@@ -118,10 +118,10 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
-        vary: The values of a number for which friction holds the pose: load.P,
+        vary: The values of a number for which friction holds the position: load.P,
             body.B.mass, slide.S.friction.coefficient; loads: a factor of all loads;
             or a dictionary, {NAME: (FROM, TO)} or {NAME: None}
-        at_rest: In the equilibrium without friction, not in the pose as drawn
+        at_rest: In the equilibrium without friction, not in the position as drawn
         """
         return run(Found, "hold", self._core, {
             "--set": set,
@@ -503,7 +503,7 @@ class SceneCommands:
         show: Words | None = None,
         progress: Progress | None = None,
     ) -> Motion:
-        """Simulate free or driven motion, from equilibrium or from a displaced pose.
+        """Simulate free or driven motion, from equilibrium or from a displaced position.
 
         As by the command line::
 
@@ -590,7 +590,7 @@ class SceneCommands:
         show: Words | None = None,
         progress: Progress | None = None,
     ) -> Found:
-        """Find drive efforts and joint forces, in a pose or along a motion.
+        """Find the forces of drives and joints, in a position or along a motion.
 
         As by the command line::
 
@@ -608,7 +608,7 @@ class SceneCommands:
             place of the scene's drives; several times;
             or a dictionary, {NAME: (FROM, TO)}, {NAME: NUMBER} or {NAME: None}
         rate: Move at this speed, scene's units per second, with all inertia
-            (without it: standing still in every pose)
+            (without it: standing still in every position)
         flywheel: Over whole turns at --rate: the fluctuation of the torque of the
             drive, and the flywheel that holds (largest - least speed) / mean
             to this number, say 0.02

@@ -38,8 +38,8 @@ class PathReader {
 Scene named_scene(const VariedScene& varied);
 
 /// The angle or travel that changes most along the path, in rad or mechanism sizes; of mechanisms that have neither a
-/// coordinate of a point. Where none changes by a millionth, as on a stop, the force of an element or joint that changes
-/// most, if one does. The first where several do. There is one point at least.
+/// coordinate of a point. Where none changes by a millionth, as on a stop, the force of an element or joint that
+/// changes most, if one does. The first where several do. There is one point at least.
 SoughtQuantity most_changing(const VariedScene& varied, const Path& path);
 
 }  // namespace poise

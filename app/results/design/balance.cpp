@@ -343,8 +343,8 @@ Result shaking_balance_result(const BalanceProblem& problem, const ShakingBalanc
   numerics.data("complete", found.complete);
   numerics.fact("left", significant(found.residual, 2) + " of the largest term of a body is not cancelled");
   numerics.fact("positions", fmt::format("the common first moment shifts by up to {} in random positions, {} before",
-                                     significant(found.moved / dimension_of_moment.unit(units), 2),
-                                     amount_in_words(found.moved_before, dimension_of_moment, units)));
+                                         significant(found.moved / dimension_of_moment.unit(units), 2),
+                                         amount_in_words(found.moved_before, dimension_of_moment, units)));
   return out;
 }
 

@@ -267,7 +267,7 @@ std::string balanced_in_words(const StaticModel& model, const EquilibriumSet& se
 
 /// Of a complete set: what there is, and that there is no more. What is left out, the statement says in full.
 std::string complete_in_words(const StaticModel& model, const EquilibriumSet& set, bool assemblies) {
-  const std::string balanced = balanced_in_words(model, set);
+  std::string balanced = balanced_in_words(model, set);
   if (!balanced.empty()) return balanced;
   const int number = static_cast<int>(set.equilibria.size());
   const auto stable = std::count_if(set.equilibria.begin(), set.equilibria.end(), [](const Equilibrium& equilibrium) {
