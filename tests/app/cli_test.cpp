@@ -187,7 +187,7 @@ mass = 1
 points = ["ground.O", "arm.O"]
 [[stop]]
 name = "reach"
-angle = "arm"
+bodies = ["ground", "arm"]
 max = 0.2
 [start]
 arm = 0.5
@@ -233,10 +233,12 @@ TEST(CommandLine, EnergySeeksAMinimumAndReportsWhatItCounts) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_PRED2(contains, run.out, "energy, seeking a minimum of the energy");
   EXPECT_PRED2(contains, run.out, "(springs in full, loads without the part that no motion changes)");
-  EXPECT_PRED2(contains, run_poise({"solve", scene}).out, "virtual-work, seeking the equilibrium in which it settles");
-  EXPECT_PRED2(contains, run_poise({"solve", scene, "--seek", "any"}).out,
+  EXPECT_PRED2(contains, run_poise({"solve", scene, "--verbose"}).out,
+               "virtual-work, seeking the equilibrium in which it settles");
+  EXPECT_PRED2(contains, run_poise({"solve", scene, "--seek", "any", "--verbose"}).out,
                "virtual-work, seeking the nearest equilibrium");
-  EXPECT_PRED2(contains, run_poise({"solve", scene, "--method", "dynamic-relaxation", "--seek", "any"}).out,
+  EXPECT_PRED2(contains,
+               run_poise({"solve", scene, "--method", "dynamic-relaxation", "--seek", "any", "--verbose"}).out,
                "seeking a stable equilibrium");
 }
 

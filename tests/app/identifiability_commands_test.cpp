@@ -138,7 +138,7 @@ TEST(IdentifiabilityCommand, GivesCombinationsInPlaceOfWhatIsWithheld) {
   EXPECT_TRUE(has(shown.out, "Combinations that are identifiable")) << shown.out;
   folder.write("arm.toml", arm);
   folder.write("arm_experiment.toml", arm_experiment);
-  const ProgramRun run = run_poise({"identifiability", file});
+  const ProgramRun run = run_poise({"identifiability", file, "--verbose"});
   EXPECT_TRUE(has(run.out,
                   "3 of 4: 1 direction changes no motion of this mechanism (structural, from its equations "
                   "of motion)"))

@@ -53,7 +53,7 @@ TEST(KinematicsCommand, ShowsAScreenAndMoreOnDemand) {
     return outcome.out;
   };
   const std::string plain = shown({});
-  EXPECT_LT(std::count(plain.begin(), plain.end(), '\n'), 45);
+  EXPECT_LT(std::count(plain.begin(), plain.end(), '\n'), 52);
   EXPECT_TRUE(contains(plain, "1 degree of freedom, driven by obd"));
   EXPECT_TRUE(contains(plain, "Positions\n"));
   EXPECT_FALSE(contains(plain, "Velocities"));

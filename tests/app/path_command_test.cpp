@@ -153,7 +153,7 @@ TEST(PathCommand, LoadsAndUnloadsWithJumps) {
   const ProgramRun outcome =
       run_poise({"path", dataset("von_mises_toggle"), "--vary", "load.P=-60..60", "--follow", "jump"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-  EXPECT_TRUE(contains(outcome.out, "from load.P = -60 N to 60 N, and back to -60 N: 2 folds and 2 snaps"))
+  EXPECT_TRUE(contains(outcome.out, "load.P from -60 N to 60 N, and back to -60 N: 2 folds and 2 snaps"))
       << outcome.out;
   EXPECT_TRUE(contains(outcome.out, "hysteresis end")) << outcome.out;
 }

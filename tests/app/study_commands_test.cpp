@@ -74,7 +74,8 @@ TEST(StudyCommands, ResumeReadsWhatIsThere) {
   EXPECT_EQ(study(folder, file, {"--output", place, "--jobs", "2"}), whole);
   EXPECT_EQ(study(folder, file, {"--output", place, "--resume"}), whole);
   EXPECT_EQ(study(folder, file, {"--jobs", "4"}), whole);
-  const ProgramRun run = run_poise({"montecarlo", file, "--trials", trials, "--output", place, "--resume"});
+  const ProgramRun run =
+      run_poise({"montecarlo", file, "--trials", trials, "--output", place, "--resume", "--verbose"});
   EXPECT_TRUE(has(run.out, "0 computed now, the others read from " + place)) << run.out;
 }
 
@@ -135,7 +136,8 @@ TEST(StudyCommands, ADamagedFileIsNamed) {
   char& digit = text[text.find("\n5,") + 30];
   digit = digit == '1' ? '2' : '1';
   folder.write("study/study.csv", text);
-  const ProgramRun run = run_poise({"montecarlo", file, "--trials", trials, "--output", place.string(), "--resume"});
+  const ProgramRun run =
+      run_poise({"montecarlo", file, "--trials", trials, "--output", place.string(), "--resume", "--verbose"});
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(has(run.out, "is damaged (its checksum is wrong) and not used.")) << run.out;
   EXPECT_TRUE(has(run.out, "; 1 computed now")) << run.out;

@@ -170,7 +170,7 @@ TEST(WorkPrecisionResult, AnInterruptedStudyPrintsWhatItHas) {
   result.interrupted = true;
   result.rows = {run_with(Ending::not_converged, true, 1e-9)};
   result.rows[0].why = "out of patience";
-  const std::string text = plain_text(work_precision_result(model, result, 7, {}), Palette());
+  const std::string text = plain_text(work_precision_result(model, result, 7, {}), Palette(), Verbosity::verbose);
   EXPECT_TRUE(contains(text, "Interrupted: 1 row was finished.")) << text;
   EXPECT_TRUE(contains(text, "not converged, confirmed")) << text;
   EXPECT_TRUE(contains(text, "at 1e-3: out of patience")) << text;
@@ -205,7 +205,7 @@ TEST(SolveMethod, TakesEveryName) {
   const std::string help = run_poise({"solve", "--help"}).out;
   for (const MethodTraits& method : all_methods()) {
     EXPECT_TRUE(contains(help, std::string(method.name) + ":")) << help;
-    const ProgramRun run = run_poise({"solve", dataset("heaton_timme"), "--method", method.name});
+    const ProgramRun run = run_poise({"solve", dataset("heaton_timme"), "--method", method.name, "--verbose"});
     EXPECT_NE(run.exit_code, 2) << run.err;
     EXPECT_TRUE(contains(run.out, method.name)) << run.out;
   }

@@ -94,7 +94,11 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   add_units(out.content, experiment.scene.units);
   out.content.data("runs", problem.runs());
   out.content.data("readings", problem.readings());
-  out.content.data("readings_left_out", left_out(problem));
+  const std::size_t less = left_out(problem);
+  out.content.data("readings_left_out", less);
+  if (less > 0) {
+    out.content.fact("left out", count(static_cast<int>(less), "reading", "readings") + " for the delays of sensors");
+  }
   out.content.data("parameters", problem.parameters().size());
   out.content.data("nuisances", problem.nuisances());
   return out;

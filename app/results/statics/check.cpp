@@ -95,16 +95,25 @@ std::string measure_in_words(const Scene& scene, const Measure& on) {
 /// The numbers of every item of one kind: "stiffness 400 N/mm, free_length 14 mm".
 std::vector<std::string> numbers_of_items(const Scene& scene, Owner owner, std::size_t items) {
   std::vector<std::string> out(items);
+  std::vector<int> points_of_curves(items);
   for (const ParameterRow& row : parameter_table(scene)) {
     const std::optional<double> si = row.place.owner == owner ? value_at(scene, row.place) : std::nullopt;
     if (!si) continue;
     std::string& text = out[static_cast<std::size_t>(row.place.item)];
     const bool is_last = row.path.parts[2].empty() || owner == Owner::time;
     const std::string_view key = row.path.parts[is_last ? 3 : 2];
+    if (key.starts_with("curve.")) {
+      if (key.ends_with(".x")) ++points_of_curves[static_cast<std::size_t>(row.place.item)];
+      continue;
+    }
     const std::string unit = row.dimension.unit_name(scene.units);
     text +=
         fmt::format("{}{}{}{}{}{}", text.empty() ? "" : ", ", key, key.empty() ? "" : " ",
                     significant(*si / row.dimension.unit(scene.units), force_digits), unit.empty() ? "" : " ", unit);
+  }
+  for (std::size_t i = 0; i < items; ++i) {
+    if (points_of_curves[i] == 0) continue;
+    out[i] += fmt::format("{}curve of {} points", out[i].empty() ? "" : ", ", points_of_curves[i]);
   }
   return out;
 }
@@ -155,6 +164,16 @@ void add_uses(const DependentNumber& one, std::vector<std::string>& uses) {
   }
 }
 
+/// The first of a list in words, and how many more there are.
+std::string first_of_many(const std::string& list) {
+  constexpr int most = 2;
+  const auto commas = static_cast<int>(std::count(list.begin(), list.end(), ','));
+  if (commas < most) return list;
+  std::size_t end = 0;
+  for (int k = 0; k < most; ++k) end = list.find(',', end + 1);
+  return fmt::format("{} and {} more", list.substr(0, end), commas + 1 - most);
+}
+
 /// The named numbers, and the items whose expressions use each.
 void add_named(Result& out, const Scene& scene) {
   std::vector<std::string> expressions(scene.named_values.size()), uses(scene.named_values.size());
@@ -172,7 +191,8 @@ void add_named(Result& out, const Scene& scene) {
   table.words("name", "name", each(scene.named_values, &SceneNumber::name));
   table.numbers("value", "value", "", each(scene.named_values, &SceneNumber::value));
   table.words("expression", "expression", expressions);
-  table.words("used_by", "used by", uses);
+  table.words("used_by", "", uses).shown = false;
+  table.words("", "used by", each(uses, first_of_many));
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (!uses[i].empty()) continue;
     out.warnings.push_back(doubtful(fmt::format("numbers.{} is used by nothing", scene.named_values[i].name)));
