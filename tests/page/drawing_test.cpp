@@ -288,7 +288,7 @@ TEST(Drawing, WhatWasNotSavedIsThereAgain) {
 // undo leads back to the first byte, and what is called an equilibrium is one for `poise solve` of the text that is
 // shown.
 TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
-  const int sequences = test::cases(20, 1000);
+  const int sequences = test::cases(20, 250);
   const TempFolder folder;
   int done = 0, refused = 0, rests = 0, compared = 0;
   for (int sequence = 0; sequence < sequences; ++sequence) {
