@@ -642,7 +642,8 @@ Transition ViewSession::take_regrouped(const SceneText& regrouped, const std::st
   for (std::size_t b = 0; b < poses.size(); ++b) {
     const std::string& name = regrouped.scene().bodies[b].name;
     const auto known_as = std::find_if(before.begin(), before.end(), [&](const Body& body) {
-      return body.name == name || body.name == part + "." + name || fmt::format("{}.{}", part, body.name) == name;
+      return body.name == name || body.name == fmt::format("{}.{}", part, name) ||
+             name == fmt::format("{}.{}", part, body.name);
     });
     if (known_as != before.end()) poses[b] = there[static_cast<std::size_t>(known_as - before.begin())];
   }
