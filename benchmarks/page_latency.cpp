@@ -100,6 +100,25 @@ void move_sliders(Browser& browser) {
       {moves});
 }
 
+/// The least that any page can reach here: an empty one that moves a box as soon as the pointer moves.
+void print_least(Browser& browser) {
+  browser.open("about:blank");
+  browser.run(
+      "window.leastTimes = []; const box = document.createElement('div'); box.textContent = '+';"
+      "document.body.append(box); addEventListener('pointerrawupdate', (event) => {"
+      "  box.style.transform = `translate(${event.clientX}px, ${event.clientY}px)`;"
+      "  requestAnimationFrame(() => { const channel = new MessageChannel();"
+      "    channel.port1.onmessage = () => leastTimes.push(performance.now() - event.timeStamp);"
+      "    channel.port2.postMessage(null); }); });");
+  for (int k = 1; k <= 8 * moves; ++k) {
+    const double turn = 2 * M_PI * k / moves;
+    browser.move(200 + 40 * std::sin(turn), 200 + 40 * (1 - std::cos(turn)));
+  }
+  json times = json::array();
+  for (const json& time : browser.run("return leastTimes")) times.push_back({{"total", time}, {"server", 0.0}});
+  print("an empty page", "moves", times);
+}
+
 }  // namespace
 
 int main() {
@@ -115,6 +134,7 @@ int main() {
   scenes.emplace_back("200 parts", in_memory(fifty_levers()));
   Browser browser;
   std::printf("%-16s %-10s %-22s %5s %8s %8s %8s\n", "ms", "", "", "n", "median", "99 %", "largest");
+  print_least(browser);
   for (auto& [name, scene] : scenes) {
     poise::app::BackgroundView view(std::move(scene));
     browser.open(view.address());
