@@ -443,6 +443,21 @@ export class DrawingTools {
     return lines.join('');
   }
 
+  // Sets the name of a point beside it where it covers no other text; where there is no such place it is left out.
+  nameLoose(x, y, name) {
+    const text = svgElement('text', {class: 'draw-reading'}, name);
+    const others = [...this.picture.svg.querySelectorAll('text')].map((one) => one.getBoundingClientRect());
+    this.marks.append(text);
+    for (const [dx, dy, anchor] of [[6, -5, 'start'], [6, 13, 'start'], [-6, -5, 'end'], [-6, 13, 'end']]) {
+      for (const [key, value] of Object.entries({x: x + dx, y: y + dy, 'text-anchor': anchor})) text.setAttribute(key, value);
+      const box = text.getBoundingClientRect();
+      const covers = ({left, right, top, bottom}) =>
+        left < box.right && right > box.left && top < box.bottom && bottom > box.top;
+      if (!others.some(covers)) return;
+    }
+    text.remove();
+  }
+
   draw() {
     this.marks.replaceChildren();
     if (!this.sheet) return;
@@ -452,7 +467,7 @@ export class DrawingTools {
       if (!loose) continue;
       const [x, y] = this.toPage(at);
       draw('path', {class: 'draw-loose', d: `M${x - 4},${y}h8M${x},${y - 4}v8`});
-      draw('text', {class: 'draw-reading', x: x + 6, y: y - 5}, name.slice(name.lastIndexOf('.') + 1));
+      this.nameLoose(x, y, name.slice(name.lastIndexOf('.') + 1));
     }
     const outline = (style, places) => {
       const points = places.map((at) => this.toPage(at).join(',')).join(' ');

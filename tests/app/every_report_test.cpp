@@ -48,6 +48,9 @@ using Words = std::pair<std::string, std::vector<GivenOption>>;
 std::vector<Words> commands() {
   return {{"check", {}},
           {"solve", {}},
+          {"compare", {}},
+          {"sensitivity", {{"--of", "energy"}}},
+          {"motion", {{"--duration", "0.01"}}},
           {"equilibria", {{"--seconds", "0"}, {"--starts", "10"}}},
           {"hold", {}},
           {"path", {{"--vary", "loads=0..1"}}},
