@@ -1,6 +1,7 @@
 // Mechanisms drawn by hand, without a browser: what each tool writes, and that text, picture and undo agree.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <random>
 #include <set>
@@ -12,6 +13,8 @@
 
 #include "app/view/drawing_tools.hpp"
 #include "statics/equilibrium/named_equilibrium.hpp"
+#include "statics/model/pose_values.hpp"
+#include "statics/model/readings.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/page/hand.hpp"
 #include "tests/support/message_of.hpp"
@@ -286,12 +289,13 @@ TEST(Drawing, WhatWasNotSavedIsThereAgain) {
 
 // Gestures at random: whatever is drawn, renamed or taken away, the text is a scene with the points that are shown,
 // undo leads back to the first byte, and what is called an equilibrium is one for `poise solve` of the text that is
-// shown.
+// shown. POISE_FIRST_SEQUENCE=I begins with sequence I.
 TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
   const int sequences = test::cases(20, 250);
+  const char* const first_sequence = std::getenv("POISE_FIRST_SEQUENCE");
   const TempFolder folder;
   int done = 0, refused = 0, rests = 0, compared = 0;
-  for (int sequence = 0; sequence < sequences; ++sequence) {
+  for (int sequence = first_sequence == nullptr ? 0 : std::atoi(first_sequence); sequence < sequences; ++sequence) {
     SCOPED_TRACE("sequence " + std::to_string(sequence));
     std::mt19937 random(test::seed(static_cast<std::uint64_t>(sequence)));
     const auto below = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
@@ -306,11 +310,19 @@ TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
       const NamedEquilibrium& found = *solved;
       if (!found.found()) return;
       ++compared;
+      // Where an equilibrium is one of many, the text has the one that is shown to the digits of [start] alone.
+      if (found.result().certificate.outcome != poise::Outcome::proved) return;
       const TrackedEquilibrium& tracked = hand.session.tracked();
-      for (std::size_t b = 1; b < tracked.scene().bodies.size(); ++b) {
-        const std::string& name = tracked.scene().bodies[b].name;
-        EXPECT_NEAR(std::remainder(found.angle(name) - tracked.poses()[b].angle, 2 * M_PI), 0.0, 1e-9) << name << "\n"
-                                                                                                       << text;
+      const StaticModel model(found.scene());
+      for (const NamedValue& angle : angles_of(model, read_off(model, found.result().x))) {
+        const std::vector<Body>& bodies = tracked.scene().bodies;
+        const auto body =
+            std::find_if(bodies.begin(), bodies.end(), [&](const Body& one) { return one.name == angle.name; });
+        if (body == bodies.end()) continue;  // not a body of its own: a rope, a chain
+        const double shown = tracked.poses()[static_cast<std::size_t>(body - bodies.begin())].angle;
+        EXPECT_NEAR(std::remainder(angle.value - shown, 2 * M_PI), 0.0, angle.determined ? 1e-9 : 1e-5)
+            << angle.name << "\n"
+            << text;
       }
     };
     // A swing on a spring, which comes to rest.
