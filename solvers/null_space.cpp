@@ -263,7 +263,8 @@ class NullSpace final : public Kkt {
     const auto active_rows =
         static_cast<int>(std::count_if(last_active_.begin(), last_active_.end(), [](char a) { return a != 0; }));
     rank_ = 0;
-    if (active_rows > 0) {
+    const bool has_entries = active_rows > 0 && n_ > 0;  // Eigen decomposes no empty matrix
+    if (has_entries) {
       double gap = 0.0;
       for (int row = 0; row < equalities_; ++row) gap = std::max(gap, std::abs(at.constraint[row]));
       qr_columns_.setThreshold(std::clamp(rank_tolerance_per_gap * gap, rank_tolerance, rank_tolerance_limit));
@@ -276,7 +277,7 @@ class NullSpace final : public Kkt {
       }
     }
     for (int k = 0; k < n_; ++k) {
-      order_[k] = active_rows > 0 ? static_cast<int>(qr_columns_.colsPermutation().indices()[k]) : k;
+      order_[k] = has_entries ? static_cast<int>(qr_columns_.colsPermutation().indices()[k]) : k;
       place_[order_[k]] = k;
     }
     all_rows_used_ = rank_ == active_rows;
@@ -284,7 +285,7 @@ class NullSpace final : public Kkt {
       for (int r = 0, k = 0; r < m_; ++r) {
         if (last_active_[r]) rows_[k++] = r;
       }
-    } else {
+    } else if (n_ > 0) {
       qr_transposed_.setZero();
       for (int k = 0; k < rank_; ++k) qr_transposed_.row(k) = qr_matrix_.col(order_[k]).transpose();
       qr_rows_.compute(qr_transposed_);

@@ -494,5 +494,19 @@ TEST(TrackedEquilibrium, ScenesOfOneStructureVaryTogether) {
   EXPECT_THROW(VariedScene(from, limited), InputError);
 }
 
+// A plate that a weld holds has no coordinate left; whether its pin closes is seen from where it is.
+TEST(TrackedEquilibrium, LoopsWithoutCoordinatesAreClosedOrNot) {
+  const auto closed_with_hole_at = [](const std::string& x) {
+    const Scene scene =
+        parse_scene("[ground]\npoints = { A = [0, 0], B = [1, 0] }\n[body.plate]\npoints = { a = [0, 0], b = [" + x +
+                        ", 0] }\n[[weld]]\nname = \"W\"\npoints = [\"ground.A\", \"plate.a\"]\n[[pin]]\nname = "
+                        "\"P\"\npoints = [\"ground.B\", \"plate.b\"]\n",
+                    "plate.toml");
+    return closed_near(scene, BodyPoses(2)).has_value();
+  };
+  EXPECT_TRUE(closed_with_hole_at("1"));
+  EXPECT_FALSE(closed_with_hole_at("1.1"));
+}
+
 }  // namespace
 }  // namespace poise::tracked_equilibrium_test
