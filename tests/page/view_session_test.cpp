@@ -372,8 +372,9 @@ TEST(ViewSession, SwitchesSpringsOffAndOn) {
 TEST(ViewSession, SavesFewDigitsAndNoGuessThatABodyHasAnyway) {
   const OwnScene own("friction/wedge");
   ViewSession session(own.file);
+  const json state = look(session);
   json handle;
-  for (const json& one : look(session)["handles"]) {
+  for (const json& one : state["handles"]) {
     if (one["kind"] == "point") handle = one;
   }
   const json px = {handle["px"][0].get<double>() + 12.0, handle["px"][1].get<double>() + 9.0};
