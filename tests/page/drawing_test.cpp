@@ -302,6 +302,8 @@ TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
     Hand hand(folder.path(std::to_string(sequence) + ".toml"));
     const std::string first = hand.text();
     const auto compare = [&](const std::string& text) {
+      // A number or a place can leave nothing loaded: all rests where it is, and solve has nothing to find.
+      if (hand.session.tracked().equilibrium().x.empty()) return;
       SolveOptions any;
       any.seek = Seek::any;
       std::optional<NamedEquilibrium> solved;
