@@ -100,12 +100,13 @@ void move_sliders(Browser& browser) {
       {moves});
 }
 
-/// The least that any page can reach here: an empty one that moves a box as soon as the pointer moves.
+/// The least that any page can reach here: an empty sheet over the page moves a box as soon as the pointer moves.
 void print_least(Browser& browser) {
-  browser.open("about:blank");
   browser.run(
-      "window.leastTimes = []; const box = document.createElement('div'); box.textContent = '+';"
-      "document.body.append(box); addEventListener('pointerrawupdate', (event) => {"
+      "window.leastTimes = []; const sheet = document.createElement('div'); sheet.id = 'empty-sheet';"
+      "sheet.style = 'position: fixed; inset: 0; z-index: 9999; background: white';"
+      "const box = document.createElement('div'); box.textContent = '+'; sheet.append(box);"
+      "document.body.append(sheet); sheet.addEventListener('pointerrawupdate', (event) => {"
       "  box.style.transform = `translate(${event.clientX}px, ${event.clientY}px)`;"
       "  requestAnimationFrame(() => { const channel = new MessageChannel();"
       "    channel.port1.onmessage = () => leastTimes.push(performance.now() - event.timeStamp);"
@@ -116,6 +117,7 @@ void print_least(Browser& browser) {
   }
   json times = json::array();
   for (const json& time : browser.run("return leastTimes")) times.push_back({{"total", time}, {"server", 0.0}});
+  browser.run("document.getElementById('empty-sheet').remove()");
   print("an empty page", "moves", times);
 }
 
@@ -134,12 +136,12 @@ int main() {
   scenes.emplace_back("200 parts", in_memory(fifty_levers()));
   Browser browser;
   std::printf("%-16s %-10s %-22s %5s %8s %8s %8s\n", "ms", "", "", "n", "median", "99 %", "largest");
-  print_least(browser);
   for (auto& [name, scene] : scenes) {
     poise::app::BackgroundView view(std::move(scene));
     browser.open(view.address());
     browser.wait_for("document.body.dataset.revision !== undefined");
     times_of(browser);
+    if (&name == &scenes.front().first) print_least(browser);
     drag_points(browser);
     print(name, "drags", times_of(browser));
     move_sliders(browser);

@@ -8,8 +8,9 @@ const seconds_of_snap_frame = 0.08;
 const trace_colours = 7;
 // From so many points on, the reader can search for one.
 const many_points = 12;
-// How far labels on the slider are apart, as a part of its length.
-const least_apart = 0.04;
+// Of labels on the slider, as parts of its length: the gap between them, and half of a letter.
+const least_gap = 0.015;
+const half_letter = 0.015;
 // Half the width of the slider's thumb, px: its middle is never nearer to the ends.
 const thumb = 8;
 
@@ -205,11 +206,12 @@ export class Player {
       strip.style.right = `calc(100% - ${this.along(snap.last)})`;
       line.append(strip);
     }
-    let last = -Infinity;
+    let last = {frame: -Infinity, label: ''};
     for (const mark of this.play.marks ?? []) {
       // Labels that would overlap are left out; the list of events has them all.
-      const crowded = mark.frame - last < least_apart * this.count;
-      if (!crowded) last = mark.frame;
+      const letters = mark.label.length + last.label.length;
+      const crowded = mark.frame - last.frame < (least_gap + half_letter * letters) * this.count;
+      if (!crowded) last = mark;
       const sign = button(crowded ? '' : mark.label, () => this.step(mark.frame), {
         class: 'mark',
         tabindex: -1,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iomanip>
 #include <random>
 #include <sstream>
 #include <string>
@@ -31,10 +32,17 @@ using test::Browser;
 
 const fs::path source(POISE_SOURCE_DIR);
 
+/// The words of a command line, in which quotation marks keep blanks.
 std::vector<std::string> words_of(const std::string& line) {
   std::istringstream in(line);
   std::vector<std::string> out;
-  for (std::string word; in >> word;) out.push_back(word);
+  for (std::string word; in >> std::ws && !in.eof();) {
+    if (in.peek() == '\'')
+      in >> std::quoted(word, '\'');
+    else
+      in >> word;
+    out.push_back(word);
+  }
   return out;
 }
 
