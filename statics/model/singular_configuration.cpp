@@ -54,7 +54,7 @@ std::optional<std::vector<double>> nearest_singular_point(const Mechanism<double
                                                           const std::vector<double>& x, const std::vector<int>& rows) {
   const auto m = static_cast<Eigen::Index>(rows.size());
   const Eigen::Index n = mechanism.coordinates();
-  if (m == 0 || n > most_searched_coordinates) return std::nullopt;
+  if (m == 0 || n == 0 || n > most_searched_coordinates) return std::nullopt;
   std::vector<double> q = x;
   // Stops keep the value that they have at x.
   std::vector<double> kept(rows.size(), 0.0);
@@ -89,7 +89,7 @@ std::optional<SingularConfiguration> find_singular_configuration(const StaticMod
                                                                  const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
   const std::vector<int> rows = closure_rows(m);
-  if (rows.empty() || m.coordinates() > most_searched_coordinates) return std::nullopt;
+  if (rows.empty() || m.coordinates() == 0 || m.coordinates() > most_searched_coordinates) return std::nullopt;
   const DensePoint<double> here(m, x, rows);
   if (largest_gap(here) > nearly_closed || balances(here)) return std::nullopt;
   SingularConfiguration singular;
