@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "model/input_error.hpp"
+#include "statics/model/singular_configuration.hpp"
 #include "statics/model/varied_scene.hpp"
 #include "statics/paths/path.hpp"
 #include "tests/support/build_scene.hpp"
@@ -502,6 +503,7 @@ TEST(TrackedEquilibrium, LoopsWithoutCoordinatesAreClosedOrNot) {
                         ", 0] }\n[[weld]]\nname = \"W\"\npoints = [\"ground.A\", \"plate.a\"]\n[[pin]]\nname = "
                         "\"P\"\npoints = [\"ground.B\", \"plate.b\"]\n",
                     "plate.toml");
+    EXPECT_FALSE(find_singular_configuration(StaticModel(scene), {}));
     return closed_near(scene, BodyPoses(2)).has_value();
   };
   EXPECT_TRUE(closed_with_hole_at("1"));
