@@ -129,7 +129,7 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   const auto shown = [&](double value, Quantity quantity) {
     return stage.value(value, quantity, quantity == Quantity::force ? reaction.radius : reaction.moment_radius) + mark;
   };
-  // The same of action and reaction as in tables: that on the second body of the joint.
+  // Pictures show the force on the second body of the joint, as tables do.
   const std::string& on = stage.scene.bodies[static_cast<std::size_t>(joint.b.body)].name;
   const std::string& by = stage.scene.bodies[static_cast<std::size_t>(joint.a.body)].name;
   const auto text = [&](double value, Quantity quantity) {

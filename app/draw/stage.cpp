@@ -66,7 +66,7 @@ Box extent_of(const Scene& scene, const Readings& readings) {
       include_track(scene, readings, s, box);
     } else if (stop.table == "gear" || stop.table == "belt") {
       const PitchCircles wheels = pitch_circles(scene, readings, stop);
-      // Of wheels one inside the other that are nearly alike the circles would leave no room for the mechanism.
+      // The circles of wheels one inside the other that are nearly alike would leave no room for the mechanism.
       const double most = 4.0 * norm(wheels.centre_b - wheels.centre_a);
       box.include(wheels.centre_a, std::min(wheels.radius_a, most));
       box.include(wheels.centre_b, std::min(wheels.radius_b, most));

@@ -157,7 +157,7 @@ std::string as_factor(const std::string& value) {
   return is_text ? "(" + value.substr(1, value.size() - 2) + ")" : value;
 }
 
-/// Of a bar, or of the polygon of the points: centre and radius of gyration, m.
+/// The centre and the radius of gyration, m, of a bar or of the polygon of the points.
 std::pair<Vec2, double> spread_over(const Body& link) {
   const Area area = polygon(link.points);
   if (has_area(area, link)) return {area.center(), std::sqrt(std::max(0.0, area.polar() / area.size))};

@@ -69,7 +69,7 @@ bool OtherEquilibria::searching() const {
 }
 
 void OtherEquilibria::work() {
-  // Of this thread and those that it starts: whoever moves the mechanism meanwhile waits for the others.
+  // This thread and those that it starts give way: whoever moves the mechanism meanwhile waits for the others.
   constexpr int lower_priority = 10;
   ::setpriority(PRIO_PROCESS, 0, lower_priority);
   for (;;) {

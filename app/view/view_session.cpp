@@ -475,7 +475,7 @@ Transition ViewSession::take_shaped(Scene scene, std::optional<double> grain) {
   if (masses.empty()) return take(std::move(scene));
   SceneText text(rewritten_scene(now_.text, file_.string(), scene), file_.string());
   for (const std::pair<std::string, TomlKeys>& one : masses) {
-    // That of a part has its table in another file.
+    // A body of a part has its table in another file.
     const auto is_body = [&](const SceneItem& item) { return item.name == one.first; };
     if (std::any_of(text.items().begin(), text.items().end(), is_body)) text.set(one.first, one.second);
   }

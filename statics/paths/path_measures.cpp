@@ -41,7 +41,7 @@ std::vector<SoughtQuantity> forces_of(const Scene& scene) {
   return out;
 }
 
-/// That of these which changes most over some points of the path; nothing where none changes visibly.
+/// Finds which of these changes most over some points of the path; nothing where none changes visibly.
 std::optional<SoughtQuantity> most_changing_force(const VariedScene& varied, const Path& path) {
   std::vector<const PathPoint*> points;
   for (const PathBranch& branch : path.branches) {

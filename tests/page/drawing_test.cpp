@@ -167,7 +167,7 @@ TEST(Drawing, MassesFollowPointsThatAreMoved) {
   EXPECT_NE(hand.text().find("(t)*("), std::string::npos) << "its thickness is still a number\n" << hand.text();
   ASSERT_EQ(error_of(hand.ask({{"do", "undo"}})), "");
   EXPECT_EQ(hand.text(), before);
-  // By a number of the panel too, and what no tool wrote stays.
+  // They follow a number of the panel too, and what no tool wrote stays.
   ASSERT_EQ(error_of(hand.ask({{"do", "set"}, {"path", "point.bar.E.x"}, {"value", 140}})), "");
   place("plate.H", {50, 15}, false);
   place("other.F", {60, -400}, false);

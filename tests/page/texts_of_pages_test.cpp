@@ -1,4 +1,4 @@
-// That no text of a page lies over another or goes on beyond its picture: reports of all commands and live pages, on a
+// No text of a page may lie over another or go on beyond its picture: reports of all commands and live pages, on a
 // wide window and on a telephone. `make test` looks at a few of them, another few in each round of
 // `make campaign TESTS=TextsOfPages`, which come to all of them.
 #include <algorithm>

@@ -16,7 +16,7 @@ namespace poise::app {
 std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
                                      const std::vector<DriveRange>& ranges);
 
-/// Of points "crank.B": first their paths, then their speeds and their accelerations over the first drive.
+/// Charts points "crank.B": first their paths, then their speeds and their accelerations over the first drive.
 std::vector<Panel> point_panels(const Scene& scene, const KinematicsResult& found,
                                 const std::vector<DriveRange>& ranges, const std::vector<std::string>& points);
 

@@ -18,9 +18,9 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& a
 std::vector<std::string> not_drawn(const FitProblem& problem, const Identification& answer);
 int fit_columns(const Experiment& experiment);
 
-/// Of a page: the worst runs one by one, each with its readings as fitted and its residuals, the first beside a drawing
-/// of the mechanism as the run begins, in which the sensors are marked where they are read; the autocorrelation of the
-/// residuals, and the relative sensitivities of the worst run, of the same sensors and parameters.
+/// A page shows the worst runs one by one, each with its readings as fitted and its residuals, the first beside a
+/// drawing of the mechanism as the run begins, in which the sensors are marked where they are read; the autocorrelation
+/// of the residuals, and the relative sensitivities of the worst run, of the same sensors and parameters.
 std::vector<Figure> fit_figures(const FitProblem& problem, const Identification& answer);
 /// The 95 % intervals of the estimates that are not withheld: of simulated runs about their truths, each in its own
 /// standard error; of measured runs their half widths in per cent of the estimates, on a logarithmic axis.

@@ -265,7 +265,7 @@ std::string balanced_in_words(const StaticModel& model, const EquilibriumSet& se
   return "Balanced in every position" + (is_all ? "" : " of " + listed(names)) + ".";
 }
 
-/// Of a complete set: what there is, and that there is no more. What is left out, the statement says in full.
+/// Says of a complete set what there is, and that there is no more. The statement says in full what is left out.
 std::string complete_in_words(const StaticModel& model, const EquilibriumSet& set, bool assemblies) {
   std::string balanced = balanced_in_words(model, set);
   if (!balanced.empty()) return balanced;
