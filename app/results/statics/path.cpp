@@ -282,16 +282,20 @@ std::string proof_in_words(const PathPoint& point) {
   return "";
 }
 
+/// What is below 1e-13 of the mechanism's size, or of a radian, is rounding; in the units of the measure.
+double rounding_of(const PathReport& report, const SoughtQuantity& measure) {
+  constexpr double rounding = 1e-13;
+  const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
+  return rounding * size / measure.dimension.unit(report.units());
+}
+
 /// Columns of the measures, and of a driven measure the effort, at the points of the rows.
 void add_measures(Table& table, PathReport& report, const std::vector<const PathPoint*>& points) {
   for (std::size_t k = 0; k < report.view.measures.size(); ++k) {
     const SoughtQuantity& measure = report.view.measures[k];
-    // What is below 1e-13 of the mechanism's size, or of a radian, is rounding.
-    constexpr double rounding = 1e-13;
-    const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
     table.numbers("", measure.name, measure.dimension.unit_name(report.units()),
                   each(points, [&](const PathPoint* point) { return report.measures(*point)[k]; }),
-                  {.digits = digits_of_points, .zero_below = rounding * size / measure.dimension.unit(report.units())});
+                  {.digits = digits_of_points, .zero_below = rounding_of(report, measure)});
   }
   if (!report.varied.is_driven()) return;
   const std::vector<double> efforts =
@@ -318,13 +322,11 @@ void add_stability(Table& table, const std::vector<const PathPoint*>& points) {
   });
 }
 
-/// The first measure shown, in its units; below 1e-13 of the mechanism's size, or of a radian, it is 0.
+/// The first measure shown, in its units; 0 where it is rounding.
 double first_measure(PathReport& report, const PathPoint& point) {
   const SoughtQuantity& measure = report.view.measures.front();
   const double value = report.measures(point).front();
-  constexpr double rounding = 1e-13;
-  const double size = 1.0 / measure.dimension.per_scale(report.varied.scales());
-  return std::abs(value) < rounding * size / measure.dimension.unit(report.units()) ? 0.0 : value;
+  return std::abs(value) < rounding_of(report, measure) ? 0.0 : value;
 }
 
 /// "guide = -0.548 m": the first measure shown; empty where there is none.
