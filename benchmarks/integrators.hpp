@@ -32,11 +32,26 @@ struct Integrator {
   std::function<std::vector<double>(solvers::OdeSystem&, std::vector<double> y, double end, double tolerance)> run;
 };
 
+/// Equations F(t, y, y') = 0 of which some components of y have no rates.
+class DaeSystem {
+ public:
+  virtual ~DaeSystem() = default;
+  virtual int size() const = 0;
+  /// Whether the rate of a component occurs.
+  virtual bool has_rate(int component) const = 0;
+  virtual bool residual(double t, const double* y, const double* dydt, double* r) = 0;
+};
+
+/// From y and its rates at t = 0 to y at `end`. Empty if it fails, or where there is no such solver.
+std::vector<double> sundials_ida(DaeSystem& system, std::vector<double> y, std::vector<double> dydt, double end,
+                                 double tolerance);
+
 /// RungeKutta78 of solvers/, step sizes by next_step(), as in simulate().
 Integrator poise_integrator();
-/// Boost.Odeint: fixed RK4, and Bulirsch-Stoer.
+/// Boost.Odeint: fixed RK4, Dormand-Prince 5(4), and Bulirsch-Stoer.
 std::vector<Integrator> odeint_integrators();
-/// CVODES (Adams), ARKODE (Verner 8(5,6), Fehlberg 13(7,8)); none where Poise was configured without SUNDIALS.
+/// CVODES (Adams), IDA on y' = f, ARKODE (Verner 8(5,6), Fehlberg 13(7,8)); none where Poise was configured without
+/// SUNDIALS.
 std::vector<Integrator> sundials_integrators();
 
 }  // namespace poise::benchmarks

@@ -4,4 +4,6 @@ namespace poise::benchmarks {
 
 std::vector<Integrator> sundials_integrators() { return {}; }
 
+std::vector<double> sundials_ida(DaeSystem&, std::vector<double>, std::vector<double>, double, double) { return {}; }
+
 }  // namespace poise::benchmarks

@@ -4,6 +4,7 @@
 #include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 
 #include "benchmarks/integrators.hpp"
 
@@ -27,6 +28,29 @@ State fixed_rk4(solvers::OdeSystem& system, State y, double end, double step) {
   const auto f = function_of(system);
   for (long k = 0; k < steps; ++k) {
     method.do_step(f, y, static_cast<double>(k) * end / static_cast<double>(steps), end / static_cast<double>(steps));
+  }
+  return y;
+}
+
+State dormand_prince(solvers::OdeSystem& system, State y, double end, double tolerance) {
+  odeint::runge_kutta_dopri5<State> method;
+  State dydt(y.size()), next(y.size()), rates(y.size()), error(y.size());
+  const auto f = function_of(system);
+  double t = 0.0;
+  double h = 1e-3 * end;
+  f(y, dydt, t);
+  while (t < end) {
+    const bool last = h >= end - t;
+    if (last) h = end - t;
+    method.do_step(f, y, dydt, t, next, rates, h, error);
+    double worst = 1e-10;
+    for (double e : error) worst = std::max(worst, std::abs(e) / tolerance);
+    if (worst <= 1.0) {
+      t = last ? end : t + h;
+      y.swap(next);
+      dydt.swap(rates);
+    }
+    h *= std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0);
   }
   return y;
 }
@@ -64,7 +88,9 @@ State fehlberg78(solvers::OdeSystem& system, State y, double end, double toleran
 Integrator poise_integrator() { return {"RKF 7(8), Poise", false, fehlberg78}; }
 
 std::vector<Integrator> odeint_integrators() {
-  return {{"RK4, fixed steps", true, fixed_rk4}, {"Bulirsch-Stoer", false, bulirsch_stoer}};
+  return {{"RK4, fixed steps", true, fixed_rk4},
+          {"Dormand-Prince 5(4)", false, dormand_prince},
+          {"Bulirsch-Stoer", false, bulirsch_stoer}};
 }
 
 }  // namespace poise::benchmarks
