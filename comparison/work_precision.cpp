@@ -54,6 +54,7 @@ class Study {
  private:
   SolveOptions settings_of(Method method) const {
     SolveOptions settings;
+    settings.lagrangian = options_.lagrangian;
     settings.method = method;
     settings.seek = options_.seek;
     settings.interrupt = options_.interrupt;

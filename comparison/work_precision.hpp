@@ -15,6 +15,7 @@ struct WorkPrecisionOptions {
   std::vector<double> tolerances{};  ///< SolveOptions::tolerance of the runs
   int repeats = 7;                   ///< runs per method and tolerance, > 0; more if they take microseconds
   Seek seek = Seek::any;
+  LagrangianWeights lagrangian{};
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string& doing)> progress{};  ///< called before every row; may be empty
 };

@@ -31,12 +31,14 @@ struct CompareRequest {
   std::optional<std::string> methods, tolerances;
   std::optional<int> repeat;
   std::optional<double> proof_seconds;
+  LagrangianWords lagrangian;
 };
 
 comparison::WorkPrecisionOptions work_precision_options(const CompareRequest& words) {
   if (words.proof_seconds) throw InputError("--proof-seconds: does not count with --tolerances; leave one of them out");
   comparison::WorkPrecisionOptions options;
   options.methods = read_methods("--methods", words.methods.value_or("all"));
+  options.lagrangian = read_lagrangian(words.lagrangian, options.methods);
   options.tolerances = read_tolerances(*words.tolerances);
   options.repeats = words.repeat.value_or(options.repeats);
   if (!words.seek.empty()) options.seek = read_seek(words.seek);
@@ -70,6 +72,7 @@ int run_side_by_side(const CompareRequest& words, const Palette& palette) {
   if (!words.seek.empty()) options.seek = read_seek(words.seek);
   options.certificate = read_proof(words.proof_seconds);
   const std::vector<Method> methods = read_methods("--methods", words.methods.value_or("virtual-work,energy"));
+  options.lagrangian = read_lagrangian(words.lagrangian, methods);
 
   Progress progress(words.common.listener());
   progress.now("reading the scene");
@@ -130,6 +133,7 @@ Command compare_command() {
             "--tolerances). With a list it is enough\nfor exit code 0 that one is confirmed.\n" +
                 method_help()})
       .choices = method_list_words();
+  add_lagrangian_options(command, request->lagrangian);
   add_proof_option(command, request->proof_seconds);
   command.add({"--tolerances", &request->tolerances, "RANGE",
                "Speed against error: runs at these tolerances, by decades\n(1e-2..1e-14) or as a list (1e-3,1e-6); "

@@ -220,6 +220,30 @@ CertificateOptions read_proof(const std::optional<double>& seconds) {
   return out;
 }
 
+void add_lagrangian_options(Command& command, LagrangianWords& words) {
+  command.add({"--scaling", &words.scaling, "K",
+               "Of the augmented Lagrangian V + k lambda c + p/2 c^2: k > 0 (1),\nwhich changes rounding alone"});
+  command.add(
+      {"--penalty", &words.penalty, "P",
+       "Of the augmented Lagrangian: p >= 0, in units in which forces and\nlengths of the mechanism are about 1 "
+       "(10)"});
+}
+
+LagrangianWeights read_lagrangian(const LagrangianWords& words, const std::vector<Method>& methods) {
+  LagrangianWeights out;
+  for (const auto& [option, value] : {std::pair("--scaling", words.scaling), std::pair("--penalty", words.penalty)}) {
+    if (!value || std::any_of(methods.begin(), methods.end(), has_weights)) continue;
+    throw InputError(std::string(option) +
+                     ": is of the augmented Lagrangian alone; expected the method augmented-lagrangian or "
+                     "augmented-lagrangian-modified with it");
+  }
+  if (words.scaling) expect_number("--scaling", *words.scaling, *words.scaling > 0, "a number > 0");
+  if (words.penalty) expect_number("--penalty", *words.penalty, *words.penalty >= 0, "a number >= 0");
+  out.scaling = words.scaling.value_or(out.scaling);
+  out.penalty = words.penalty.value_or(out.penalty);
+  return out;
+}
+
 void add_jobs_option(Command& command, int& jobs, const std::string& help) {
   command.add({"--jobs", &jobs, "N", help});
 }

@@ -65,6 +65,13 @@ void add_seek_option(Command& command, std::string& seek);
 void add_proof_option(Command& command, std::optional<double>& seconds);
 /// The options of certificates with that time. Throws InputError unless it is a number >= 0.
 CertificateOptions read_proof(const std::optional<double>& seconds);
+/// --scaling and --penalty of the augmented Lagrangian; the numbers go to `words`, which must outlive the command.
+struct LagrangianWords {
+  std::optional<double> scaling, penalty;
+};
+void add_lagrangian_options(Command& command, LagrangianWords& words);
+/// Throws InputError where they are out of range, or none of the methods has them.
+LagrangianWeights read_lagrangian(const LagrangianWords& words, const std::vector<Method>& methods);
 /// --jobs; its number goes to `jobs`, which must outlive the command.
 void add_jobs_option(Command& command, int& jobs, const std::string& help);
 /// Throws InputError unless that is a number of threads, or 0 for all cores.

@@ -20,6 +20,7 @@ struct SolveRequest {
   Request common;
   std::string method = "virtual-work", seek = "settle";
   std::optional<double> proof_seconds;
+  LagrangianWords lagrangian;
   std::optional<double> time;
   std::vector<std::string> show;
 };
@@ -30,6 +31,7 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   options.method = read_method("--method", words.method);
   options.seek = read_seek(words.seek);
   options.certificate = read_proof(words.proof_seconds);
+  options.lagrangian = read_lagrangian(words.lagrangian, {options.method});
 
   Progress progress(words.common.listener());
   progress.now("reading the scene");
@@ -54,7 +56,7 @@ Scene scene_at_time(Scene scene, double time) {
                                      [](const auto& one) { return one.of != TimeFunction::Of::drive; });
   if (!has_loads) {
     throw InputError(
-        "--time: no load of the scene follows a function of time; expected one with the key time, or no "
+        "--time: no load or spring of the scene follows a function of time; expected one with the key time, or no "
         "--time");
   }
   return at_time(std::move(scene), time);
@@ -82,6 +84,7 @@ Command solve_command() {
       .choices = method_names();
   command.add({"--time", &request->time, "S", "Time at which loads that follow functions of time are taken (0)"});
   add_show_option(command, request->show);
+  add_lagrangian_options(command, request->lagrangian);
   add_proof_option(command, request->proof_seconds);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism in equilibrium, with loads and joint forces, into\nFILE"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -88,14 +89,15 @@ void search_by_virtual_work(const StaticModel& model, const std::vector<double>&
   out.claimed = result.end == solvers::NewtonEnd::converged;
 }
 
-using Program = solvers::SearchResult (*)(const solvers::Problem&, const std::vector<double>&,
-                                          const solvers::SearchOptions&, const std::vector<int>&);
+using Program = std::function<solvers::SearchResult(const solvers::Problem&, const std::vector<double>&,
+                                                    const solvers::SearchOptions&, const std::vector<int>&)>;
 
-template <solvers::Tangent tangent>
-solvers::SearchResult augmented_with(const solvers::Problem& problem, const std::vector<double>& start,
-                                     const solvers::SearchOptions& options, const std::vector<int>& rows) {
-  const solvers::AugmentedLagrangianOptions all{options, tangent};
-  return solvers::solve_with_augmented_lagrangian(problem, start, all, rows);
+Program augmented_with(solvers::Tangent tangent, const LagrangianWeights& weights) {
+  return [tangent, weights](const solvers::Problem& problem, const std::vector<double>& start,
+                            const solvers::SearchOptions& options, const std::vector<int>& rows) {
+    const solvers::AugmentedLagrangianOptions all{options, tangent, weights.scaling, weights.penalty};
+    return solvers::solve_with_augmented_lagrangian(problem, start, all, rows);
+  };
 }
 
 template <solvers::NloptAlgorithm algorithm>
@@ -104,7 +106,7 @@ solvers::SearchResult nlopt_with(const solvers::Problem& problem, const std::vec
   return solvers::solve_with_nlopt(algorithm, problem, start, options, rows);
 }
 
-void search_by_program(Program program, const StaticModel& model, const std::vector<double>& x,
+void search_by_program(const Program& program, const StaticModel& model, const std::vector<double>& x,
                        const SolveOptions& options, Equilibrium& out) {
   const Mechanism<double>& m = model.mechanism();
   const MethodTraits& method = traits(options.method);
@@ -141,16 +143,16 @@ void search_by_program(Program program, const StaticModel& model, const std::vec
 
 // Without a default, so that the compiler reports a method that is missing here.
 void search(const StaticModel& model, const std::vector<double>& x, const SolveOptions& options, Equilibrium& out) {
-  const auto by = [&](Program program) { search_by_program(program, model, x, options, out); };
+  const auto by = [&](const Program& program) { search_by_program(program, model, x, options, out); };
   switch (options.method) {
     case Method::virtual_work:
       return search_by_virtual_work(model, x, options, out);
     case Method::energy:
       return by(solvers::solve_with_ipopt);
     case Method::augmented_lagrangian:
-      return by(augmented_with<solvers::Tangent::newton>);
+      return by(augmented_with(solvers::Tangent::newton, options.lagrangian));
     case Method::augmented_lagrangian_modified:
-      return by(augmented_with<solvers::Tangent::modified>);
+      return by(augmented_with(solvers::Tangent::modified, options.lagrangian));
     case Method::slsqp:
       return by(nlopt_with<solvers::NloptAlgorithm::slsqp>);
     case Method::auglag_lbfgs:

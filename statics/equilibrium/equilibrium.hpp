@@ -44,6 +44,7 @@ struct SolveOptions {
   Seek seek = Seek::settle;
   std::optional<double> tolerance{};  ///< of the method; its default (MethodTraits) if not given
   std::optional<int> iterations{};    ///< at most, of the method; where it is less than its own limit (MethodTraits)
+  LagrangianWeights lagrangian{};
   CheckTolerances check{};
   CertificateOptions certificate{};
   bool prove = true;                 ///< off: what the search finds is checked by free bodies alone, which is no proof

@@ -19,6 +19,18 @@ enum class Method {
   least_squares                   ///< residuals of all equations by Levenberg-Marquardt (Ceres)
 };
 
+/// Weights of the augmented Lagrangian  V + k lambda^T c + p/2 c^T c  of both methods that have it, in the units of the
+/// scaled scene, in which forces and lengths are about 1.
+struct LagrangianWeights {
+  double scaling = 1.0;   ///< k, > 0
+  double penalty = 10.0;  ///< p, >= 0
+};
+
+/// Whether a method has such weights.
+constexpr bool has_weights(Method method) {
+  return method == Method::augmented_lagrangian || method == Method::augmented_lagrangian_modified;
+}
+
 /// Properties of a method.
 struct MethodTraits {
   Method method;

@@ -133,6 +133,21 @@ right = -0.0067082
 guide = 0.5999865
 )";
 
+TEST(CommandLine, WeightsAreOfTheAugmentedLagrangianAlone) {
+  const std::string scene = dataset("toggle_clamp");
+  const ProgramRun none = run_poise({"solve", scene, "--penalty", "3"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("--penalty: is of the augmented Lagrangian alone; expected"), std::string::npos) << none.err;
+  const ProgramRun zero = run_poise({"solve", scene, "--method", "augmented-lagrangian", "--scaling", "0"});
+  EXPECT_EQ(zero.exit_code, 2);
+  EXPECT_NE(zero.err.find("--scaling"), std::string::npos) << zero.err;
+  EXPECT_EQ(
+      run_poise({"solve", scene, "--method", "augmented-lagrangian", "--scaling", "2", "--penalty", "0"}).exit_code, 0);
+  EXPECT_EQ(run_poise({"compare", scene, "--methods", "virtual-work,augmented-lagrangian-modified", "--penalty", "100"})
+                .exit_code,
+            0);
+}
+
 TEST(CommandLine, HeavyJointForcesWarnOfADeadCentre) {
   const TempFolder folder;
   const std::string scene = folder.write("knee.toml", knee);

@@ -16,7 +16,7 @@ def test_a_scene_that_does_not_exist_is_bad_input():
     ({"P": True}, ["P", "expected a number", "True"]),
     ({"P": 3, "load.P": 4}, ["load.P is given twice"]),
     ({"time": float("nan")}, ["--time", "expected a time"]),
-    ({"time": 1.0}, ["--time", "no load of the scene follows"]),
+    ({"time": 1.0}, ["--time", "no load or spring of the scene follows"]),
 ])
 def test_what_solve_does_not_know_is_bad_input(numbers, words):
     with pytest.raises(poise.InputError) as error:
