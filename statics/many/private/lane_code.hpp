@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "model/recorded.hpp"
 #include "statics/many/private/lane_kernel.hpp"
-#include "statics/many/private/recorded.hpp"
 
 namespace poise {
 

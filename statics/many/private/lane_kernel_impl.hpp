@@ -2,8 +2,8 @@
 // Bits, one of as many integers of 64 bits; packs, the number of these that make a block; fused(), square_root(),
 // rounded_down(), is_any() and the functions on_each_*() of packs.
 
+#include "model/lane_op.hpp"
 #include "statics/many/private/lane_kernel.hpp"
-#include "statics/many/private/lane_op.hpp"
 
 namespace {
 

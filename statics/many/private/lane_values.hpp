@@ -5,7 +5,7 @@
 
 #include "model/mechanism.hpp"
 #include "model/number_list.hpp"
-#include "statics/many/private/recorded.hpp"
+#include "model/recorded.hpp"
 #include "statics/model/static_model.hpp"
 #include "statics/quantities/numbered_equations.hpp"
 #include "statics/quantities/quantity.hpp"

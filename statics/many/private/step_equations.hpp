@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/mechanism.hpp"
-#include "statics/many/private/recorded.hpp"
+#include "model/recorded.hpp"
 
 namespace poise {
 

@@ -1,4 +1,4 @@
-#include "statics/many/private/recorded.hpp"
+#include "model/recorded.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -45,6 +45,7 @@ Recorded without_sign(const Recording::Node& negated) { return {-negated.value, 
 
 Recorder::Recorder(Recording& to) { recording_of_thread = &to; }
 Recorder::~Recorder() { recording_of_thread = nullptr; }
+Recording* Recorder::current() { return recording_of_thread; }
 
 std::size_t Recording::Hash::operator()(const Key& key) const {
   std::uint64_t h = static_cast<std::uint64_t>(key.op);
@@ -71,7 +72,13 @@ int Recording::node(LaneOp op, std::array<int, 3> of, double value) {
 }
 
 Mask<0>::operator bool() const {
-  if (!is_known()) recording_of_thread->guards.push_back({node_, value_});
+  if (is_known()) return value_;
+  if (Recording::Search* const search = recording_of_thread->search; search != nullptr) {
+    const std::size_t question = search->asked.size();
+    search->asked.push_back({node_, value_});
+    return question >= search->answers.size() || search->answers[question];
+  }
+  recording_of_thread->guards.push_back({node_, value_});
   return value_;
 }
 

@@ -10,8 +10,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "model/lane_op.hpp"
 #include "model/pack.hpp"
-#include "statics/many/private/lane_op.hpp"
+#include "model/profile.hpp"
 
 namespace poise {
 
@@ -34,6 +35,16 @@ class Recording {
   int input(double value);
   int constant(double value);
   int node(LaneOp op, std::array<int, 3> of, double value);
+
+  /// Of a function in pieces all are recorded, each to be used where it holds, in place of the one in which the inputs
+  /// are, with guards.
+  bool keeps_all_pieces = false;
+  /// While the piece is looked for: what is answered to the first questions, to all others yes, and what was asked.
+  struct Search {
+    const std::vector<bool>& answers;
+    std::vector<Guard> asked{};
+  };
+  Search* search = nullptr;
 
   std::vector<Guard> guards;
   /// Every comparison that was made, with what it was.
@@ -61,6 +72,8 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   ~Recorder();
+  /// Null: none.
+  static Recording* current();
 };
 
 /// A condition on recorded numbers: in some lanes true, in others not.
@@ -92,8 +105,6 @@ class Mask<0> {
 };
 using RecordedMask = Mask<0>;
 
-class WatchedNumber;
-
 /// A number that is recorded. One that depends on no input is a number like any other.
 class Recorded {
  public:
@@ -107,12 +118,6 @@ class Recorded {
   int node() const { return node_; }
   bool is_known() const { return node_ < 0; }
   explicit operator double() const { return value_; }
-  /// As of a Pack. What is decided by it is watched.
-  WatchedNumber operator[](int lane) const;
-  template <class F>
-  static Recorded of_each(F f) {
-    return Recorded(static_cast<double>(f(0)));
-  }
 
   friend Recorded operator+(const Recorded& a, const Recorded& b);
   friend Recorded operator-(const Recorded& a, const Recorded& b);
@@ -182,8 +187,6 @@ class WatchedNumber {
   Recorded number_;
 };
 
-inline WatchedNumber Recorded::operator[](int /*lane*/) const { return {*this}; }
-
 template <>
 inline constexpr bool has_lanes<Recorded> = true;
 
@@ -192,10 +195,45 @@ struct LaneOfScalar<Recorded> {
   using Type = double;
 };
 
-/// in_piece() of what is recorded: the piece that its value is in.
+/// Whole turns of what repeats itself are counted where they are recorded, not for each lane.
+template <>
+template <>
+inline auto ProfileIn<double>::turns_before<Recorded>(const Recorded& u) {
+  return floor(u);
+}
+template <>
+template <>
+inline auto ProfileIn<Recorded>::turns_before<Recorded>(const Recorded& u) {
+  return floor(u);
+}
+
+/// The piece that is found with these answers, and where more is asked the choice between those of either answer.
+template <class Find, class Piece>
+auto all_recorded_pieces(Recording& recording, Find find, Piece piece, std::vector<bool>& answers) {
+  Recording::Search search{answers};
+  recording.search = &search;
+  const auto in = find([](const auto& x) { return WatchedNumber(x); });
+  recording.search = nullptr;
+  if (search.asked.size() == answers.size()) return piece(in);
+  const Recording::Guard& question = search.asked[answers.size()];
+  const RecordedMask condition(question.holds, question.mask);
+  answers.push_back(true);
+  const auto where_it_holds = all_recorded_pieces(recording, find, piece, answers);
+  answers.back() = false;
+  const auto elsewhere = all_recorded_pieces(recording, find, piece, answers);
+  answers.pop_back();
+  return select(condition, where_it_holds, elsewhere);
+}
+
+/// in_piece() of what is recorded.
 template <class Find, class Piece>
 auto in_pieces_of_lanes(const Recorded& /*scalar*/, Find find, Piece piece) {
-  return piece(find([](const auto& x) { return WatchedNumber(x); }));
+  Recording* const recording = Recorder::current();
+  if (recording == nullptr || !recording->keeps_all_pieces) {
+    return piece(find([](const auto& x) { return WatchedNumber(x); }));
+  }
+  std::vector<bool> answers;
+  return all_recorded_pieces(*recording, find, piece, answers);
 }
 
 }  // namespace poise
