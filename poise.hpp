@@ -33,6 +33,8 @@
 #include "motion/design.hpp"
 #include "motion/driven_quantities.hpp"
 #include "motion/dynamic_stability.hpp"
+#include "motion/equation_code.hpp"
+#include "motion/equations_of_motion.hpp"
 #include "motion/fluctuation.hpp"
 #include "motion/force_courses.hpp"
 #include "motion/forces_along.hpp"

@@ -51,7 +51,11 @@ class InputLoad {
   void set(double t, double near) {
     t_ = t;
     near_ = near;
-    value_ = static_cast<T>(input_.at(t, 0, near));
+    set_value(static_cast<T>(input_.at(t, 0, near)));
+  }
+  /// The same with the value of its function or curve there, times the unit.
+  void set_value(const T& value) {
+    value_ = value;
     extra_ = (input_.multiplies ? written_ * value_ : value_) - written_;
   }
   /// d(load)/d(number) at that time, of numbers that are other loads' or elements' as without inputs: 1.

@@ -111,6 +111,8 @@ class ReducedMotion {
   /// Drives, stops whose limits are equal, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
   const std::vector<int>& independent() const { return independent_; }
+  /// The rows of J, rank() of them, from which the other coordinates follow.
+  const std::vector<int>& used_rows() const { return used_rows_; }
   /// Rank of J when the coordinates were last chosen.
   int rank() const { return static_cast<int>(dependent_.size()); }
 
