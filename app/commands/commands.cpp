@@ -60,6 +60,8 @@ std::vector<CommandEntry> all_commands() {
       {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv", InPage::of_scene},
       {modes_command(), "datasets/lift.toml", InPage::of_scene},
       {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg", InPage::of_scene},
+      {equations_command(), "datasets/double_pendulum.toml --from start --code pendulum.c --python pendulum.py",
+       InPage::of_scene},
       {design_command(), "datasets/wall_bed_design.toml --scene found.toml --html design.html", InPage::no},
       {identify_command(), "datasets/lift_experiment.toml --svg fit.svg", InPage::of_experiment},
       {validate_command(), "datasets/lift_experiment.toml --with fit.json", InPage::of_experiment},

@@ -72,6 +72,10 @@ Command modes_command();
 /// motion. Exit code solved where every body is in balance everywhere.
 Command forces_command();
 
+/// `poise equations SCENE`: the equation of motion in a position, and as functions in C and Python. Exit code solved
+/// where accelerations follow from it.
+Command equations_command();
+
 /// `poise design FILE`: dimensions that meet the goals of a design file, found from random starts and checked by the
 /// general kinematics. Exit code solved where all goals are met and the check confirms them.
 Command design_command();

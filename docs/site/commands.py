@@ -32,6 +32,7 @@ GUIDES = {
     "motion": ["motion", "tutorial-identification"],
     "modes": ["motion", "recipes"],
     "forces": ["motion", "friction"],
+    "equations": ["equations", "motion"],
     "design": ["design-recipes", "design-files", "synthesis", "path-synthesis", "balance"],
     "identify": ["experiment-files", "tutorial-identification"],
     "validate": ["experiment-files", "tutorial-identification"],

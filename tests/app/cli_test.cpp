@@ -503,7 +503,7 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   EXPECT_EQ(all.err, "");
   for (const char* name :
        {"check", "solve", "find", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes", "forces",
-        "design", "identify", "validate", "identifiability", "plan", "montecarlo", "import", "export"}) {
+        "equations", "design", "identify", "validate", "identifiability", "plan", "montecarlo", "import", "export"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
     const ProgramRun help = run_poise({name, "--help"});

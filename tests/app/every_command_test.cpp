@@ -30,6 +30,8 @@ std::vector<std::vector<std::string>> commands_on(const std::string& scene, cons
           {"compare", scene, "--markdown", folder.path("o.md")},
           {"modes", scene, "--json", json, "--svg", svg},
           {"motion", scene, "--duration", "0.1", "--csv", csv, "--json", json},
+          {"equations", scene, "--from", "start", "--code", folder.path("o.c"), "--python", folder.path("o.py"),
+           "--json", json},
           {"forces", scene, "--verbose", "--json", json, "--svg", svg},
           {"export", scene, "--dxf", folder.path("o.dxf"), "--pmks", folder.path("o.url"), "--svg", svg},
           {"export", scene, "--urdf", folder.path("o.urdf")},

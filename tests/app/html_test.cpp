@@ -73,6 +73,7 @@ std::vector<Words> every_command(const TempFolder& folder) {
           {"kinematics", lift, "--drive", "stroke=0.5..0.79", "--steps", "6"},
           {"motion", lift, "--duration", "0.2", "--release", "obd=0.005"},
           {"modes", lift},
+          {"equations", lift},
           {"forces", lift, "--drive", "stroke=0.5..0.79", "--steps", "6"},
           {"forces", clamp, "--drive", "handle=60"},
           {"design", dataset("lift_design")},

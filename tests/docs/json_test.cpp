@@ -479,6 +479,10 @@ TEST(JsonDocs, CompareTolerances) {
 
 TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}}); }
 
+TEST(JsonDocs, Equations) {
+  check_section("equations", {{{"equations", scene("lift")}, with_csv}, {{"equations", scene("slider_crank")}}});
+}
+
 TEST(JsonDocs, Kinematics) {
   check_section(
       "kinematics",

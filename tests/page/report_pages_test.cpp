@@ -54,6 +54,7 @@ std::vector<Report> reports() {
        {"motion", dataset("double_pendulum"), "--duration", "1", "--show",
         "reaction.shoulder,d(angle.arm1)/dt,max(shaking.size)"}},
       {"modes", {"modes", lift}},
+      {"equations", {"equations", lift}},
       {"forces", {"forces", lift, "--drive", "stroke=0.5..0.79"}},
       {"forces_in_a_pose", {"forces", dataset("four_bar_gravity"), "--drive", "crank=60"}},
       {"design", {"design", dataset("lift_design"), "--starts", "1"}, -1},
