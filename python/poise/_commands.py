@@ -630,6 +630,60 @@ class SceneCommands:
             "--show": show,
         }, ("--drive", name, low, high), progress)
 
+    def equations(
+        self,
+        *,
+        set: Settings | None = None,
+        at: Settings | None = None,
+        rate: Settings | None = None,
+        time: float | None = None,
+        from_: str | None = None,
+        seek: str | None = None,
+        coordinates: Words | None = None,
+        code: Path | None = None,
+        python: Path | None = None,
+        progress: Progress | None = None,
+    ) -> Found:
+        """Hand out the equation of motion: as numbers, as C and as Python.
+
+        As by the command line::
+
+            poise equations datasets/double_pendulum.toml --from start --code pendulum.c --python pendulum.py
+
+        set: Change a number of the scene, in its own units: load.P=40,
+            body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
+            can be given several times;
+            or a dictionary, {PATH: NUMBER}
+        at: Where this body or joint is: its angle in the world or its travel,
+            in the scene's units; several times;
+            or a dictionary, {NAME: NUMBER}
+        rate: Its speed, per second; several times;
+            or a dictionary, {NAME: NUMBER}
+        time: Time at which loads and drives are taken, s (0)
+        from_: Where everything else is. equilibrium: in the one near the start (the
+            default without drives); start: as it is assembled (the default with
+            drives)
+        seek: settle: the equilibrium that the mechanism reaches from its start
+            when released with heavy damping (the default); any: any
+            equilibrium near the start (minimising methods find minima only);
+            stable: minima only
+        coordinates: The coordinates z of the equation, with commas between; those that are
+            missing, or all, are chosen
+        code: Write functions in C99 to FILE
+        python: Write the same in Python to FILE
+        """
+        return run(Found, "equations", self._core, {
+            "--set": set,
+            "--at": at,
+            "--rate": rate,
+            "--time": time,
+            "--from": from_,
+            "--seek": seek,
+            "--coordinates": coordinates,
+            "--code": code,
+            "--python": python,
+        }, None, progress)
+
     def export(
         self,
         *,
