@@ -38,7 +38,8 @@ def example(command, folder):
         name, value = (word, True if kinds[word] == "flag" else next(words)) if word.startswith("-") else (file, word)
         if name in LEFT_OUT_OPTIONS:
             continue
-        if value in ("found.toml", "planned.toml", "four_bar.toml", "six_bar.dxf"):
+        if value in ("found.toml", "planned.toml", "four_bar.toml", "six_bar.dxf", "pendulum.c",
+                     "pendulum.py"):
             value = str(folder / value)
         out[name] = value if kinds[name] != "list" else [*out.get(name, []), value]
     return {**out, **SHORTER.get(command, {})}
@@ -157,6 +158,23 @@ def test_what_was_found_is_the_file_of_another_command():
     fit = poise.identify("datasets/lift_experiment.toml")
     prediction = poise.validate("datasets/lift_experiment.toml", with_=fit)
     assert prediction.code == 0 and prediction.svg.startswith("<")
+
+
+def test_equations_are_those_of_the_module_that_is_written(tmp_path):
+    file = tmp_path / "pendulum.py"
+    found = poise.load("datasets/double_pendulum.toml").equations(
+        from_="start", at={"arm1": -1, "arm2": 0.4}, rate={"arm1": 1.3, "arm2": -2.1}, python=file)
+    spec = importlib.util.spec_from_file_location("pendulum", file)
+    pendulum = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(pendulum)
+    status, _, D, h, c, Q = pendulum.terms(found["time"], found["z"], found["w"])
+    assert status == pendulum.OK
+    np.testing.assert_allclose(D, [row["D"] for row in found["equation"]], rtol=1e-14)
+    for name, values in [("h", h), ("c", c), ("Q", Q)]:
+        np.testing.assert_allclose(values, found[name], rtol=1e-13)
+    status, _, alpha = pendulum.accelerations(found["time"], found["z"], found["w"])
+    np.testing.assert_allclose(alpha, found["alpha"], rtol=1e-13)
+    np.testing.assert_allclose(D @ alpha + h + c, Q, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("words, call", [
