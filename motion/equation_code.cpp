@@ -199,11 +199,11 @@ $COORDINATES$$OTHERS$ *
  * Each function returns a status, and without 0 its results have no meaning:
  *   0  done
  *   1  it cannot be assembled at z and t from the position given
- *   2  singular position: the other coordinates do not follow from z there
+ *   2  singular position: the other coordinates do not follow from z there, or in the position given
  *   3  no inertia: D is not positive definite (of $NAME$_accelerations alone)
  *
  * q is a position to start from and becomes the closed position at z and t: the one of the way of assembly of
- * q, to which it is led in steps. Nothing is allocated or kept: calls of several threads do not meet.
+ * q, to which it is led in steps; without status 0 it stays. Nothing is allocated or kept: calls of several threads do not meet.
  */
 #include <math.h>
 
@@ -352,18 +352,20 @@ static int $NAME$_correct(double t, double *q, const double *first, double left,
   return 0;
 }
 
-/* Leads q to z in steps, and gives there the factors of J, B = dq/dz, and the derivatives of g by t. */
+/* Leads q to z in steps, and gives there the factors of J, B = dq/dz, and the derivatives of g by t. Where that
+ * fails q stays. */
 static int $NAME$_place(double t, const double *z, double *q, double *a, int *swapped, double *B, double *g_t) {
   const double least = 1.0 / 4096;
   double first[$NAME$_ROWS], g[$NAME$_ROWS], J[$NAME$_ROWS * $NAME$_COORDINATES];
-  double full[$NAME$_COORDINATES], next[$NAME$_COORDINATES], from[$NAME$_FREEDOMS];
+  double full[$NAME$_COORDINATES], at[$NAME$_COORDINATES], next[$NAME$_COORDINATES], from[$NAME$_FREEDOMS];
   double way = 0.0, step = 1.0;
   int i, k, row;
+  for (i = 0; i < $NAME$_COORDINATES; ++i) at[i] = q[i];
   for (k = 0; k < $NAME$_FREEDOMS; ++k) from[k] = q[$NAME$_z[k]];
   $NAME$_closing(t, q, first, g_t, J);
   while (way < 1.0) {
     double reach = 0.0;
-    $NAME$_closing(t, q, g, g_t, J);
+    $NAME$_closing(t, at, g, g_t, J);
     if (!($NAME$_factor(J, a, swapped) > 1e-9)) return way > 0.0 ? 1 : 2;
     for (row = 0; row < $NAME$_ROWS; ++row) {
       g[row] = first[row];
@@ -374,7 +376,7 @@ static int $NAME$_place(double t, const double *z, double *q, double *a, int *sw
     for (;;) {
       const double to = way + step;
       for (i = 0; i < $NAME$_COORDINATES; ++i) {
-        next[i] = q[i] + step * full[i];
+        next[i] = at[i] + step * full[i];
         reach = fmax(reach, fabs(step * full[i]) / $NAME$_unit[i]);
       }
       for (k = 0; k < $NAME$_FREEDOMS; ++k) next[$NAME$_z[k]] = to < 1.0 ? from[k] + to * (z[k] - from[k]) : z[k];
@@ -383,12 +385,13 @@ static int $NAME$_place(double t, const double *z, double *q, double *a, int *sw
       reach = 0.0;
       if (!(step >= least)) return 1;
     }
-    for (i = 0; i < $NAME$_COORDINATES; ++i) q[i] = next[i];
+    for (i = 0; i < $NAME$_COORDINATES; ++i) at[i] = next[i];
     way += step;
     step = fmin(2 * step, 1.0 - way);
   }
-  $NAME$_closing(t, q, g, g_t, J);
+  $NAME$_closing(t, at, g, g_t, J);
   if (!($NAME$_factor(J, a, swapped) > 1e-9)) return 2;
+  for (i = 0; i < $NAME$_COORDINATES; ++i) q[i] = at[i];
   for (k = 0; k < $NAME$_FREEDOMS; ++k) {
     for (row = 0; row < $NAME$_ROWS; ++row) g[row] = J[row * $NAME$_COORDINATES + $NAME$_z[k]];
     $NAME$_follow(a, swapped, g, full);
@@ -688,13 +691,13 @@ def _correct(t, q, first, left, reach):
 
 def _place(t, z, q):
     """Leads q to z in steps: (status, q, (dependent part of J, B = dq/dz, g_t))."""
-    q = np.array(q, dtype=float)
+    given = q = np.array(q, dtype=float)
     start, way, step = q[_Z].copy(), 0.0, 1.0
     first = _closed(t, q)[0]
     while way < 1.0:
         _, _, J, matrix, pivot = _closed(t, q)
         if not pivot > _LIMIT:
-            return CANNOT_BE_ASSEMBLED if way > 0.0 else SINGULAR, q, None
+            return CANNOT_BE_ASSEMBLED if way > 0.0 else SINGULAR, given, None
         full = _follow(matrix, first + J[:, _Z] @ (z - start))
         full[_Z] = z - start
         while True:
@@ -708,13 +711,13 @@ def _place(t, z, q):
                 break
             step /= 2
             if not step >= _LEAST:
-                return CANNOT_BE_ASSEMBLED, q, None
+                return CANNOT_BE_ASSEMBLED, given, None
         q = found
         way += step
         step = min(2 * step, 1.0 - way)
     _, g_t, J, matrix, pivot = _closed(t, q)
     if not pivot > _LIMIT:
-        return SINGULAR, q, None
+        return SINGULAR, given, None
     B = np.column_stack([_follow(matrix, J[:, z_k]) for z_k in _Z])
     B[_Z, np.arange(FREEDOMS)] = 1.0
     return OK, q, (matrix, B, g_t)

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "model/joint_friction.hpp"
-#include "model/nearest_name.hpp"
 #include "motion/private/motion_terms.hpp"
 #include "motion/simulation_words.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -158,12 +157,7 @@ EquationsOfMotion equations_of_motion(const MotionModel& model, const MotionOrig
   }
   std::vector<int> fixed;
   for (const std::string& name : wanted) {
-    const auto found = std::find(out.coordinate_names.begin(), out.coordinate_names.end(), name);
-    if (found == out.coordinate_names.end()) {
-      throw InputError(fmt::format("--coordinates {}: expected a coordinate of the mechanism{}", name,
-                                   did_you_mean_or_list(name, out.coordinate_names)));
-    }
-    const int i = static_cast<int>(found - out.coordinate_names.begin());
+    const int i = channel_named("--coordinates " + name, name, channels_of(model)).coordinate;
     if (std::find(fixed.begin(), fixed.end(), i) == fixed.end()) fixed.push_back(i);
   }
   Moving moving(model, out.begin);

@@ -540,6 +540,145 @@ TEST_F(EquationsAsCode, IsTheEquationOfRandomMechanisms) {
   compare_python();
 }
 
+// A block of 1 kg on a rail, upon laws of every kind that has pieces, and a lever on it that a cam lifts.
+Scene block_upon_pieces() {
+  Scene scene = parse_scene(R"(
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 1
+[[slide]]
+name = "rail"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[force]]
+name = "sine"
+at = "block.C"
+vector = [3, 0]
+[[force]]
+name = "ramp"
+at = "block.C"
+vector = [2, 0]
+[[force]]
+name = "step"
+at = "block.C"
+vector = [5, 0]
+[[force]]
+name = "line"
+at = "block.C"
+vector = [4, 0]
+[[force]]
+name = "spline"
+at = "block.C"
+vector = [1, 0]
+)",
+                            "block.toml");
+  const Measure travel = Measure::travel_of(0);
+  const auto add = [&](const std::string& name, const Law& law) {
+    scene.elements.push_back({"spring", name, travel, law});
+  };
+  add("curve", CurveSpring({-0.4, -0.1, 0.2, 0.7}, {-3.0, -1.0, 0.5, 6.0}, true));
+  add("tension", LinearSpring{.stiffness = 7.0, .free_length = 0.1, .acts = SpringActs::tension});
+  add("compression", LinearSpring{.stiffness = 5.0, .free_length = -0.2, .acts = SpringActs::compression});
+  add("bump", BumpStop{.force = 8.0, .free_length = -0.6, .depth = 0.1, .exponent = 2.5});
+  add("friction", DryFriction{.force = 0.7, .width = 0.05});
+  const auto follow = [&](int item, TimeLaw law) {
+    scene.time_functions.push_back({.of = TimeFunction::Of::force, .item = item, .law = std::move(law)});
+  };
+  follow(0, SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = 0.3, .offset = 1.0});
+  follow(1, RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = true});
+  follow(2, StepInTime{.at = 1.0, .from = 0.5, .to = 2.0});
+  const std::vector<double> t = {0.25, 0.75, 1.25, 1.5}, value = {1.0, -0.3, 0.8, 0.1};
+  follow(3, TableInTime::through(t, value, TimeTable::Between::linear, false));
+  follow(4, TableInTime::through(t, value, TimeTable::Between::spline, false));
+  return scene;
+}
+
+// Accelerations are those of ReducedMotion, which has neither these pieces nor these functions of time.
+TEST_F(EquationsAsCode, HasAllPiecesOfLawsAndFunctionsOfTime) {
+  const Stated of(block_upon_pieces());
+  const CompiledC code(of.equations, folder_);
+  ASSERT_TRUE(code.is_loaded());
+  const std::string module = has_numpy() ? python_.write(of.equations) : "";
+  std::vector<EquationNumbers> expected;
+  double least = std::numeric_limits<double>::infinity(), greatest = -least;
+  for (int k = 0; k <= 40; ++k) {
+    EquationState state = of.state;
+    state.t = 0.05 * k;  // among them, exactly, times of breaks
+    if (k % 5 == 0) state.t = 0.25 * (k / 5);
+    state.q[0] = -1.0 + 0.05 * ((7 * k) % 41);
+    state.v[0] = 0.02 * (k % 11 - 5);
+    const EquationNumbers at = numbers_at(of.equations, state);
+    ASSERT_EQ(at.status, Reached::ok);
+    EXPECT_NEAR(at.D[0] * at.alpha[0] + at.h[0] + at.c[0], at.Q[0], 1e-11);
+    const Answered found = answer_in_c(code, of, state, state.q);
+    expect_same(found, at, 1.0);
+    least = std::min(least, at.c[0]);
+    greatest = std::max(greatest, at.c[0]);
+    if (module.empty()) continue;
+    python_.ask(module, of, state, state.q);
+    expected_.push_back({"pieces", at, 1.0});
+  }
+  EXPECT_LT(least, -5.0);
+  EXPECT_GT(greatest, 5.0);
+  compare_python();
+}
+
+// A cart that follows each function of time, with a pendulum on it: its rates and what its acceleration does are those
+// of ReducedMotion.
+TEST_F(EquationsAsCode, HasRatesAndAccelerationsOfDrives) {
+  const std::vector<double> t = {0.25, 0.75, 1.25, 1.5}, value = {1.0, -0.3, 0.8, 0.1};
+  const std::vector<TimeLaw> laws = {SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = 0.3, .offset = 1.0},
+                                     RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = true},
+                                     RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = false},
+                                     TableInTime::through(t, value, TimeTable::Between::monotone, false),
+                                     TableInTime::through(t, value, TimeTable::Between::spline, false)};
+  for (const TimeLaw& law : laws) {
+    Scene scene = parse_scene(R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.cart]
+points = { C = [0, 0] }
+mass = 1
+[body.rod]
+points = { C = [0, 0] }
+mass = 2
+center = [0, -0.5]
+inertia = 0.1
+[[slide]]
+name = "rail"
+points = ["ground.O", "cart.C"]
+axis = [1, 0]
+[[pin]]
+name = "C"
+points = ["cart.C", "rod.C"]
+[[drive]]
+name = "push"
+slide = "rail"
+)",
+                              "cart.toml");
+    scene.time_functions.push_back({.of = TimeFunction::Of::drive, .item = 0, .law = law});
+    const Stated of(scene);
+    const CompiledC code(of.equations, folder_);
+    ASSERT_TRUE(code.is_loaded());
+    for (int k = 0; k <= 16; ++k) {
+      EquationState state = equation_state(of.model, {}, {}, {}, 0.125 * k);
+      const auto z = static_cast<std::size_t>(of.equations.independent[0]);
+      state.q[z] = 0.3;
+      state.v[z] = 2.0;
+      const EquationNumbers at = numbers_at(of.equations, state);
+      ASSERT_EQ(at.status, Reached::ok) << state.t;
+      expect_same(answer_in_c(code, of, state, of.state.q), at, 2.0);
+      std::vector<double> q = of.state.q, v(q.size());
+      EXPECT_EQ(code.rates(state.t, &at.z[0], &at.w[0], q.data(), v.data()), 0);
+      expect_near(v, at.v, 1.0, "v");
+      EXPECT_NEAR(at.D[0] * at.alpha[0] + at.h[0] + at.c[0], at.Q[0], 1e-11);
+    }
+  }
+}
+
 // Where the crank is longer than the rod it turns to 30 degrees at most.
 Scene short_rod() {
   return parse_scene(R"(
@@ -585,6 +724,9 @@ TEST_F(EquationsAsCode, SaysWhatCannotBeAssembled) {
     of.state.q[crank] = angle;
     EXPECT_EQ(answer_in_c(code, of, of.state, start).status, status) << angle;
     EXPECT_EQ(answer_in_c(code, of, of.state, start).of_accelerations, status) << angle;
+    if (status != 0) {
+      EXPECT_EQ(answer_in_c(code, of, of.state, start).q, start);
+    }
     if (!module.empty()) python_.ask(module, of, of.state, start);
   }
   if (!module.empty()) {
