@@ -13,7 +13,7 @@ import textwrap
 
 from poise import _poise
 from poise._found import FOUND_CLASSES
-from poise._run import LEFT_OUT_OPTIONS
+from poise._run import LEFT_OUT_OPTIONS, call_of
 
 FILE = pathlib.Path(__file__).with_name("poise") / "_commands.py"
 HAND_WRITTEN = ("solve", "view")
@@ -115,7 +115,7 @@ class CommandCall:
 
     @property
     def name(self) -> str:
-        return self.entry["name"] + ("_" if keyword.iskeyword(self.entry["name"]) else "")
+        return call_of(self.entry["name"])
 
     @property
     def kind(self) -> str:

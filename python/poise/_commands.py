@@ -630,7 +630,7 @@ class SceneCommands:
             "--show": show,
         }, ("--drive", name, low, high), progress)
 
-    def equations(
+    def equations_of_motion(
         self,
         *,
         set: Settings | None = None,

@@ -70,6 +70,9 @@ LONG_COMMANDS = frozenset(("identify", "validate", "montecarlo", "tolerance", "d
 #: Where the result goes.
 LEFT_OUT_OPTIONS = ("--json", "--csv", "--markdown", "--svg", "--html", "--quiet", "--verbose")
 
+#: Commands that have another name in Python: `Scene.equations` are those of equilibrium.
+NAMES_IN_PYTHON = {"equations": "equations_of_motion"}
+
 #: So many numbers in a row at most, for there are iterables without an end.
 MOST_NUMBERS = 100_000
 
@@ -115,6 +118,11 @@ def _options_of(command: str) -> list[_poise._Option]:
         if entry["name"] == command:
             return [option for option in entry["options"] if option["name"] not in LEFT_OUT_OPTIONS]
     raise KeyError(command)
+
+
+def call_of(command: str) -> str:
+    """The name of a command in Python."""
+    return NAMES_IN_PYTHON.get(command, command + "_" if keyword.iskeyword(command) else command)
 
 
 def parameter_of(option: _poise._Option) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 import poise
 import pytest
 from poise import _poise
-from poise._run import LEFT_OUT_OPTIONS
+from poise._run import LEFT_OUT_OPTIONS, call_of
 
 COMMANDS = {entry["name"]: entry for entry in _poise.commands()}
 CLAMP = "datasets/toggle_clamp.toml"
@@ -56,10 +56,6 @@ def by_command_line(command, options, folder):
     return done.returncode, json.loads(file.read_text()) if file.exists() else done.stderr
 
 
-def name_of(command):
-    return command + "_" if keyword.iskeyword(command) else command
-
-
 def from_python(command, options):
     kinds = {option["name"]: option["kind"] for option in COMMANDS[command]["options"]}
     given = {}
@@ -74,8 +70,8 @@ def from_python(command, options):
         if command == "solve":
             settings = (setting.split("=") for setting in given.pop("set"))
             return scene.solve({path: float(value) for path, value in settings}, **given)
-        return getattr(scene, command)(**given)
-    return getattr(poise, name_of(command))(**given)
+        return getattr(scene, call_of(command))(**given)
+    return getattr(poise, call_of(command))(**given)
 
 
 def without_times(data, command=None):
@@ -112,7 +108,7 @@ def test_the_calls_are_those_that_the_table_gives():
 
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name not in ("solve", "view")])
 def test_each_option_is_a_keyword_with_its_help(command):
-    call = getattr(poise.Scene, command, None) or getattr(poise, name_of(command))
+    call = getattr(poise.Scene, call_of(command), None) or getattr(poise, call_of(command))
     parameters = inspect.signature(call).parameters
     for option in COMMANDS[command]["options"]:
         if option["name"] in (*LEFT_OUT_OPTIONS, "SCENE"):
@@ -162,7 +158,7 @@ def test_what_was_found_is_the_file_of_another_command():
 
 def test_equations_are_those_of_the_module_that_is_written(tmp_path):
     file = tmp_path / "pendulum.py"
-    found = poise.load("datasets/double_pendulum.toml").equations(
+    found = poise.load("datasets/double_pendulum.toml").equations_of_motion(
         from_="start", at={"arm1": -1, "arm2": 0.4}, rate={"arm1": 1.3, "arm2": -2.1}, python=file)
     spec = importlib.util.spec_from_file_location("pendulum", file)
     pendulum = importlib.util.module_from_spec(spec)
