@@ -77,8 +77,9 @@ std::optional<Met> met_at_random(const Stated& of, double reach, Random& random)
   }
   out.numbers = numbers_at(of.equations, out.state);
   if (out.numbers.q.empty()) return std::nullopt;
-  for (std::size_t at = 0; at < out.numbers.B.size(); ++at) {
-    if (std::abs(out.numbers.B[at]) > 100.0) return std::nullopt;
+  // Near singular positions accelerations are as uncertain as the closure of loops over the cube of the pivot.
+  for (const double slope : out.numbers.B) {
+    if (std::abs(slope) > 10.0) return std::nullopt;
   }
   return out;
 }
