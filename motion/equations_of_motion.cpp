@@ -199,6 +199,8 @@ EquationNumbers numbers_at(const EquationsOfMotion& equations, const EquationSta
   ReducedMotion<double>& reduced = moving.reduced;
   EquationNumbers out;
   out.status = moving.place(state.t, model.from_si(state.q), &equations.independent);
+  // Rows that repeat others are known as such where the loops are closed.
+  if (out.status == Reached::ok) out.status = moving.place(state.t, moving.x(), &equations.independent);
   if (out.status != Reached::ok) return out;
   const int n = equations.coordinates(), f = equations.freedoms();
   const auto unit = [&](int i) { return unit_of(model, i); };
