@@ -35,7 +35,8 @@ struct DependentNumber {
   Expression expression;
   Dimension dimension;
   Range range = Range::finite;
-  /// Of a load of a scene at one time: c(t), by which the expression is multiplied; null of others.
+  /// Of a scene at one time: c(t), by which the expression of a load or of a number of a spring is multiplied, or which
+  /// is subtracted from gravity; null of others.
   std::shared_ptr<const HeldFactor> factor{};
 
   /// Its value in the units of the file. Not a number, or infinite, where it has none. Throws InputError where the

@@ -329,6 +329,27 @@ int Expression::degree(std::span<const int> of_names) const {
   return stack[0];
 }
 
+std::vector<std::string_view> Expression::functions_of(int name) const {
+  std::vector<std::string_view> out;
+  std::vector<bool> uses;
+  for (const Step& step : steps_) {
+    const bool is_function = step.operation == Operation::function;
+    if (step.operation == Operation::number || step.operation == Operation::name) {
+      uses.push_back(step.operation == Operation::name && step.index == name);
+      continue;
+    }
+    const bool has_one =
+        step.operation == Operation::negative || (is_function && arguments_of_function(step.index) == 1);
+    if (!has_one) {
+      const bool last = uses.back();
+      uses.pop_back();
+      uses.back() = uses.back() || last;
+    }
+    if (is_function && uses.back()) out.push_back(name_of_function(step.index));
+  }
+  return out;
+}
+
 bool Expression::is_name(std::string_view name) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };

@@ -41,6 +41,9 @@ class Expression {
   /// what each name stands for.
   int degree(std::span<const int> of_names) const;
 
+  /// Functions whose arguments use a name.
+  std::vector<std::string_view> functions_of(int name) const;
+
   /// Whether a name may be given to a number: letters, digits and underscores, not a digit first, neither pi nor a
   /// function.
   static bool is_name(std::string_view name);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/expression.hpp"
+#include "model/select.hpp"
 
 namespace poise {
 
@@ -42,8 +43,8 @@ T function_value(std::string_view name, const T& x, const T& y) {
   if (name == "abs") return abs(x);
   if (name == "atan2") return atan2(x, y);
   if (name == "hypot") return sqrt(T(x * x + y * y));
-  if (name == "min") return x < y ? x : y;
-  return x > y ? x : y;
+  if (name == "min") return select(x < y, x, y);
+  return select(x > y, x, y);
 }
 
 template <class T>

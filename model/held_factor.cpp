@@ -13,12 +13,12 @@
 namespace poise {
 namespace {
 
-Owner owner_of(TimeFunction::Of of) {
-  return of == TimeFunction::Of::force ? Owner::force : of == TimeFunction::Of::torque ? Owner::torque : Owner::drive;
-}
-
-bool is_of(const DependentNumber& number, Owner owner, int item) {
-  return number.at.place.owner == owner && number.at.place.item == item;
+/// Whether the number is of what a function of time is of.
+bool is_of(const DependentNumber& number, const TimeFunction& function) {
+  const ParameterPlace& place = number.at.place;
+  if (place.owner != owner_of(function.of)) return false;
+  const bool has_parts = function.of == TimeFunction::Of::element || function.of == TimeFunction::Of::frame;
+  return place.item == function.item && (!has_parts || place.number == function.part);
 }
 
 /// A number that a scene file writes as such, as an expression, so that a factor may stand beside it.
@@ -27,8 +27,8 @@ DependentNumber constant(const DependentPlace& at, std::string item, double si, 
   return {at, std::move(item), Expression(fmt::format("{}", si / dimension.unit(units)), {}), dimension};
 }
 
-/// What follows of a load, made to follow with the factor: where the factor itself follows from named numbers, all that
-/// is not zero.
+/// What follows of a load, a spring or gravity, made to follow with the factor: where the factor itself follows from
+/// named numbers, all that is not zero.
 std::vector<DependentNumber> held(const Scene& scene, Owner owner, int item, std::vector<DependentNumber> own,
                                   const std::shared_ptr<const HeldFactor>& factor) {
   const auto at = static_cast<std::size_t>(item);
@@ -39,7 +39,24 @@ std::vector<DependentNumber> held(const Scene& scene, Owner owner, int item, std
     own.push_back(constant({of, {owner, item}, component}, name, si, dimension, scene.units));
   };
   if (!factor->numbers.empty()) {
-    if (owner == Owner::force) {
+    const int part = factor->function.part;
+    if (owner == Owner::scene) {
+      const double si = part == 0 ? scene.gravity.x : scene.gravity.y;
+      const Dimension acceleration = dimension::length * dimension::time.power(-2);
+      if (own.empty()) {
+        own.push_back(
+            constant({DependentPlace::Of::row, {owner, 0, 0, part}}, "gravity", si, acceleration, scene.units));
+      }
+    } else if (owner == Owner::element) {
+      const Element& element = scene.elements[at];
+      const Number& number = numbers_of(element.law)[static_cast<std::size_t>(part)];
+      const ParameterPlace place{owner, item, 0, part};
+      const std::string key(number.key_on(&element.on));
+      if (own.empty()) {
+        own.push_back(constant({DependentPlace::Of::row, place}, element.table + " \"" + element.name + "\"." + key,
+                               value_at(scene, place).value(), number.dimension_on(&element.on), scene.units));
+      }
+    } else if (owner == Owner::force) {
       const Force& force = scene.forces[at];
       const std::string name = (force.to ? "distributed_load \"" : "force \"") + force.name;
       const Dimension& dimension = force.numbers()[0].dimension;
@@ -71,7 +88,10 @@ TimeFunction HeldFactor::at(std::span<const double> named) const {
 
 double DependentNumber::value(std::span<const double> named) const {
   const double own = expression.value(named);
-  return factor ? own * factor->at(named).at(factor->time) : own;
+  if (!factor) return own;
+  const TimeFunction function = factor->at(named);
+  const double there = function.at(factor->time, function.order);
+  return function.of == TimeFunction::Of::frame ? own - there / dimension.unit(factor->units) : own * there;
 }
 
 double HeldFactor::slope(const TimeFunction& function_there, std::span<const double> named,
@@ -82,7 +102,7 @@ double HeldFactor::slope(const TimeFunction& function_there, std::span<const dou
     if (by == 0.0) continue;
     const int number = one.at.place.number;
     if (!function_there.has_derivative_at(number, time)) return std::numeric_limits<double>::quiet_NaN();
-    change += by * function_there.by(number, time, 0, time);
+    change += by * function_there.by(number, time, function_there.order, time);
   }
   return change;
 }
@@ -91,7 +111,9 @@ double DependentNumber::slope(std::span<const double> named, std::span<const dou
   const double own = expression.slope(named, slopes);
   if (!factor) return own;
   const TimeFunction function = factor->at(named);
-  return own * function.at(factor->time) + expression.value(named) * factor->slope(function, named, slopes);
+  const double there = factor->slope(function, named, slopes);
+  if (function.of == TimeFunction::Of::frame) return own - there / dimension.unit(factor->units);
+  return own * function.at(factor->time) + expression.value(named) * there;
 }
 
 double HeldFactor::bend(const TimeFunction& function_there, std::span<const double> named,
@@ -103,7 +125,8 @@ double HeldFactor::bend(const TimeFunction& function_there, std::span<const doub
                                       one.expression.bend(named, slopes, bends) * unit};
     if (change.slope != 0.0 || change.bend != 0.0) changes.push_back(change);
   }
-  return changes.empty() ? 0.0 : function_there.bend(time, changes);
+  if (changes.empty()) return 0.0;
+  return function_there.order == 0 ? function_there.bend(time, changes) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double DependentNumber::bend(std::span<const double> named, std::span<const double> slopes,
@@ -111,6 +134,9 @@ double DependentNumber::bend(std::span<const double> named, std::span<const doub
   const double own = expression.bend(named, slopes, bends);
   if (!factor) return own;
   const TimeFunction function = factor->at(named);
+  if (function.of == TimeFunction::Of::frame) {
+    return own - factor->bend(function, named, slopes, bends) / dimension.unit(factor->units);
+  }
   return own * function.at(factor->time) +
          2.0 * expression.slope(named, slopes) * factor->slope(function, named, slopes) +
          expression.value(named) * factor->bend(function, named, slopes, bends);
@@ -128,8 +154,9 @@ std::vector<int> DependentNumber::uses() const {
 }
 
 std::string DependentNumber::text() const {
-  return factor ? fmt::format("({}) * {}({} s)", expression.text(), factor->function.kind(), factor->time)
-                : expression.text();
+  if (!factor) return expression.text();
+  return fmt::format("({}) {} {}({} s)", expression.text(), factor->function.of == TimeFunction::Of::frame ? '-' : '*',
+                     factor->function.kind(), factor->time);
 }
 
 void hold_dependents(Scene& scene, double t) {
@@ -139,8 +166,7 @@ void hold_dependents(Scene& scene, double t) {
   const auto load_of = [&](const DependentNumber& one) {
     return std::find_if(scene.time_functions.begin(), scene.time_functions.end(),
                         [&](const TimeFunction& function) {
-                          return function.of != TimeFunction::Of::drive &&
-                                 is_of(one, owner_of(function.of), function.item);
+                          return function.of != TimeFunction::Of::drive && is_of(one, function);
                         }) -
            scene.time_functions.begin();
   };
@@ -172,15 +198,18 @@ void hold_dependents(Scene& scene, double t) {
         components.push_back(std::move(one));
         continue;
       }
-      // Forces and then torques are before all but gravity among the rows, in their order.
-      const auto behind = std::find_if(rows.begin(), rows.end(), [&](const DependentNumber& other) {
-        const Owner owner = other.at.place.owner;
-        if (owner == one.at.place.owner) return other.at.place.item > one.at.place.item;
-        return owner != Owner::number && owner != Owner::scene && owner != Owner::force;
-      });
-      rows.insert(behind, std::move(one));
+      rows.push_back(std::move(one));
     }
   }
+  // Rows follow each other as in the table, behind the named numbers.
+  std::vector<ParameterPlace> order;
+  for (const ParameterRow& row : parameter_table(scene)) order.push_back(row.place);
+  const auto rank = [&](const DependentNumber& one) {
+    if (one.at.place.owner == Owner::number) return std::ptrdiff_t{-1};
+    return std::find(order.begin(), order.end(), one.at.place) - order.begin();
+  };
+  std::stable_sort(rows.begin(), rows.end(),
+                   [&](const DependentNumber& a, const DependentNumber& b) { return rank(a) < rank(b); });
   for (auto* part : {&components, &left_out}) std::move(part->begin(), part->end(), std::back_inserter(rows));
   scene.dependents = std::make_shared<const std::vector<DependentNumber>>(std::move(rows));
 }

@@ -31,8 +31,9 @@ class Inertia {
   ///   m (p'' - gravity) . Dp + first-moment terms + J theta'' D theta,
   /// linear in `part`: with unit parts, the derivatives of the equations of motion by the inertia of a body. p of the
   /// body's origin; `second` are the second time derivatives of all phasors, a the accelerations of the coordinates.
-  void add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a, const Planar<T>* second,
-                T* g) const;
+  /// `frame`: the acceleration of the frame of the scene.
+  void add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a, const Planar<T>* second, T* g,
+                const Planar<T>& frame = {}) const;
 
   /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().
   void mass_matrix(const Planar<T>* pose, T* m) const;

@@ -79,9 +79,9 @@ void Inertia<T>::weigh(const Planar<T>* f, Planar<T>* out) const {
 //   Dth.
 template <class T>
 void Inertia<T>::add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a,
-                          const Planar<T>* second, T* g) const {
+                          const Planar<T>* second, T* g, const Planar<T>& frame) const {
   const Origin& origin = origin_[body];
-  Planar<T> lift = -gravity_;
+  Planar<T> lift = frame - gravity_;
   for (std::size_t e = 0; e < origin.coordinate.size(); ++e) {
     lift += origin.coefficient[e] * second[origin.coordinate[e]];
   }

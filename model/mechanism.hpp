@@ -34,12 +34,27 @@ struct ConstraintBlock {
 
 /// A number that forces depend on: of a force element or a load of the scene.
 struct ForceNumber {
-  enum class Of { element, force, torque };
+  enum class Of { element, force, torque, frame };
   Of of = Of::element;
   int item = 0;          ///< index into Scene::elements, forces or torques
-  int number = 0;        ///< element: index into the numbers of its law
-  int time_number = -1;  ///< load: if >= 0 index into the numbers of its function of time, in place of the load's own
+  int number = 0;        ///< element: index into the numbers of its law; frame: 0 for x, 1 for y
+  int time_number = -1;  ///< if >= 0 index into the numbers of the function of time of that, in place of its own
 };
+
+/// The number `time_number` of the function of time of a load, a spring or a frame, not of a drive; `part` as of
+/// TimeFunction.
+inline ForceNumber force_number(TimeFunction::Of of, int item, int part, int time_number) {
+  switch (of) {
+    case TimeFunction::Of::force:
+      return {ForceNumber::Of::force, item, 0, time_number};
+    case TimeFunction::Of::torque:
+      return {ForceNumber::Of::torque, item, 0, time_number};
+    case TimeFunction::Of::frame:
+      return {ForceNumber::Of::frame, item, part, time_number};
+    default:
+      return {ForceNumber::Of::element, item, part, time_number};
+  }
+}
 
 /// A scene compiled to a short sum of phasors, to be evaluated in the scalar T; in lanes (model/pack.hpp) of several
 /// variants of the scene at once.
@@ -130,8 +145,15 @@ class Mechanism {
   void replace_law(int element, const LawIn<T>& law) { elements_[element].law = law; }
   T measure_of(int element, Planar<T>* pose) const { return elements_[element].on.value(at(pose)); }
   /// g += the gradient of its measure, n values.
-  void add_measure_gradient(int element, Planar<T>* pose, T* g) const {
-    elements_[element].on.add_gradient(at(pose), T(1), g);
+  void add_measure_gradient(int element, Planar<T>* pose, T* g) const { add_measure_gradient(element, pose, T(1), g); }
+  /// g += force times that, and its change along dq where the force changes by `slope` with the measure.
+  void add_measure_gradient(int element, Planar<T>* pose, const T& force, T* g) const {
+    elements_[element].on.add_gradient(at(pose), force, g);
+  }
+  void add_measure_change(int element, Planar<T>* pose, const T& force, const T& slope, const T* dq, T* g) const {
+    const CompiledMeasure<T>& on = elements_[element].on;
+    on.add_gradient(at(pose), slope * on.along(at(pose), dq), g);
+    on.add_bend(at(pose), dq, force, g);
   }
 
   // Motion.
@@ -149,6 +171,10 @@ class Mechanism {
   void add_resistance(const T* resistances, T* g) const;
   /// g += the change of these along dq and dv.
   void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g) const;
+  /// g += the generalized force that a frame with this acceleration requires of all masses, and its change along dq. Of
+  /// a scene whose frame moves (Scene::time_functions), compiled for dynamics.
+  void add_frame(const Planar<T>& acceleration, const Planar<T>* pose, T* g) const;
+  void add_frame_change(const Planar<T>& acceleration, const Planar<T>* pose, const T* dq, T* g) const;
   /// Power of follower loads at the rates v.
   T follower_power(Planar<T>* pose, const T* v) const;
 
@@ -215,6 +241,8 @@ class Mechanism {
   static Planar<T> force_at_points(const NumbersOfScene& numbers, int force);
   template <class NumbersOfScene>
   void set_loads(const NumbersOfScene& numbers);
+  template <class NumbersOfScene>
+  void set_first_moments(const NumbersOfScene& numbers);
   void compile_closures();
   ForceElement compiled_element(const Scene& scene, int element, Purpose purpose) const;
   void compile_elements(const Scene& scene, Purpose purpose);
@@ -227,8 +255,9 @@ class Mechanism {
 
   Layout layout_;
   Phasors<T> phasors_;
-  std::vector<Planar<T>> load_;  // a_t
-  std::vector<T> torque_;        // per coordinate
+  std::vector<Planar<T>> load_;          // a_t
+  std::vector<Planar<T>> first_moment_;  // sum of m c_t, where the frame of the scene moves
+  std::vector<T> torque_;                // per coordinate
   bool has_torque_ = false;
   std::vector<Planar<T>> carried_;  // by each link, while loads are summed up; kept where they vary
   bool loads_vary_ = false;

@@ -22,6 +22,9 @@ Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose)
       phasors_(layout_, !scene.elements.empty() || !scene.stops.empty() || !scene.drives.empty()) {
   load_.assign(coordinates(), {});
   torque_.assign(coordinates(), T(0));
+  const bool moves = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),
+                                 [](const TimeFunction& one) { return one.of == TimeFunction::Of::frame; });
+  if (moves && purpose == Purpose::dynamics) first_moment_.assign(coordinates(), {});
   set_loads(SceneNumbers<T>(scene));
   compile_closures();
   compile_elements(scene, purpose);
@@ -83,6 +86,31 @@ Planar<T> Mechanism<T>::force_at_points(const NumbersOfScene& numbers, int force
   return numbers.scene().forces[force].to ? share_at_points(numbers, force) * vector : vector;
 }
 
+// Masses are summed over the tree as weights are, without gravity.
+template <class T>
+template <class NumbersOfScene>
+void Mechanism<T>::set_first_moments(const NumbersOfScene& numbers) {
+  const Scene& scene = numbers.scene();
+  std::fill(first_moment_.begin(), first_moment_.end(), Planar<T>{});
+  std::vector<T> carried(layout_.links.size(), T(0));
+  const auto add_at = [&](int coordinate, const Planar<T>& coefficient, const T& mass) {
+    if (coordinate >= 0 && coordinate < coordinates()) first_moment_[coordinate] += mass * coefficient;
+  };
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const int body = static_cast<int>(i);
+    if (scene.bodies[i].mass == 0 && !layout_.varying.has_mass(body)) continue;
+    const Link& link = layout_.links[i];
+    carried[i] += numbers.mass(body);
+    add_at(link.frame, numbers.center(body) * phasors_.turned(link.turn), numbers.mass(body));
+  }
+  for (auto it = layout_.tree_order.rbegin(); it != layout_.tree_order.rend(); ++it) {
+    const Link& link = layout_.links[*it];
+    if (link.parent < 0) continue;
+    for (const Arm& arm : link.arms) add_at(arm.coordinate, phasors_.coefficient(arm), carried[*it]);
+    carried[link.parent] += carried[*it];
+  }
+}
+
 // Every dead force F at p does the work Re(conj(F) p): summed over the tree, all of them become one number per phasor.
 template <class T>
 template <class NumbersOfScene>
@@ -122,6 +150,7 @@ void Mechanism<T>::set_loads(const NumbersOfScene& numbers) {
     for (const Arm& arm : link.arms) add_at(arm.coordinate, phasors_.coefficient(arm), carried_[*it]);
     carried_[link.parent] += carried_[*it];
   }
+  if (!first_moment_.empty()) set_first_moments(numbers);
   for (std::size_t t = 0; t < scene.torques.size(); ++t) {
     const int k = layout_.links[scene.torques[t].body].frame;
     if (k < 0 || k >= coordinates()) continue;
@@ -407,6 +436,36 @@ void Mechanism<T>::negative_force(const T*, Planar<T>* pose, T* g) const {
     const Planar<T> force = world_force(f.force, f.frame, pose);
     f.path.derivative(phasors_, pose, here.scratch);
     for (int i = 0; i < f.path.size(); ++i) g[f.path.support()[i]] -= dot(force, here.scratch[i]);
+  }
+}
+
+// As of dead loads, of which the work is  -Re(conj(A) sum_t m c_t phi_t)  with the acceleration A.
+template <class T>
+void Mechanism<T>::add_frame(const Planar<T>& acceleration, const Planar<T>* pose, T* g) const {
+  for (int t = 0; t < coordinates(); ++t) {
+    const Planar<T> f = conj(first_moment_[t]) * acceleration;
+    if (t < angles()) {
+      g[t] += cross(pose[t], f);
+      continue;
+    }
+    g[t] += dot(line_direction(pose, t), f);
+    if (frame(t) >= 0) g[frame(t)] += cross(pose[t], f);
+  }
+}
+
+template <class T>
+void Mechanism<T>::add_frame_change(const Planar<T>& acceleration, const Planar<T>* pose, const T* dq, T* g) const {
+  for (int t = 0; t < coordinates(); ++t) {
+    const Planar<T> f = conj(first_moment_[t]) * acceleration;
+    if (t < angles()) {
+      g[t] -= dot(pose[t], f) * dq[t];
+      continue;
+    }
+    const int k = frame(t);
+    if (k < 0) continue;
+    const T mixed = cross(line_direction(pose, t), f);
+    g[t] += mixed * dq[k];
+    g[k] += mixed * dq[t] - dot(pose[t], f) * dq[k];
   }
 }
 

@@ -110,6 +110,8 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
     case ForceNumber::Of::torque:
       if (torque_coordinate_[number.item] >= 0) g[torque_coordinate_[number.item]] -= by;
       break;
+    case ForceNumber::Of::frame:  // has numbers of functions of time alone, which add_frame() is told
+      break;
   }
 }
 

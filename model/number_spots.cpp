@@ -26,7 +26,37 @@ const toml::node* item_of(const toml::node* list, int at) {
   return all != nullptr ? all->get(static_cast<std::size_t>(at)) : nullptr;
 }
 
+/// Of a number of a function of time that is written in the table `time`.
+NumberSpot spot_in(const toml::table* time, const TimeLaw& law, int number, const std::string& key) {
+  if (const auto* const composed = std::get_if<ComposedInTime>(&law)) {
+    const bool is_integral = composed->how == ComposedInTime::How::integral;
+    const auto [k, place] = composed->place_of(static_cast<std::size_t>(number));
+    if (k < 0 && is_integral) return {time, "", key};
+    const auto at = static_cast<std::size_t>(std::max(k, 0));
+    const toml::node* const list = time != nullptr && !is_integral ? time->get(composed->kind()) : nullptr;
+    const toml::node* const item = item_of(list, static_cast<int>(k < 0 ? place : at));
+    const toml::table* const below_it = is_integral ? time : item != nullptr ? item->as_table() : nullptr;
+    if (k < 0) return {below_it, "", "until"};
+    const TimeLaw& part = composed->parts[at];
+    return spot_in(below_it, part, static_cast<int>(place), std::string(part.numbers()[place].key));
+  }
+  if (std::holds_alternative<FormulaInTime>(law)) return {};
+  if (std::holds_alternative<TableInTime>(law)) {
+    return {time, "", std::string(TableInTime::key), number % 2 == 0 ? 1 : 0, number / 2};
+  }
+  return {below(time, law.kind()), "", key};
+}
+
 }  // namespace
+
+std::string_view name_in_formula(const ParameterRow& row) {
+  if (row.place.owner != Owner::time) return {};
+  const std::string before = std::string(FormulaInTime::key) + ".";
+  const std::string_view key = row.path.parts[3];
+  if (key.starts_with(before)) return key.substr(before.size());
+  const std::size_t found = key.find("." + before);
+  return found == std::string_view::npos ? std::string_view() : key.substr(found + before.size() + 1);
+}
 
 const toml::node* NumberSpot::node() const {
   const toml::node* const value = table != nullptr ? table->get(key) : nullptr;
@@ -165,6 +195,18 @@ NumberSpot NumberSpots::of_curve(const Stop& stop, const toml::table* written, c
           is_cam && point == 0 ? curve.points : -1};
 }
 
+const toml::table* NumberSpots::table_of(const TimeFunction& function) const {
+  if (function.of == TimeFunction::Of::frame) {
+    return below(below(&document_, "frame"), function.part == 0 ? "x" : "y");
+  }
+  if (function.of == TimeFunction::Of::element) {
+    const Element& element = scene_.elements[static_cast<std::size_t>(function.item)];
+    const Number& number = numbers_of(element.law)[static_cast<std::size_t>(function.part)];
+    return below(below(item(Owner::element, function.item), "time"), number.key_on(&element.on));
+  }
+  return below(item(owner_of(function.of), function.item), "time");
+}
+
 NumberSpot NumberSpots::of(const ParameterRow& row) const {
   const auto at = static_cast<std::size_t>(row.place.item);
   std::string key(row.path.parts[3]);
@@ -215,14 +257,7 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       return {item(row.place.owner, row.place.item), "", key};
     case Owner::time: {
       const TimeFunction& function = scene_.time_functions[at];
-      const Owner owner = function.of == TimeFunction::Of::force    ? Owner::force
-                          : function.of == TimeFunction::Of::torque ? Owner::torque
-                                                                    : Owner::drive;
-      const toml::table* const time = below(item(owner, function.item), "time");
-      if (std::holds_alternative<TableInTime>(function.law)) {
-        return {time, "", std::string(TableInTime::key), row.place.number % 2 == 0 ? 1 : 0, row.place.number / 2};
-      }
-      return {below(time, std::string(function.kind())), "", key};
+      return spot_in(table_of(function), function.law, row.place.number, key);
     }
     case Owner::start:
       break;

@@ -28,6 +28,9 @@ struct NumberSpot {
   const toml::node* twin_node() const;
 };
 
+/// The named number that a formula of time uses, of its row in the parameter table; empty of other rows.
+std::string_view name_in_formula(const ParameterRow& row);
+
 /// Finds the spots of a scene in the document that it was read from; both must outlive it.
 class NumberSpots {
  public:
@@ -44,6 +47,7 @@ class NumberSpots {
   bool is_written(Owner owner, std::size_t at) const;
   const toml::table* in_list(std::string_view key, std::size_t index) const;
   const toml::table* table_of(std::size_t element) const;
+  const toml::table* table_of(const TimeFunction& function) const;
   static NumberSpot of_curve(const Stop& stop, const toml::table* written, const std::string& key, int number);
   static NumberSpot of_rim(const Stop& rope, const toml::table* written, const std::string& key);
   NumberSpot of_element(std::size_t element, const std::string& key, int number) const;

@@ -52,6 +52,9 @@ constexpr Number place_guess(std::string_view key) {
   return number;
 }
 
+/// What a function of the frame's place is on.
+const Measure place_of_frame = Measure::x_of({});
+
 constexpr std::array<Number, 2> place_guesses{place_guess<0>("x"), place_guess<1>("y")};
 
 bool has_gas_struts(const Scene& scene) {
@@ -141,10 +144,20 @@ void visit_items(AnyScene& scene, Use use) {
     auto& function = scene.time_functions[i];
     const bool drives = function.of == TimeFunction::Of::drive;
     const std::string_view name = name_of(scene, function);
+    Parts prefix{drives ? "drive" : "load", name, "time"};
+    if (function.of == TimeFunction::Of::frame) prefix = {"frame", name};
+    if (function.of == TimeFunction::Of::element) {
+      const auto& element = scene.elements[static_cast<std::size_t>(function.item)];
+      const Number& number = numbers_of(element.law)[static_cast<std::size_t>(function.part)];
+      prefix = {element.table, name, lasting_text("time." + std::string(number.key_on(&element.on)))};
+    }
+    const bool moves_frame = function.of == TimeFunction::Of::frame;
+    const Measure* const on = drives        ? &scene.drives[static_cast<std::size_t>(function.item)].on
+                              : moves_frame ? &place_of_frame
+                                            : none;
     std::visit(
         [&](auto& law) {
-          use(Parts{drives ? "drive" : "load", name, "time"}, ParameterPlace{Owner::time, i}, law, function.numbers(),
-              drives ? &scene.drives[static_cast<std::size_t>(function.item)].on : none);
+          use(prefix, ParameterPlace{Owner::time, i}, law, function.numbers(), on);
         },
         function.law);
   }
@@ -166,6 +179,10 @@ void visit_numbers(AnyScene& scene, Use use) {
                          std::span<const Number> numbers, const Measure* on) {
     for (const Number& number : numbers) {
       ParameterRow row{{prefix}, place, number.dimension_on(on), number.range_on(on)};
+      if (on == &place_of_frame && number.measure_power == 1) {
+        const int order = scene.time_functions[static_cast<std::size_t>(place.item)].order;
+        row.dimension = row.dimension * dimension::time.power(order - 2);
+      }
       row.path.parts[3] = number.key_on(on);
       use(row, item, number);
       ++place.number;
@@ -536,9 +553,12 @@ void scale(Scene& scene, const Scales& scales) {
   for (Drive& drive : scene.drives) scale_measure(drive.on, scales);
   for (Stop& stop : scene.stops) scale_measure(stop.on, scales);
   for (TimeFunction& function : scene.time_functions) {
-    if (function.of != TimeFunction::Of::drive) continue;
-    const Drive& drive = scene.drives[static_cast<std::size_t>(function.item)];
-    function.scale_table(drive.on.dimension().per_scale(scales));
+    const auto item = static_cast<std::size_t>(function.item);
+    if (function.of == TimeFunction::Of::drive) {
+      function.scale_table(scene.drives[item].on.dimension().per_scale(scales));
+    } else if (function.of == TimeFunction::Of::frame) {
+      function.scale_table(dimension::length.per_scale(scales));
+    }
   }
   for (Element& element : scene.elements) {
     std::visit(

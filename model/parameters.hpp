@@ -38,6 +38,23 @@ constexpr bool counts_in_statics(Owner owner) {
   return owner != Owner::start && owner != Owner::drive && owner != Owner::section && owner != Owner::time;
 }
 
+/// The owner of what a function of time is of; of a frame that of gravity.
+constexpr Owner owner_of(TimeFunction::Of of) {
+  switch (of) {
+    case TimeFunction::Of::force:
+      return Owner::force;
+    case TimeFunction::Of::torque:
+      return Owner::torque;
+    case TimeFunction::Of::drive:
+      return Owner::drive;
+    case TimeFunction::Of::element:
+      return Owner::element;
+    case TimeFunction::Of::frame:
+      break;
+  }
+  return Owner::scene;
+}
+
 /// The place of a number in the table, which is the same for all scenes of the same structure.
 struct ParameterPlace {
   Owner owner = Owner::scene;

@@ -130,8 +130,8 @@ void Placing::multiply_scales() const {
   }
 }
 
-void Placing::rename(toml::value<std::string>& expression) const {
-  expression = renamed(expression.get(), [&](const std::string& name) { return scoped(name); });
+void Placing::rename(toml::value<std::string>& expression, std::string_view but) const {
+  expression = renamed(expression.get(), [&](const std::string& name) { return name == but ? name : scoped(name); });
 }
 
 }  // namespace parts

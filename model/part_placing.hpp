@@ -111,7 +111,7 @@ class Placing : private MovedItems {
   void multiply_scales() const;
   std::string scoped(const std::string& name) const;
 
-  void rename(toml::value<std::string>& expression) const;
+  void rename(toml::value<std::string>& expression, std::string_view but = {}) const;  // the name that stays
 
   // Expressions of a value, not of the names in it.
   void rename_below(toml::node& node, std::string_view key) const;

@@ -337,7 +337,8 @@ void Placing::merge() {
     }
     part_.document.erase(key);
   }
-  for (const std::string_view key : {"title", "source", "gravity", "units", "outputs", "body", "start", "numbers"}) {
+  for (const std::string_view key :
+       {"title", "source", "gravity", "frame", "units", "outputs", "body", "start", "numbers"}) {
     part_.document.erase(key);
   }
   // What no scene has is refused where the document is read.

@@ -18,6 +18,11 @@
 namespace poise {
 namespace {
 
+/// Springs whose numbers may be multiplied by functions of time.
+template <class L>
+constexpr bool varies_in_time =
+    std::is_same_v<L, LinearSpring> || std::is_same_v<L, CubicSpring> || std::is_same_v<L, PreloadedSpring>;
+
 class ElementReader {
  public:
   ElementReader(const TomlTable& root, const SceneNames& names, Scene& scene)
@@ -29,6 +34,7 @@ class ElementReader {
                   [key](const ElementReader* self, const TomlTable& table) { return self->read_element(table, key); });
     }
     add_friction_of_struts();
+    read_times_of_springs();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
     read_loads();
@@ -108,6 +114,7 @@ class ElementReader {
       allowed.push_back(is_angle && !number.angle_key.empty() ? number.angle_key : number.key);
     }
     if constexpr (std::is_same_v<L, GasStrut>) allowed.clear();  // they are in its own table
+    if constexpr (varies_in_time<L>) allowed.push_back("time");
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) allowed.push_back(choice.key);
     }
@@ -232,8 +239,36 @@ class ElementReader {
   }
 
   void read_time(const TomlTable& table, TimeFunction::Of of, std::size_t item, const Measure* on) {
-    if (std::optional<TimeLaw> law = read_time_law(table, on)) {
+    if (std::optional<TimeLaw> law = read_time_law(table, "time", on)) {
       scene_.time_functions.push_back({of, static_cast<int>(item), std::move(*law), table.place_of("time").line});
+    }
+  }
+
+  /// In the table `time` of a spring a factor for each of its numbers that varies.
+  void read_times_of_springs() {
+    std::map<std::string_view, std::size_t> next;  // of each list of tables
+    for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+      const Element& element = scene_.elements[e];
+      const std::vector<TomlTable> tables = root_.tables(element.table);
+      const std::size_t at = next[element.table]++;
+      if (at >= tables.size() || !tables[at].has("time")) continue;
+      if (!tables[at].holds_table("time")) {
+        tables[at].place_of("time").fail(
+            "expected a table, say time = { stiffness = { sine = { amplitude = 0.1, frequency = 2, offset = 1 } } }");
+      }
+      const TomlTable time = *tables[at].find_table("time");
+      const std::span<const Number> numbers = numbers_of(element.law);
+      Keys keys;
+      for (const Number& number : numbers) keys.push_back(number.key_on(&element.on));
+      time.allow_keys(keys);
+      for (std::size_t k = 0; k < numbers.size(); ++k) {
+        if (std::optional<TimeLaw> law = read_time_law(time, keys[k], nullptr)) {
+          TimeFunction function{TimeFunction::Of::element, static_cast<int>(e), std::move(*law),
+                                time.place_of(keys[k]).line};
+          function.part = static_cast<int>(k);
+          scene_.time_functions.push_back(std::move(function));
+        }
+      }
     }
   }
 

@@ -12,6 +12,7 @@
 #include "model/read_couplings.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_section.hpp"
+#include "model/read_time_function.hpp"
 #include "model/scene.hpp"
 #include "model/scene_expressions.hpp"
 #include "model/scene_names.hpp"
@@ -67,7 +68,7 @@ class SceneReader {
     for (const CouplingKind& kind : coupling_kinds()) {
       if (kind.row == 0) keys.push_back(kind.table);
     }
-    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start", "outputs"});
+    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start", "outputs", "frame"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     parts_.units() = scene_.units;
@@ -83,6 +84,7 @@ class SceneReader {
       if (line >= 0) names_.learn_body(line);
     }
     read_elements(root_, names_, scene_);
+    read_frame(root_, scene_);
     read_couplings(root_, names_, riders, lines, scene_);
     add_chains();
     read_start();

@@ -201,17 +201,29 @@ struct SceneBuilder::Document {
 
   void add_keys(toml::table& table, const std::string& list, const std::string& name, const std::vector<Key>& entries) {
     for (const Key& entry : entries) {
-      const std::size_t dot = entry.name.find('.');
-      const std::string first = entry.name.substr(0, dot);
-      const bool is_nested = dot != std::string::npos;
-      const bool is_taken = table.contains(first) && !(is_nested && table.get(first)->is_table());
-      toml::table& owner = is_nested && !is_taken ? part(table, first) : table;
-      const std::string key = is_nested ? entry.name.substr(dot + 1) : first;
-      if (is_taken || owner.contains(key)) {
+      toml::table* owner = &table;
+      std::string key = entry.name;
+      bool is_taken = false;
+      // Paths in the table numbers of a part are keys with dots.
+      const bool is_path = key.starts_with("numbers.");
+      for (std::size_t dot = key.find('.'); dot != std::string::npos && !is_taken; dot = key.find('.')) {
+        const std::string first = key.substr(0, dot);
+        is_taken = owner->contains(first) && !owner->get(first)->is_table();
+        if (!is_taken) owner = &part(*owner, first);
+        key.erase(0, dot + 1);
+        if (is_path) break;
+      }
+      if (is_taken || owner->contains(key)) {
         const std::string item = name.empty() ? list : fmt::format("{} \"{}\"", list, name);
         TomlPlace{title, 0, item}.fail("expected the key " + entry.name + " once, found it twice");
       }
-      with_value(entry, [&](auto value) { set(owner, key, std::move(value)); });
+      if (const auto* const tables = std::get_if<Key::Tables>(&entry.value)) {
+        toml::array all;
+        for (const std::vector<Key>& one : *tables) add_keys(all.emplace_back<toml::table>(), list, name, one);
+        set(*owner, key, std::move(all));
+        continue;
+      }
+      with_value(entry, [&](auto value) { set(*owner, key, std::move(value)); });
     }
   }
 
@@ -269,6 +281,12 @@ SceneBuilder& SceneBuilder::output(const std::string& name, const std::string& q
 
 SceneBuilder& SceneBuilder::gravity(Vec2 acceleration) {
   document_->root.insert_or_assign("gravity", pair_of(acceleration));
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::frame(const std::string& axis, const std::vector<Key>& keys) {
+  document_->add(document_->part(document_->root, "frame"), "frame", axis, toml::table{});
+  document_->add_keys(document_->part(document_->part(document_->root, "frame"), axis), "frame", axis, keys);
   return *this;
 }
 

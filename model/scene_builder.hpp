@@ -73,8 +73,9 @@ class SceneBuilder {
   };
 
   /// A key of a table of a scene file with its number, its word, which for a number is an expression, its flag, its two
-  /// numbers (Vec2{0, 3}), its words, or its pairs of numbers. A key of a table in that table has both names:
-  /// {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}}.
+  /// numbers (Vec2{0, 3}), its words, its pairs of numbers, or the keys of each table of a list (Tables). A key of a
+  /// table in that table has all names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}},
+  /// {"time.function", "sin(3*t)"}; behind "numbers." of a part the rest is one key.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
@@ -84,9 +85,11 @@ class SceneBuilder {
     Key(std::string key, std::same_as<std::vector<std::string>> auto words)
         : name(std::move(key)), value(std::move(words)) {}
     Key(std::string key, std::vector<Vec2> pairs) : name(std::move(key)), value(std::move(pairs)) {}
+    using Tables = std::vector<std::vector<Key>>;
+    Key(std::string key, std::same_as<Tables> auto tables) : name(std::move(key)), value(std::move(tables)) {}
 
     std::string name;
-    std::variant<double, std::string, bool, std::vector<Vec2>, Vec2, std::vector<std::string>> value;
+    std::variant<double, std::string, bool, std::vector<Vec2>, Vec2, std::vector<std::string>, Tables> value;
   };
 
   /// A part of the law of a cam: up to the angle `to`, at which the lift is this share, or that of the part before.
@@ -115,6 +118,9 @@ class SceneBuilder {
   SceneBuilder& number(const std::string& name, const std::string& expression);
   /// The acceleration of gravity.
   SceneBuilder& gravity(Vec2 acceleration);
+  /// The place of the fixed frame along "x" or "y" as a function of time: {{"function", "0.1*sin(3*t)"}}; with the key
+  /// "as" its velocity or acceleration.
+  SceneBuilder& frame(const std::string& axis, const std::vector<Key>& keys);
   /// A point of the ground.
   SceneBuilder& ground_point(const std::string& name, Vec2 at);
   /// A body with its points, mass and inertia.

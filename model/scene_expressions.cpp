@@ -225,7 +225,7 @@ void SceneExpressions::check_replacements() const {
 }
 
 void SceneExpressions::find_dependents(Scene& scene) {
-  if (!written_.empty() || parts_.has_parts()) {
+  if (!written_.empty() || parts_.has_parts() || !scene.time_functions.empty()) {
     const NumberSpots spots(parts_.document(), scene);
     std::vector<DependentNumber> components;
     const auto add_components = [&](DependentPlace at, const toml::node* list, Dimension dimension) {
@@ -238,6 +238,11 @@ void SceneExpressions::find_dependents(Scene& scene) {
       }
     };
     for (const ParameterRow& row : parameter_table(scene)) {
+      if (const std::string_view name = name_in_formula(row); !name.empty()) {
+        dependents_.push_back(
+            {{DependentPlace::Of::row, row.place}, row.path.text(), {name, names_}, row.dimension, row.range});
+        continue;
+      }
       const NumberSpot spot = spots.of(row);
       if (row.place.owner == Owner::force && spot.key == "vector") {
         add_components({DependentPlace::Of::force, row.place}, spot.table->get("vector"), row.dimension);

@@ -23,6 +23,8 @@ class SceneExpressions final : public ExpressionReader {
   /// Computes the scale of a part from its expression.
   double scale(const std::string& text) const;
   double value(const toml::value<std::string>& node, const TomlPlace& place) override;
+  const std::vector<std::string>& names() const override { return names_; }
+  const std::vector<double>& values() const override { return values_; }
   /// Finds for each expression that was read the number of the scene that follows from it. Fails where there is none.
   /// Numbers of a part's file become numbers of [numbers] too, each one for all uses of the file.
   void find_dependents(Scene& scene);

@@ -79,6 +79,9 @@ class ExpressionReader {
   virtual ~ExpressionReader() = default;
   /// The value in the unit of the place; fails where it has none. The node belongs to the document.
   virtual double value(const toml::value<std::string>& node, const TomlPlace& place) = 0;
+  /// The names that expressions may use, and their values.
+  virtual const std::vector<std::string>& names() const = 0;
+  virtual const std::vector<double>& values() const = 0;
 };
 
 /// The files of which a document is put together, told apart by the paths that its nodes have as their sources. Of a
@@ -108,6 +111,8 @@ class TomlTable {
   const TomlPlace& place() const { return place_; }
   /// SI value of one unit of a number in it, where there are parts.
   double unit(const Dimension& of) const;
+  /// By which strings stand for numbers; null where they do not.
+  const ExpressionReader* expressions() const { return expressions_; }
   /// Orders tables as the document does: file, line, then column of the first key.
   std::array<int, 3> position() const;
   bool has(std::string_view key) const { return table_->contains(key); }

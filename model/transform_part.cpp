@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <utility>
 
 #include "model/couplings.hpp"
 #include "model/part_placing.hpp"
+#include "model/time_function.hpp"
 
 namespace poise::parts {
 namespace {
@@ -10,15 +12,23 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+bool has_formula(const toml::node& node) {
+  if (const toml::array* const list = node.as_array()) return std::any_of(list->begin(), list->end(), has_formula);
+  const toml::table* const table = node.as_table();
+  if (table == nullptr) return false;
+  return table->contains(FormulaInTime::key) ||
+         std::any_of(table->begin(), table->end(), [](const auto& one) { return has_formula(one.second); });
+}
+
 }  // namespace
 
 void Placing::rename_below(toml::node& node, std::string_view key) const {
   if (auto* const text = node.as_string()) {
-    if (!is_one_of(key, {"name", "at",  "on",     "follows", "slide",        "x",
-                         "y",    "pin", "center", "carrier", "pinion",       "wheel",
-                         "line", "a",   "b",      "pulley",  "turn",         "roller",
-                         "acts", "law", "file",   "profile", "interpolation"})) {
-      rename(*text);
+    if (!is_one_of(key, {"name", "at",  "on",     "follows", "slide",         "x",
+                         "y",    "pin", "center", "carrier", "pinion",        "wheel",
+                         "line", "a",   "b",      "pulley",  "turn",          "roller",
+                         "acts", "law", "file",   "profile", "interpolation", "as"})) {
+      rename(*text, key == FormulaInTime::key ? FormulaInTime::time_name : std::string_view());
     }
   } else if (toml::array* const list = node.as_array()) {
     const bool names = is_one_of(key, {"points", "bodies", "over", "rope", "line"});
@@ -76,6 +86,11 @@ void Placing::take_value(toml::node& from, toml::table& to, const toml::key& key
 
 void Placing::place_item(std::string_view key, toml::table& table, const TomlTable& place) {
   if (!use_.scale_text.empty()) check_follows_scale(table, place);
+  if (!use_.scale_text.empty() && key == "drive" && has_formula(table)) {
+    place.place().fail(
+        "expected a part whose key scale is a number: the value of a formula of time is none of its "
+        "numbers");
+  }
   rename_below(table, "");
   if (std::string* const name = text_in(table, "name")) name_joint(*name);
   transform(key, table, place);

@@ -12,9 +12,10 @@ namespace poise {
 /// direction, N, a torque, N m, or the value of a driven measure, rad or m. It takes the place of the scene's numbers;
 /// or, of a load, its curve c(t), a number, multiplies the scene's:  load = c(t) times the load of the scene.
 struct MotionInput {
-  enum class Of { force, torque, drive };
+  /// Or, as TimeFunction says, a number of a spring and the frame: those of the scene alone.
+  using Of = TimeFunction::Of;
   Of of = Of::torque;
-  int item = 0;  ///< index into Scene::forces, torques or drives
+  int item = 0;  ///< index into Scene::forces, torques, drives or elements
   std::shared_ptr<const TimeCurve> curve;
   double unit = 1.0;  ///< of the curve, in the units of the scene that the motion is computed in
   bool multiplies = false;
@@ -24,10 +25,19 @@ struct MotionInput {
   double at(double t, int derivative, double near) const {
     return unit * (function ? function->at(t, derivative, near) : curve->at(t, derivative));
   }
+  bool is_load() const { return of == Of::force || of == Of::torque; }
   /// Times at which a motion must not be smooth.
   std::vector<double> breaks() const { return function ? function->breaks() : curve->breaks(); }
-  bool jumps() const { return function && function->jumps(); }
+  /// Whether accelerations may jump there.
+  bool jumps() const {
+    if (!function) return false;
+    return of == Of::drive ? function->law.smoothness() < 2 : function->jumps();
+  }
 };
+
+/// A function of time without a value, or one of the derivatives that motion needs, at t or just behind it; null where
+/// all have them.
+const TimeFunction* without_value(const std::vector<MotionInput>& inputs, double t, double behind);
 
 /// The functions of time of a scene, SI: of loads they multiply what the scene gives.
 std::vector<MotionInput> inputs_of(const Scene& scene);
@@ -90,6 +100,62 @@ class InputLoad {
   Planar<T> whole_{}, direction_{};  // the scene's force at its points and along it, at zero angle of its frame
   int frame_ = -1;
   mutable std::vector<Planar<T>> derivative_;  // of the path
+};
+
+/// Springs of which numbers are multiplied by functions of time: their forces, less those that the compiled mechanism
+/// has in their place.
+template <class T>
+class InputSpring {
+ public:
+  /// `functions` are all of one element, the first of them is not empty.
+  InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions);
+
+  int element() const { return functions_.front().item; }
+  void set(double t, double near);
+  /// The same with value(function), of each function there.
+  template <class Value>
+  void set_values(Value value);
+  /// g += the generalized force in the pose, n values.
+  void add(Planar<T>* pose, T* g) const;
+  /// g += its change along dq.
+  void add_change(Planar<T>* pose, const T* dq, T* g) const;
+  /// g += by times the derivative of the whole force by a number of the spring, or of a function of it.
+  void add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, T* g) const;
+
+ private:
+  LawForce<T> extra_force(Planar<T>* pose) const;
+
+  const Mechanism<T>& mechanism_;
+  std::vector<MotionInput> functions_;
+  std::vector<NumberOfLaw<T>> written_, values_;  // numbers of the law
+  LawIn<T> law_;                                  // with values_
+  double t_ = 0.0, near_ = 0.0;
+};
+
+/// All that follows functions of time but drives: loads, springs and the acceleration of the frame.
+template <class T>
+class InputForces {
+ public:
+  explicit InputForces(const Mechanism<T>& mechanism) : mechanism_(mechanism) {}
+  template <class NumbersOfScene>
+  void set_inputs(const NumbersOfScene& numbers, const std::vector<MotionInput>& inputs);
+
+  void set(double t, double near);
+  /// g += generalized forces less those that the mechanism has in their place, and their change along dq.
+  void add(Planar<T>* pose, T* g) const;
+  void add_change(Planar<T>* pose, const T* dq, T* g) const;
+  /// g += by times the derivative of -Q by a number, at the rates v; `sliding` as of Mechanism::resist().
+  void add_derivative(const ForceNumber& number, T by, Planar<T>* pose, const T* v, const int* sliding, T* g) const;
+  /// The acceleration of the frame.
+  const Planar<T>& frame() const { return frame_; }
+
+ private:
+  const Mechanism<T>& mechanism_;
+  std::vector<InputLoad<T>> loads_;
+  std::vector<InputSpring<T>> springs_;
+  std::vector<MotionInput> frames_;
+  Planar<T> frame_{};
+  double t_ = 0.0, near_ = 0.0;
 };
 
 }  // namespace poise

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <map>
+#include <utility>
+#include <vector>
+
 #include "model/scene_numbers.hpp"
 #include "motion/motion_input.hpp"
 
@@ -67,6 +71,145 @@ void InputLoad<T>::add_change(const Planar<T>* pose, const T* dq, T* g) const {
   const Planar<T> turned = dq[frame_] * quarter_turn(force);
   path_.derivative(phasors_, pose, derivative_.data());
   for (int i = 0; i < path_.size(); ++i) g[support[i]] -= dot(turned, derivative_[i]);
+}
+
+namespace detail {
+
+/// The numbers of a spring that may follow functions of time, or of the constant force on half the square of a distance
+/// that stands for one without free length.
+template <class N>
+std::vector<N> numbers_of_spring(const LawOf<N>& law) {
+  if (const auto* const linear = std::get_if<LinearSpringOf<N>>(&law)) return {linear->stiffness, linear->free_length};
+  if (const auto* const cubic = std::get_if<CubicSpringOf<N>>(&law)) {
+    return {cubic->stiffness, cubic->cubic, cubic->free_length};
+  }
+  if (const auto* const preloaded = std::get_if<PreloadedSpringOf<N>>(&law)) {
+    return {preloaded->stiffness, preloaded->preload, preloaded->length};
+  }
+  return {std::get<ConstantForceOf<N>>(law).force};
+}
+
+}  // namespace detail
+
+template <class T>
+InputSpring<T>::InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions)
+    : mechanism_(mechanism),
+      functions_(std::move(functions)),
+      written_(detail::numbers_of_spring(mechanism.law_of(element()))),
+      values_(written_),
+      law_(mechanism.law_of(element())) {}
+
+template <class T>
+void InputSpring<T>::set(double t, double near) {
+  t_ = t;
+  near_ = near;
+  set_values([&](const MotionInput& one) { return NumberOfLaw<T>(one.at(t, 0, near)); });
+}
+
+template <class T>
+template <class Value>
+void InputSpring<T>::set_values(Value value) {
+  for (const MotionInput& one : functions_) {
+    const auto k = static_cast<std::size_t>(one.function->part);
+    // A free length of zero that is multiplied stays zero.
+    if (k < values_.size()) values_[k] = value(one) * written_[k];
+  }
+  std::visit([&](auto& law) { law = law.with(values_.data()); }, law_);
+}
+
+template <class T>
+LawForce<T> InputSpring<T>::extra_force(Planar<T>* pose) const {
+  const T g = mechanism_.measure_of(element(), pose);
+  const LawForce<T> now = force_at_rest(law_, g), before = force_at_rest(mechanism_.law_of(element()), g);
+  return {now.value - before.value, now.by_measure - before.by_measure, T(0)};
+}
+
+template <class T>
+void InputSpring<T>::add(Planar<T>* pose, T* g) const {
+  mechanism_.add_measure_gradient(element(), pose, extra_force(pose).value, g);
+}
+
+template <class T>
+void InputSpring<T>::add_change(Planar<T>* pose, const T* dq, T* g) const {
+  const LawForce<T> extra = extra_force(pose);
+  mechanism_.add_measure_change(element(), pose, extra.value, extra.by_measure, dq, g);
+}
+
+template <class T>
+void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, T* g) const {
+  T factor = by;
+  for (const MotionInput& one : functions_) {
+    if (one.function->part != number.number) continue;
+    const auto k = static_cast<std::size_t>(number.number);
+    factor = factor * (number.time_number < 0 ? static_cast<T>(one.at(t_, 0, near_))
+                       : k < written_.size()
+                           ? T(written_[k]) * static_cast<T>(one.function->by(number.time_number, t_, 0, near_))
+                           : T(0));
+  }
+  const T slope = force_by_number(law_, number.number, mechanism_.measure_of(element(), pose), T(0));
+  mechanism_.add_measure_gradient(element(), pose, factor * slope, g);
+}
+
+template <class T>
+template <class NumbersOfScene>
+void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector<MotionInput>& inputs) {
+  loads_.clear();
+  springs_.clear();
+  frames_.clear();
+  std::map<int, std::vector<MotionInput>> of_springs;
+  for (const MotionInput& input : inputs) {
+    if (input.is_load()) loads_.emplace_back(numbers, mechanism_, input);
+    if (input.of == MotionInput::Of::frame) frames_.push_back(input);
+    if (input.of == MotionInput::Of::element) of_springs[input.item].push_back(input);
+  }
+  for (auto& [element, functions] : of_springs) springs_.emplace_back(mechanism_, std::move(functions));
+}
+
+template <class T>
+void InputForces<T>::set(double t, double near) {
+  t_ = t;
+  near_ = near;
+  for (InputLoad<T>& load : loads_) load.set(t, near);
+  for (InputSpring<T>& spring : springs_) spring.set(t, near);
+  frame_ = {};
+  for (const MotionInput& one : frames_) {
+    (one.function->part == 0 ? frame_.x : frame_.y) = static_cast<T>(one.at(t, one.function->order, near));
+  }
+}
+
+template <class T>
+void InputForces<T>::add(Planar<T>* pose, T* g) const {
+  for (const InputLoad<T>& load : loads_) load.add(pose, g);
+  for (const InputSpring<T>& spring : springs_) spring.add(pose, g);
+  if (!frames_.empty()) mechanism_.add_frame(frame_, pose, g);
+}
+
+template <class T>
+void InputForces<T>::add_change(Planar<T>* pose, const T* dq, T* g) const {
+  for (const InputLoad<T>& load : loads_) load.add_change(pose, dq, g);
+  for (const InputSpring<T>& spring : springs_) spring.add_change(pose, dq, g);
+  if (!frames_.empty()) mechanism_.add_frame_change(frame_, pose, dq, g);
+}
+
+template <class T>
+void InputForces<T>::add_derivative(const ForceNumber& number, T by, Planar<T>* pose, const T* v, const int* sliding,
+                                    T* g) const {
+  if (number.of == ForceNumber::Of::frame) {
+    for (const MotionInput& one : frames_) {
+      const TimeFunction& function = *one.function;
+      if (function.part != number.number) continue;
+      by *= static_cast<T>(one.unit * function.by(number.time_number, t_, function.order, near_));
+      mechanism_.add_frame(number.number == 0 ? Planar<T>{by, T(0)} : Planar<T>{T(0), by}, pose, g);
+    }
+    return;
+  }
+  if (number.of == ForceNumber::Of::element) {
+    for (const InputSpring<T>& spring : springs_) {
+      if (spring.element() == number.item) return spring.add_derivative(number, by, pose, g);
+    }
+  }
+  for (const InputLoad<T>& load : loads_) by *= load.by(number);
+  mechanism_.add_force_derivative(number, by, pose, v, sliding, g);
 }
 
 }  // namespace poise

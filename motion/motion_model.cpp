@@ -32,6 +32,8 @@ VaryingNumbers loads_in_time(const Scene& scene) {
       rows.push_back({Owner::force, function.item});
     } else if (function.of == TimeFunction::Of::torque && scene.torques[item].value != 0.0) {
       rows.push_back({Owner::torque, function.item});
+    } else if (function.of == TimeFunction::Of::element || function.of == TimeFunction::Of::frame) {
+      rows.push_back({owner_of(function.of), function.item, 0, function.part});
     }
   }
   return {scene, rows};

@@ -22,8 +22,8 @@ class MotionModel : public ScaledModel {
   Inertia<double> inertia_;
 };
 
-/// The loads of a scene that follow functions of time, but for such as are always zero: models of the scene at its
-/// times that are made for these have the same coordinates.
+/// The loads of a scene that follow functions of time, but for such as are always zero, numbers of springs and gravity:
+/// models of the scene at its times that are made for these have the same coordinates.
 VaryingNumbers loads_in_time(const Scene& scene);
 
 }  // namespace poise

@@ -26,35 +26,50 @@ struct Influence {
   double mass = 0.0;
   Vec2 first{};
   double moment = 0.0;
-  int drive = -1;        ///< a number of this drive if >= 0
-  int drive_number = 0;  ///< index into Drive::numbers, or the numbers of its function of time, then SI
-  int variation = -1;    ///< if >= 0 an index into the variations
-  ForceNumber force{};   ///< if none of these
-  double by = 1.0;       ///< change of the number of the force or drive per unit
+  int drive = -1;  ///< a number of this drive if >= 0
+  /// Index into Drive::numbers, or the numbers of its function of time, then SI; TimeFunction::whole stands for the
+  /// acceleration of the drive alone.
+  int drive_number = 0;
+  int variation = -1;   ///< if >= 0 an index into the variations
+  ForceNumber force{};  ///< if none of these
+  double by = 1.0;      ///< change of the number of the force or drive per unit
   /// A number of a function of time, SI, or of a drive without one, that changes with the parameter, and by how much
   /// per unit.
   struct InTime {
     TimeFunction::Of of = TimeFunction::Of::force;
-    int item = 0;    ///< index into Scene::forces, torques or drives
+    int item = 0;    ///< index into Scene::forces, torques, drives or elements
     int number = 0;  ///< index into the numbers of its function, or Drive::numbers
     double by = 0.0;
+    int part = 0;  ///< as of TimeFunction
   };
   std::vector<InTime> in_time{};  ///< beside a variation
 
   /// Calls visit(function, number, by) for the functions of loads of which a number changes with the parameter.
   template <class Visit>
   void for_each_function(const Scene& scene, Visit visit) const {
-    const auto find = [&](TimeFunction::Of of, int item, int number, double change) {
+    const auto find = [&](const ForceNumber& of, double change) {
       for (const TimeFunction& function : scene.time_functions) {
-        if (function.of == of && function.item == item) visit(function, number, change);
+        if (function.of == TimeFunction::Of::drive) continue;
+        const ForceNumber own = force_number(function.of, function.item, function.part, of.time_number);
+        const bool is_one = own.of == of.of && own.item == of.item && own.number == of.number;
+        if (is_one) visit(function, of.time_number, change);
       }
     };
-    if (body < 0 && !moves() && force.time_number >= 0) {
-      find(force.of == ForceNumber::Of::force ? TimeFunction::Of::force : TimeFunction::Of::torque, force.item,
-           force.time_number, 1.0);
+    if (body < 0 && !moves() && force.time_number >= 0) find(force, 1.0);
+    for (const InTime& one : in_time) {
+      if (one.of != TimeFunction::Of::drive) find(force_number(one.of, one.item, one.part, one.number), one.by);
     }
-    for (const InTime& part : in_time) {
-      if (part.of != TimeFunction::Of::drive) find(part.of, part.item, part.number, part.by);
+  }
+
+  /// Calls visit(function, number, by) for those of drives.
+  template <class Visit>
+  void for_each_function_of_drives(const Scene& scene, Visit visit) const {
+    for (const TimeFunction& function : scene.time_functions) {
+      if (function.of != TimeFunction::Of::drive) continue;
+      if (body < 0 && drive == function.item) visit(function, drive_number, by);
+      for (const InTime& one : in_time) {
+        if (one.of == TimeFunction::Of::drive && one.item == function.item) visit(function, one.number, one.by);
+      }
     }
   }
 
@@ -309,7 +324,6 @@ class ReducedMotion {
   static std::vector<Grip> grips_of(const Scene& scene, const Mechanism<T>& mechanism);
   static std::vector<int> growing(const std::vector<Grip>& grips);
   double near_at(const T& t) const { return std::isnan(near_) ? static_cast<double>(t) : near_; }
-  void set_load(InputLoad<T>& load) const;
   void make_rows();
   void make_room();
   void predict(const T& t, const T* z);
@@ -362,7 +376,7 @@ class ReducedMotion {
   std::vector<DriveRow> drives_;
   std::size_t prescribed_ = 0;  // rows of drives and stops, before those of friction
   std::vector<MotionInput> inputs_;
-  std::vector<InputLoad<T>> input_loads_;
+  InputForces<T> input_forces_;
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
   T singular_limit_{};

@@ -68,7 +68,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector
   mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
   mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data());
   mechanism_.add_resistance(resistances_.data(), full_force_.data());
-  for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_force_.data());
+  input_forces_.add(pose_.data(), full_force_.data());
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
   for (int i = 0; i < n_; ++i) full_force_[i] += inertia_.moment(i) * a_[i];
 
@@ -175,7 +175,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       drives_[stop_row(static_cast<int>(c))].on.add_bend(here(), dq, effort, force_.data());
       bearing_loads_.add_change(bearing_loads_.contacts()[c], effort, abs(effort), pose_.data(), dq, force_.data());
     }
-    for (const InputLoad<T>& load : input_loads_) load.add_change(pose_.data(), dq, force_.data());
+    input_forces_.add_change(pose_.data(), dq, force_.data());
   }
   mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv,
                                    force_.data());
@@ -243,14 +243,12 @@ void ReducedMotion<T>::linearize() {
 template <class T>
 void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, const Planar<T>* second, T* g) const {
   if (influence.body < 0) {
-    T by = static_cast<T>(influence.by);
-    for (const InputLoad<T>& load : input_loads_) by *= load.by(influence.force);
-    mechanism_.add_force_derivative(influence.force, by, pose_.data(), v_.data(), sliding(), g);
+    input_forces_.add_derivative(influence.force, static_cast<T>(influence.by), pose_.data(), v_.data(), sliding(), g);
     return;
   }
   inertia_.add_body(influence.body,
                     {static_cast<T>(influence.mass), planar_cast<T>(influence.first), static_cast<T>(influence.moment)},
-                    pose_.data(), a, second, g);
+                    pose_.data(), a, second, g, input_forces_.frame());
 }
 
 template <class T>
@@ -316,6 +314,10 @@ template <class T>
 void ReducedMotion<T>::add_drive_number(int drive, int number, const T& by) {
   const DriveRow& driven = drives_[drive];
   const int row = mechanism_.equalities() + drive;
+  if (number == TimeFunction::whole) {
+    direct_.acceleration[row] -= by;
+    return;
+  }
   const auto moved = [&](int order) -> T {
     if (!driven.input || !driven.input->function) return -by * driven.drive.moved_by(number, t_, order);
     return -by * static_cast<T>(driven.input->unit *
@@ -350,9 +352,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
         continue;
       }
       Influence load;
-      load.force.of = part.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
-      load.force.item = part.item;
-      load.force.time_number = part.number;
+      load.force = force_number(part.of, part.item, part.part, part.number);
       load.by = part.by;
       add_influence(load, a_.data(), second_.data(), direct_.force.data());
     }
@@ -410,7 +410,7 @@ void ReducedMotion<T>::accelerate_as(const T* alpha) {
 template <class T>
 void ReducedMotion<T>::reduced_inertia(int body, const BodyInertia<T>& part, T* f) const {
   std::fill(full_.begin(), full_.end(), T(0));
-  inertia_.add_body(body, part, pose_.data(), a_.data(), second_.data(), full_.data());
+  inertia_.add_body(body, part, pose_.data(), a_.data(), second_.data(), full_.data(), input_forces_.frame());
   project(full_.data(), f);
 }
 
@@ -436,7 +436,7 @@ template <class T>
 T ReducedMotion<T>::power() const {
   std::fill(full_.begin(), full_.end(), T(0));
   mechanism_.add_resistance(resistances_.data(), full_.data());
-  for (const InputLoad<T>& load : input_loads_) load.add(pose_.data(), full_.data());
+  input_forces_.add(pose_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
   for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));

@@ -18,6 +18,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
     : mechanism_(mechanism),
       inertia_(inertia),
       n_(mechanism.coordinates()),
+      input_forces_(mechanism),
       singular_limit_(1e-9),
       grips_(grips_of(scene, mechanism)),
       first_teeth_(grips_.size()),
@@ -161,20 +162,10 @@ void ReducedMotion<T>::set_sliding(const Scene& scene, std::vector<int> sliding,
 template <class T>
 void ReducedMotion<T>::set_inputs(const Scene& scene, std::vector<MotionInput> inputs) {
   inputs_ = std::move(inputs);
-  input_loads_.clear();
   for (const MotionInput& input : inputs_) {
-    if (input.of == MotionInput::Of::drive) {
-      drives_[input.item].input = input;
-    } else {
-      input_loads_.emplace_back(scene, mechanism_, input);
-    }
+    if (input.of == MotionInput::Of::drive) drives_[input.item].input = input;
   }
-}
-
-template <class T>
-void ReducedMotion<T>::set_load(InputLoad<T>& load) const {
-  const auto t = static_cast<double>(t_);
-  load.set(t, near_at(t_));
+  input_forces_.set_inputs(SceneNumbers<T>(scene), inputs_);
 }
 
 template <class T>
@@ -379,7 +370,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
   if (predicted) predict(t, z);
   known_ = false;
   t_ = t;
-  for (InputLoad<T>& load : input_loads_) set_load(load);
+  input_forces_.set(static_cast<double>(t_), near_at(t_));
   for (int k = 0; k < freedoms(); ++k) q_[independent_[k]] = z[k];
   const int r = rank();
   bool closed = r == 0;

@@ -111,14 +111,17 @@ class Simulation {
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
     if (!options_.sensitivities || !friction_.acts()) return;
+    const auto refuse = [&](const TimeFunction& function, int number, double) {
+      if (function.is_smooth_in(number)) return;
+      throw InputError(
+          fmt::format("{}: {} \"{}\": with friction that sticks the derivative by the time of a step is "
+                      "not known; expected another number, or friction of some width",
+                      model_.scene().file, function.of == TimeFunction::Of::drive ? "drive" : "load",
+                      name_of(model_.scene(), function)));
+    };
     for (const Influence& influence : options_.influences) {
-      influence.for_each_function(model_.scene(), [&](const TimeFunction& function, int number, double) {
-        if (function.is_smooth_in(number)) return;
-        throw InputError(
-            fmt::format("{}: load \"{}\": with friction that sticks the derivative by the time of a step is "
-                        "not known; expected another number, or friction of some width",
-                        model_.scene().file, name_of(model_.scene(), function)));
-      });
+      influence.for_each_function(model_.scene(), refuse);
+      influence.for_each_function_of_drives(model_.scene(), refuse);
     }
   }
 
@@ -222,8 +225,8 @@ class Simulation {
       fastest = std::max({fastest, std::abs(d.rate), std::sqrt(std::abs(d.acceleration))});
     }
     for (const MotionInput& input : inputs_) {
-      const auto* const sine = input.function ? std::get_if<SineInTime>(&input.function->law) : nullptr;
-      if (sine != nullptr) follow(sine->frequency);
+      const double frequency = input.function ? input.function->law.frequency() : 0.0;
+      if (frequency > 0.0) follow(frequency);
     }
     error_.set_fastest(fastest);
     const double natural = fastest > 0 ? 0.05 / fastest : 0.01 * options_.duration;
@@ -345,19 +348,42 @@ class Simulation {
     for (std::size_t p = 0; p < options_.influences.size(); ++p) {
       options_.influences[p].for_each_function(
           model_.scene(), [&](const TimeFunction& function, int number, double by) {
-            const auto* const step = std::get_if<StepInTime>(&function.law);
-            if (step == nullptr || function.is_smooth_in(number) || step->at != t) return;
+            const std::optional<JumpInTime> jump = function.law.jump_by(number);
+            if (!jump || jump->at != t) return;
             Influence by_to;
-            by_to.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
-            by_to.force.item = function.item;
-            by_to.force.time_number = 2;
+            by_to.force = force_number(function.of, function.item, function.part, TimeFunction::whole);
             reduced_.influence(by_to, by_value.data());
             for (int k = 0; k < f; ++k) {
               step_.y[step_.sensitivity(f + k, columns_.column_of(p))] +=
-                  by * (step->from - step->to) * by_value[static_cast<std::size_t>(k)];
+                  -by * jump->by * by_value[static_cast<std::size_t>(k)];
             }
           });
+      follow_jumps_of_drives(t, p);
     }
+  }
+
+  /// The same by a time at which the acceleration g'' of a drive jumps: where that time moves, the derivative of the
+  /// rate g' jumps, and with it that of the others by  d alpha/dg'' times as much.
+  void follow_jumps_of_drives(double t, std::size_t p) {
+    const int f = reduced_.freedoms();
+    std::vector<double> by_acceleration(static_cast<std::size_t>(f));
+    const double before = std::nextafter(t, -1.0), after = reduced_.near();
+    options_.influences[p].for_each_function_of_drives(
+        model_.scene(), [&](const TimeFunction& function, int number, double by) {
+          const double jump = function.by(number, t, 1, after) - function.by(number, t, 1, before);
+          if (jump == 0.0 || function.is_smooth_in(number)) return;
+          const auto input =
+              std::find_if(reduced_.inputs().begin(), reduced_.inputs().end(),
+                           [&](const MotionInput& one) { return one.of == function.of && one.item == function.item; });
+          Influence acceleration;
+          acceleration.drive = function.item;
+          acceleration.drive_number = TimeFunction::whole;
+          reduced_.influence(acceleration, by_acceleration.data());
+          for (int k = 0; k < f; ++k) {
+            step_.y[step_.sensitivity(f + k, columns_.column_of(p))] +=
+                by * jump * input->unit * by_acceleration[static_cast<std::size_t>(k)];
+          }
+        });
   }
 
   /// Goes on from the last node, at a border of a profile, in the next piece. Rates stay; where accelerations jump, the
@@ -472,6 +498,11 @@ class Simulation {
       }
       stop(MotionStatus::stuck,
            fmt::format("at t = {:.9g} s it reached a position that leaves forces in its joints open", t));
+      return;
+    }
+    if (const TimeFunction* const none = without_value(inputs_, t, 1e-9 * options_.duration)) {
+      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s the function of time of \"{}\" has no value", t,
+                                            name_of(model_.scene(), *none)));
       return;
     }
     MotionEnd end = end_of_motion(model_, step_.status(), t, {reduced_.q(), reduced_.q() + q_start_.size()});

@@ -12,7 +12,9 @@ namespace poise {
 VariationTerms::VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs,
                                const std::vector<int>& held, const std::vector<int>& grips,
                                const std::vector<int>& growing)
-    : variation_(variation), bearing_loads_(variation.compiled().numbers(), variation.compiled().mechanism(), growing) {
+    : variation_(variation),
+      input_forces_(variation.compiled().mechanism()),
+      bearing_loads_(variation.compiled().numbers(), variation.compiled().mechanism(), growing) {
   const VariedModel& compiled = variation.compiled();
   const Scene& scene = compiled.scene();
   const Mechanism<Dual>& m = compiled.mechanism();
@@ -29,9 +31,7 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
     if (scene.stops[s].holds()) add_row(scene.stops[s].on, stop, numbers.limit(stop, true));
   }
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
-  for (const MotionInput& input : inputs) {
-    if (input.of != MotionInput::Of::drive) loads_.emplace_back(numbers, m, input);
-  }
+  input_forces_.set_inputs(numbers, inputs);
   for (const int joint : grips) {
     factors_.push_back(grip_factor(numbers, joint).v[0]);
     const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
@@ -61,10 +61,8 @@ void VariationTerms::add_forces(VariedState& state) {
   m.negative_force(state.q.data(), pose, g);
   m.resist(pose, state.v.data(), state.sliding, resistances_.data());
   m.add_resistance(resistances_.data(), g);
-  for (InputLoad<Dual>& load : loads_) {
-    load.set(state.t, state.near);
-    load.add(pose, g);
-  }
+  input_forces_.set(state.t, state.near);
+  input_forces_.add(pose, g);
   inertia.weigh(state.second.data(), work_.data());
   m.phasors().add_projection(pose, work_.data(), g);
   for (std::size_t i = 0; i < force_.size(); ++i) g[i] += inertia.moment(static_cast<int>(i)) * state.a[i];

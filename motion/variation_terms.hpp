@@ -69,7 +69,7 @@ class VariationTerms {
   Variation variation_;
   std::vector<Row> rows_;
   std::size_t first_stop_ = 0;
-  std::vector<InputLoad<Dual>> loads_;
+  InputForces<Dual> input_forces_;
   BearingLoads<Dual, Numbers<Dual>> bearing_loads_;
   std::vector<double> factors_;
   std::vector<Vec2> axes_;

@@ -1,5 +1,6 @@
 #include "app/draw/legend.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -131,13 +132,19 @@ Canvas draw_legend(const LegendContents& contents, double width) {
 Canvas draw_gravity(const Scene& scene) {
   Canvas canvas;
   const double size = norm(scene.gravity);
-  if (size == 0.0) return canvas;
+  const bool moves = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),
+                                 [](const TimeFunction& one) { return one.of == TimeFunction::Of::frame; });
+  const TextStyle style{.size = 11, .halo = false, .align = Align::end};
+  if (size == 0.0) {
+    if (moves) canvas.text({10.0, 4.0}, "the frame moves", style);
+    return canvas;
+  }
   const Vec2 u = conj((1 / size) * scene.gravity);
   draw_arrow(canvas, -17.0 * u, 17.0 * u, ink::dark, 2.0);
   canvas.text({-14.0, 4.0},
               "g = " + significant(in_unit(size, Quantity::length, scene.units), 4) + " " + scene.units.length_name +
-                  "/s\u00b2",
-              {.size = 11, .halo = false, .align = Align::end});
+                  "/s\u00b2" + (moves ? ", the frame moves" : ""),
+              style);
   return canvas;
 }
 

@@ -78,6 +78,11 @@ Vec2 shift_aside(const Stage& stage, const std::string& name, std::vector<Occupi
 /// "150.35 mm, 251.8 N, in tension".
 std::string state_of(const Stage& stage, const Element& element, const ElementReading& reading) {
   std::string state = stage.reading(reading.value, quantity_of(element.on));
+  const auto is_of_it = [&](const TimeFunction& one) {
+    return one.of == TimeFunction::Of::element && &stage.scene.elements[static_cast<std::size_t>(one.item)] == &element;
+  };
+  const std::vector<TimeFunction>& functions = stage.scene.time_functions;
+  if (std::any_of(functions.begin(), functions.end(), is_of_it)) state += ", varies in time";
   if (!stores_energy(element.law)) return state;
   if (reading.slack) return state + ", slack";
   if (!stage.picture.reactions) return state;

@@ -51,7 +51,7 @@ void add_values(Group& group, const StaticModel& model, const std::string& title
 }
 
 void add_held_loads(Group& content, const Scene& scene) {
-  content.list("held_loads", "Loads that follow functions of time, held at one time",
+  content.list("held_loads", "Loads and springs that follow functions of time, held at one time",
                each(scene.held_loads, [](const HeldLoad& held) {
                  return fmt::format("{}: a {}, at t = {} s {:.6g} times what the scene gives", held.name, held.kind,
                                     held.time, held.factor);

@@ -68,9 +68,10 @@ int place_left(const std::vector<SwitchedItem>& items, int place, const std::set
   return is_off(*at) ? -1 : place - static_cast<int>(std::count_if(items.begin(), at, is_off));
 }
 
-/// The place of the load or drive of a function among those that are left; -1 of one that is off.
+/// The place of the load, spring or drive of a function among those that are left; -1 of one that is off.
 int place_of_load(const AllItems& all, const TimeFunction& function, const std::set<std::string>& off) {
-  if (function.of == TimeFunction::Of::drive) return function.item;
+  if (function.of == TimeFunction::Of::drive || function.of == TimeFunction::Of::frame) return function.item;
+  if (function.of == TimeFunction::Of::element) return place_left(all.elements, function.item, off);
   return place_left(function.of == TimeFunction::Of::force ? all.forces : all.torques, function.item, off);
 }
 

@@ -389,6 +389,41 @@ def time_functions() -> Drawing:
     return drawing
 
 
+def time_ways() -> Drawing:
+    drawing = Drawing("Laws from one value to another: rate and acceleration", 336)
+
+    def s_curve_rate(s: float) -> float:
+        s = min(s, 1 - s)
+        if s >= 1 / 3:
+            return 1.5
+        u = 3 * s
+        return 3 * u * u if u < 0.5 else 1.5 - 3 * (1 - u) ** 2
+
+    def s_curve_pull(s: float) -> float:
+        u = 3 * min(s, 1 - s)
+        size = 0 if u >= 1 else 18 * u if u < 0.5 else 18 * (1 - u)
+        return size if s < 0.5 else -size
+
+    rates = {
+        "cubic": (lambda s: 6 * s * (1 - s), lambda s: 6 - 12 * s),
+        "trapezoidal": (lambda s: min(1.5, 4.5 * s, 4.5 * (1 - s)),
+                        lambda s: 4.5 if s < 1 / 3 else -4.5 if s > 2 / 3 else 0),
+        "s_curve": (s_curve_rate, s_curve_pull),
+        "polynomial_345": (lambda s: 30 * (s * (1 - s)) ** 2, lambda s: 60 * s * (1 - s) * (1 - 2 * s)),
+    }
+    width = 160
+    for k, (name, (rate, pull)) in enumerate(rates.items()):
+        panel = chart(drawing, 34 + 222 * (k % 2) + (124 + 142 * (k // 2)) * 1j, width + 10, 96, "t", "")
+        graph(panel, lambda t, r=rate: 36 + 30 * r(t / width), 0, width, 36)
+        points = [s * width + (36 + 3.8 * pull(s)) * 1j for s in (i / 48 for i in range(49))]
+        panel.line(*points, style="c")
+        panel.line(36j, width + 36j, style="x")
+        panel.text(width / 2 + 106j, f"`{name}`")
+    drawing.panel(14 + 306j).texts(0, ["rate (solid) and acceleration (dashed) between two values:",
+                                       "`law` of a ramp, `interpolation` of a table"])
+    return drawing
+
+
 def section() -> Drawing:
     drawing = Drawing("Section: line, height, left, profile", 236)
     panel = drawing.panel(28 + 132j)

@@ -80,9 +80,7 @@ Influence SceneParameter::influence(const Scene& scene, const Scales& scales) co
       out.drive_number = place_.number;
       return out;
     }
-    out.force.of = function.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
-    out.force.item = function.item;
-    out.force.time_number = place_.number;
+    out.force = force_number(function.of, function.item, function.part, place_.number);
     return out;
   }
   out.by = dimension_.per_scale(scales);
@@ -117,7 +115,7 @@ std::vector<Influence::InTime> SceneParameter::in_time(const Scene& scene, const
       continue;
     }
     const TimeFunction& function = scene.time_functions[static_cast<std::size_t>(place.item)];
-    out.push_back({function.of, function.item, place.number, slopes[k]});
+    out.push_back({function.of, function.item, place.number, slopes[k], function.part});
   }
   return out;
 }

@@ -229,7 +229,7 @@ class RunModel::ActionRows {
         errors_.emplace_back(Eigen::MatrixXd::Zero(own_.rows(), run_.unknowns()));
         rows_.push_back(std::move(here));
         rows_again_.push_back(std::move(there));
-        add_state(changed[j].step.at);
+        add_state(changed[j].jump.at);
       }
     }
   }
@@ -254,9 +254,8 @@ class RunModel::ActionRows {
  private:
   /// A load that jumps at a time that depends on a number, and by how much that time does.
   struct Jump {
-    TimeFunction::Of of;
-    int item;
-    StepInTime step;
+    ForceNumber whole;
+    JumpInTime jump;
     double by;
   };
 
@@ -352,15 +351,16 @@ class RunModel::ActionRows {
     std::vector<Jump> out;
     acting.influences[number].for_each_function(
         acting.model.scene(), [&](const TimeFunction& function, int of_function, double by) {
-          if (function.is_smooth_in(of_function)) return;
-          out.push_back({function.of, function.item, std::get<StepInTime>(function.law), by});
+          if (const std::optional<JumpInTime> jump = function.law.jump_by(of_function)) {
+            out.push_back({force_number(function.of, function.item, function.part, TimeFunction::whole), *jump, by});
+          }
         });
     return out;
   }
 
   /// None where the motion does not reach the jump.
   Eigen::MatrixXd row_of(Acting& acting, const Jump& jump, std::size_t number, const Trajectory& path) {
-    const double when = jump.step.at;
+    const double when = jump.jump.at;
     std::size_t node = 0;
     while (node + 1 < path.nodes() && path.t[node] < when) ++node;
     if (when <= 0 || path.nodes() == 0 || path.t[node] < when) return {};
@@ -370,15 +370,12 @@ class RunModel::ActionRows {
     acting.reduced.expect(q.data());
     if (acting.reduced.evaluate(when, z_.data(), w_.data()) != Reduced::Status::ok) return {};
     Influence by_to;
-    by_to.force.of = jump.of == TimeFunction::Of::force ? ForceNumber::Of::force : ForceNumber::Of::torque;
-    by_to.force.item = jump.item;
-    by_to.force.time_number = 2;
+    by_to.force = jump.whole;
     std::vector<double> alpha(z_.size());
     acting.reduced.influence(by_to, alpha.data());
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(acting.rows(), run_.unknowns());
     for (int k = 0; k < run_.freedoms_; ++k) {
-      out(k, static_cast<Eigen::Index>(number)) =
-          jump.by * (jump.step.from - jump.step.to) * alpha[static_cast<std::size_t>(k)];
+      out(k, static_cast<Eigen::Index>(number)) = -jump.by * jump.jump.by * alpha[static_cast<std::size_t>(k)];
     }
     return out;
   }

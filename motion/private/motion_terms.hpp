@@ -3,6 +3,8 @@
 // The parts of the equations of motion in any scalar.
 
 #include <algorithm>
+#include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,7 +22,8 @@ namespace poise {
 ///   J v + g_t = 0,   J v' + b = 0,   b = D2g[v, v] + g_tt,
 ///
 /// with the rows g of loop closures, couplings and drives, as ReducedMotion has them. V is the energy of gravity and of
-/// everything elastic, Q what forces, torques, dampers and friction do. All of the scene, and so SI.
+/// everything elastic, Q what forces, torques, dampers, friction and the acceleration of the frame do. All of the
+/// scene, and so SI.
 template <class T>
 class MotionTerms {
  public:
@@ -49,12 +52,18 @@ class MotionTerms {
     const std::vector<T> q(begin.begin(), begin.end());
     whole_.place(q.data(), pose_.data());
     for (Row& row : drives_) row.start = row.drive.start ? T(*row.drive.start) : row.on.value(here());
+    std::map<int, std::vector<MotionInput>> of_springs;
     for (MotionInput& input : inputs_of(scene)) {
       if (input.of == MotionInput::Of::drive)
         drives_[static_cast<std::size_t>(input.item)].function = input.function;
+      else if (input.of == MotionInput::Of::element)
+        of_springs[input.item].push_back(input);
+      else if (input.of == MotionInput::Of::frame)
+        frames_.push_back(input.function);
       else
         time_loads_.emplace_back(input.function, InputLoad<T>(scene, whole_, input));
     }
+    for (auto& [element, functions] : of_springs) time_springs_.emplace_back(elastic_, std::move(functions));
   }
 
   int coordinates() const { return n_; }
@@ -111,6 +120,10 @@ class MotionTerms {
     }
     std::fill(potential, potential + n, T(0));
     elastic_.negative_force(q_.data(), elastic_pose_.data(), potential);
+    for (InputSpring<T>& spring : time_springs_) {
+      spring.set_values([&](const MotionInput& one) { return in_time(*one.function, t_, 0); });
+      spring.add(elastic_pose_.data(), potential);
+    }
     std::vector<T> resisting(n, T(0));
     loads_.negative_force(q_.data(), loads_pose_.data(), resisting.data());
     std::vector<T> resistances(static_cast<std::size_t>(whole_.resistances_size()), T(0));
@@ -119,6 +132,11 @@ class MotionTerms {
     for (auto& [function, time_load] : time_loads_) {
       time_load.set_value(in_time(*function, t_, 0));
       time_load.add(pose_.data(), resisting.data());
+    }
+    for (const auto& function : frames_) {
+      const T along = in_time(*function, t_, function->order);
+      whole_.add_frame(function->part == 0 ? Planar<T>{along, T(0)} : Planar<T>{T(0), along}, pose_.data(),
+                       resisting.data());
     }
     for (std::size_t i = 0; i < n; ++i) load[i] = -resisting[i];
   }
@@ -152,6 +170,8 @@ class MotionTerms {
   int n_;
   std::vector<Row> drives_;
   std::vector<std::pair<std::shared_ptr<const TimeFunction>, InputLoad<T>>> time_loads_;
+  std::vector<InputSpring<T>> time_springs_;
+  std::vector<std::shared_ptr<const TimeFunction>> frames_;
   T t_{};
   std::vector<T> q_;
   std::vector<Planar<T>> pose_, elastic_pose_, loads_pose_, scratch_;

@@ -107,6 +107,18 @@ std::vector<std::string> words_of(const NamedBuilder& self, const std::string& i
   return out;
 }
 
+/// The dictionaries of a list; none where it is empty or has something else.
+std::optional<std::vector<py::dict>> dicts_in(const py::handle& value) {
+  const auto members = members_in(value);
+  if (!members || members->empty()) return std::nullopt;
+  std::vector<py::dict> out;
+  for (const py::object& member : *members) {
+    if (PyDict_Check(member.ptr()) == 0) return std::nullopt;
+    out.push_back(py::reinterpret_borrow<py::dict>(member));
+  }
+  return out;
+}
+
 /// The keys of a table, of which those of tables in it are in dictionaries of their own.
 Keys keys_of(const NamedBuilder& self, const std::string& item, const py::dict& given, const std::string& above = "") {
   Keys out;
@@ -119,11 +131,15 @@ Keys keys_of(const NamedBuilder& self, const std::string& item, const py::dict& 
       out.emplace_back(key, py::bool_(py::reinterpret_borrow<py::object>(value)).cast<bool>());
     } else if (const std::optional<double> number = number_in(value)) {
       out.emplace_back(key, *number);
-    } else if (above.empty() && PyDict_Check(value.ptr()) != 0) {
+    } else if (PyDict_Check(value.ptr()) != 0) {
       const Keys below = keys_of(self, item, py::reinterpret_borrow<py::dict>(value), key + ".");
       out.insert(out.end(), below.begin(), below.end());
     } else if (const std::optional<Vec2> pair = pair_in(value)) {
       out.emplace_back(key, *pair);
+    } else if (const auto tables = dicts_in(value)) {
+      Builder::Key::Tables all;
+      for (const py::dict& one : *tables) all.push_back(keys_of(self, item, one));
+      out.emplace_back(key, std::move(all));
     } else if (const auto words = words_in(value)) {
       out.emplace_back(key, *words);
     } else if (members_in(value)) {
@@ -213,6 +229,7 @@ void bind_items(py::class_<Named>& type) {
            })
       .def("output", [](Named& b, Text name, Text quantity) { b.builder.output(name, quantity); })
       .def("gravity", [](Named& b, Any acceleration) { b.builder.gravity(pair_of(b, "gravity", acceleration)); })
+      .def("frame", [](Named& b, Text axis, const py::dict& keys) { b.builder.frame(axis, keys_of(b, "frame", keys)); })
       .def("ground_point",
            [](Named& b, Text name, Any at) { b.builder.ground_point(name, pair_of(b, "ground.points." + name, at)); })
       .def("body", [](Named& b, Text name, const py::dict& points, Any mass, Any center,

@@ -31,7 +31,8 @@ class SceneBuilder:
     else ("spring 1").
 
     Keys of a table of a scene file are keywords: numbers, texts (of a number an expression), True or False, two numbers
-    or expressions, pairs of numbers, dictionaries for tables in that table. ``from_`` is the key ``from``.
+    or expressions, pairs of numbers, dictionaries for tables in that table, lists of dictionaries for lists of tables.
+    ``from_`` is the key ``from``.
 
     >>> import poise
     >>> from poise import measures
@@ -91,6 +92,11 @@ class SceneBuilder:
     def gravity(self, acceleration: Pair, /) -> SceneBuilder:
         """The acceleration of gravity (x, y)."""
         return self._add("gravity", acceleration)
+
+    def frame(self, axis: str, /, **keys: Any) -> SceneBuilder:
+        """The place of the fixed frame along ``"x"`` or ``"y"`` as a function of time, ``function="0.1*sin(3*t)"``;
+        ``as_="acceleration"`` says that it is that."""
+        return self._add("frame", axis, self._keys(keys))
 
     def ground_point(self, name: str, at: Pair, /) -> SceneBuilder:
         """A point of the ground."""

@@ -271,6 +271,7 @@ TEST(JsonDocs, Check) {
   check_section("check", {{{"check", scene("redundant_parallelogram")}},
                           {{"check", folder.write("driven.toml", driven)}},
                           {{"check", scene("balanced_arm")}},
+                          {{"check", scene("shaken_pendulum")}},
                           {{"check", scene("planetary_gear")}},
                           {{"check", folder.write("lid.toml", lid)}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});

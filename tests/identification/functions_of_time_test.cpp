@@ -104,6 +104,64 @@ TEST_F(FunctionsOfTime, HaveExactJacobians) {
   }
 }
 
+// Named numbers in formulas, products, integrals, numbers of springs and the frame, and all numbers of what is
+// composed.
+TEST_F(FunctionsOfTime, HaveExactJacobiansByWhatFormulasAndComposedFunctionsUse) {
+  const std::string composed =
+      crane("time = { function = \"0.4 + u*sin(w*t)*exp(-P*t)\" }",
+            "time = { product = [{ ramp = { from = 0.2, to = 2, start = 0.3, end = 0.9, law = \"s_curve\" } }, "
+            "{ function = \"1 + spread*cos(w*t)\" }] }",
+            "time = { as = \"velocity\", start = 0.1, sum = [{ sine = { amplitude = 0.2, frequency = 0.8 } }, "
+            "{ function = \"u*t*(1 - t/P)\" }] }") +
+      "[numbers]\nP = 0.8\nw = 3\nu = 0.5\nspread = 0.3\n"
+      "[frame]\nx = { as = \"acceleration\", function = \"0.6*sin(w*t)\" }\n"
+      "y = { function = \"0.02*cos(4*w*t)\" }\n"
+      "[[torsion_spring]]\nname = \"elbow\"\nbodies = [\"cart\", \"arm\"]\nstiffness = 2\nfree_angle = -1\n"
+      "time = { stiffness = { function = \"1 + spread*sin(2*w*t)\" }, free_angle = { sine = { amplitude = 0.3, "
+      "frequency = 1.1, offset = 1 } } }\n";
+  folder_.write("scene.toml", composed);
+  const std::vector<std::string> paths{"numbers.P",
+                                       "numbers.w",
+                                       "numbers.u",
+                                       "numbers.spread",
+                                       "load.wind.time.product.1.to",
+                                       "load.wind.time.product.1.start",
+                                       "drive.belt.time.start",
+                                       "drive.belt.time.sum.1.amplitude",
+                                       "drive.belt.time.sum.1.frequency",
+                                       "torsion_spring.elbow.stiffness",
+                                       "torsion_spring.elbow.free_angle",
+                                       "torsion_spring.elbow.time.free_angle.amplitude",
+                                       "body.arm.mass",
+                                       "body.arm.inertia"};
+  for (const std::string& run : {unknown_start, known_start}) {
+    expect_exact_jacobian(read(sensor + unknowns(paths) + run), paths.size());
+  }
+}
+
+// Drives whose accelerations jump, at times that are unknown or follow from unknowns.
+TEST_F(FunctionsOfTime, HaveExactJacobiansByTimesAtWhichAccelerationsOfDrivesJump) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> all{
+      {"time = { ramp = { from = 0.1, to = 0.4, start = 0.2, end = 0.9, law = \"trapezoidal\" } }",
+       {"drive.belt.time.from", "drive.belt.time.to", "drive.belt.time.start", "drive.belt.time.end"}},
+      {"time = { table = [[0.05, 0.1], [0.4, 0.3], [0.8, 0.2], [1.1, 0.5]], interpolation = \"cubic\" }",
+       {"drive.belt.time.table.1.t", "drive.belt.time.table.2.t", "drive.belt.time.table.3",
+        "drive.belt.time.table.4.t"}},
+      {"time = { as = \"acceleration\", start = 0.2, step = { at = 0.45, from = 0.5, to = -0.4 } }",
+       {"drive.belt.time.start", "drive.belt.time.rate", "drive.belt.time.at", "drive.belt.time.from",
+        "drive.belt.time.to"}},
+      {"time = { as = \"velocity\", start = 0.2, ramp = { from = 0.1, to = -0.4, start = \"b\", end = \"2*b\", law = "
+       "\"linear\" } }",
+       {"numbers.b", "drive.belt.time.to"}}};
+  for (const auto& [drive, paths] : all) {
+    SCOPED_TRACE(drive);
+    folder_.write("scene.toml", crane("", "", drive) + "[numbers]\nb = 0.4\n");
+    for (const std::string& run : {unknown_start, known_start}) {
+      expect_exact_jacobian(read(sensor + unknowns(paths) + run), paths.size());
+    }
+  }
+}
+
 // Points of tables, of all interpolations.
 TEST_F(FunctionsOfTime, HaveExactJacobiansByTheValuesOfTables) {
   folder_.write("scene.toml",

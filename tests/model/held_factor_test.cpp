@@ -60,6 +60,19 @@ time = {{ ramp = {{ from = "F", to = "10*F", start = "T", end = "2*T" }} }}
                      vector, time, value, torque_time);
 }
 
+/// A spring and a frame that follow named numbers too.
+const std::string spring_and_frame = R"toml(
+[[spring]]
+name = "s"
+slide = "x"
+stiffness = "F"
+free_length = 4
+time = { stiffness = { function = "1 + T*t" }, free_length = { function = "F*cos(t)" } }
+[frame]
+x = { function = "0.1*sin(F*t)" }
+y = { as = "acceleration", function = "F*cos(T*t)" }
+)toml";
+
 const std::vector<std::pair<std::string, std::string>>& loads() {
   static const std::vector<std::pair<std::string, std::string>> all{
       {"[\"F\", 1]", "{ sine = { amplitude = 1.5, frequency = 0.7, phase = 40 } }"},
@@ -72,7 +85,17 @@ const std::vector<std::pair<std::string, std::string>>& loads() {
       {"[\"F\", 0]", "{ table = [[-0.1, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]] }"},
       {"[1, 2]",
        "{ table = [[-0.1, 5], [\"T/5\", \"T\"], [\"T + F\", \"F/2\"], [6, 8]], interpolation = \"monotone\" }"},
-      {"[1, 2]", "{ table = [[0, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]], interpolation = \"spline\" }"}};
+      {"[1, 2]", "{ table = [[0, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]], interpolation = \"spline\" }"},
+      {"[1, 2]", "{ table = [[-0.1, \"F\"], [\"T/5\", \"T\"], [\"T + F\", 3]], interpolation = \"trapezoidal\" }"},
+      {"[1, 2]", "{ ramp = { from = \"F\", to = 7, start = \"T - 1\", end = \"twice*T\", law = \"s_curve\" } }"},
+      {"[\"F\", 0]", "{ function = \"twice*exp(-t/T) + atan2(F, 1 + t)\" }"},
+      {"[\"F\", 0]", "{ sum = [{ function = \"F*t\" }, { sine = { amplitude = \"T\", frequency = \"F\" } }] }"},
+      {"[2, 0]",
+       "{ product = [{ function = \"F*t + 1\" }, { ramp = { to = \"T\", start = -1, end = \"F\" } }, "
+       "{ function = \"cos(T*t)\" }] }"},
+      {"[2, 0]",
+       "{ piecewise = [{ until = \"T\", function = \"F*t^2\" }, { until = \"T + 1\", function = \"F*T^2\" }, "
+       "{ sine = { amplitude = 1, frequency = 2 } }] }"}};
   return all;
 }
 
@@ -93,7 +116,8 @@ TEST(HeldFactor, NumbersMayBeSetBeforeAndAfter) {
   for (const auto& [vector, time] : loads()) {
     SCOPED_TRACE(vector + time);
     const Scene scene = parse_scene(
-        scene_with(vector, time, "3", "time = { sine = { amplitude = \"F\", frequency = \"T\" } }"), "time.toml");
+        scene_with(vector, time, "3", "time = { sine = { amplitude = \"F\", frequency = \"T\" } }") + spring_and_frame,
+        "time.toml");
     for (const double t : {0.0, 0.3, 0.7}) {
       for (const auto& [number, value] : {std::pair<std::string, double>{"numbers.F", 3.25}, {"numbers.T", 0.75}}) {
         Scene before = scene;
@@ -115,7 +139,7 @@ TEST(HeldFactor, HasItsDerivatives) {
   for (const auto& [vector, time] : loads()) {
     SCOPED_TRACE(vector + time);
     for (const double t : {0.0, 0.3, 0.7}) {
-      const Scene scene = at_time(parse_scene(scene_with(vector, time), "time.toml"), t);
+      const Scene scene = at_time(parse_scene(scene_with(vector, time) + spring_and_frame, "time.toml"), t);
       for (const int named : {0, 1}) {
         const std::vector<double> at = named_values(scene);
         const std::vector<double> slopes = dependents_by(scene, named, at);

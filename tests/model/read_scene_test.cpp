@@ -691,7 +691,7 @@ INSTANTIATE_TEST_SUITE_P(
             "friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, curved_slot, "
             "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, distributed_load, "
             "torque, "
-            "stop, start, outputs; "
+            "stop, start, outputs, frame; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, "
@@ -699,7 +699,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, drive, force, "
-                 "distributed_load, torque, stop, start, outputs; did you mean \"body\"?"},
+                 "distributed_load, torque, stop, start, outputs, frame; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",
@@ -839,7 +839,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         after("SpringKey", "[[spring]]\nstifness = 1\n",
               "8: spring 1.stifness: expected one of the keys name, bodies, points, slide, x, y, rope, sum, stiffness, "
-              "free_length, acts; "
+              "free_length, time, acts; "
               "did you mean \"stiffness\"?"),
         after("SpringStiffnessMissing", "[[spring]]\npoints = ['ground.O', 'rod.B']\nfree_length = 1\n",
               "7: spring 1: expected the key stiffness; add stiffness = NUMBER"),
@@ -861,7 +861,7 @@ INSTANTIATE_TEST_SUITE_P(
               "[[spring]]\nname = 'k'\n",
               "13: spring \"k\".name: expected a name of its own; \"k\" is taken in line 8"),
         after("TorsionKey", "[[torsion_spring]]\npoints = ['ground.O', 'rod.B']\n",
-              "8: torsion_spring 1.points: expected one of the keys name, bodies, stiffness, free_angle, acts"),
+              "8: torsion_spring 1.points: expected one of the keys name, bodies, stiffness, free_angle, time, acts"),
         after("TorsionBody", "[[torsion_spring]]\nbodies = ['gruond', 'rod']\nstiffness = 1\n",
               "8: torsion_spring 1.bodies: expected the name of a body, found \"gruond\"; did you mean \"ground\"?"),
         after("TorsionOneBody", "[[torsion_spring]]\nbodies = ['rod', 'rod']\nstiffness = 1\n",
@@ -973,9 +973,10 @@ INSTANTIATE_TEST_SUITE_P(
         after("SpringOfTwoThings", "[[spring]]\nbodies = ['ground', 'rod']\nx = 'rod.B'\nstiffness = 1\n",
               "7: spring 1: expected one of the keys " + every_measure),
         after("SpringOfAnAngleKey", "[[spring]]\nbodies = ['ground', 'rod']\nstiffness = 1\nfree_length = 1\n",
-              "10: spring 1.free_length: expected one of the keys name, bodies, stiffness, free_angle, acts"),
-        after_slide("SpringOfASlideKey", "[[spring]]\nslide = 'ram'\nstiffness = 1\nfree_angle = 1\n",
-                    "14: spring 1.free_angle: expected one of the keys name, slide, stiffness, free_length, acts"),
+              "10: spring 1.free_length: expected one of the keys name, bodies, stiffness, free_angle, time, acts"),
+        after_slide(
+            "SpringOfASlideKey", "[[spring]]\nslide = 'ram'\nstiffness = 1\nfree_angle = 1\n",
+            "14: spring 1.free_angle: expected one of the keys name, slide, stiffness, free_length, time, acts"),
         after_slide("SpringOfASlideFreeLengthMissing", "[[spring]]\nslide = 'ram'\nstiffness = 1\n",
                     "11: spring 1: expected the key free_length; add free_length = NUMBER"),
         after_slide("SpringSlideUnknown", "[[spring]]\nslide = 'rma'\nstiffness = 1\nfree_length = 1\n",

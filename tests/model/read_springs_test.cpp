@@ -243,11 +243,11 @@ TEST(ReadSprings, RefuseWhatContradictsItself) {
   EXPECT_EQ(refusal("[[torsion_spring]]\nbodies = [\"ground\", \"block\"]\nforce = { curve = [[1, 2], [2, 3]] }\n"),
             "rail.toml:12: torsion_spring 1.force: expected the key torque on an angle; rename it");
   EXPECT_EQ(refusal(begin + "stiffness = 1\npreload = 2\nangle = 3\n"),
-            "rail.toml:14: spring 1.angle: expected one of the keys name, slide, stiffness, preload, length");
+            "rail.toml:14: spring 1.angle: expected one of the keys name, slide, stiffness, preload, length, time");
   EXPECT_EQ(refusal(begin + "stiffness = 1\npreload = 2\n"),
             "rail.toml:10: spring 1: expected the key length; add length = NUMBER");
   EXPECT_EQ(refusal(begin + "stiffness = 1\npreload = 2\nlength = 3\nacts = \"tension\"\n"),
-            "rail.toml:15: spring 1.acts: expected one of the keys name, slide, stiffness, preload, length");
+            "rail.toml:15: spring 1.acts: expected one of the keys name, slide, stiffness, preload, length, time");
 }
 
 TEST(ReadSprings, RefuseGasStrutsThatCannotBe) {

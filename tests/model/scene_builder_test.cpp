@@ -410,6 +410,61 @@ TEST(SceneBuilder, BuildsTheCouplingsThatTheFileReaderReads) {
   EXPECT_THROW(SceneBuilder("twice").gear("a", "b", {{"ratio", 1}, {"ratio", 2}}), InputError);
 }
 
+/// Functions of time of a load, a drive, a spring and the frame, in code.
+SceneBuilder shaken_builder() {
+  using Tables = SceneBuilder::Key::Tables;
+  SceneBuilder builder("shaken");
+  builder.number("w", 3.0)
+      .frame("y", {{"as", "acceleration"}, {"sine.amplitude", 2.0}, {"sine.frequency", 5.0}})
+      .ground_point("O", {0, 0})
+      .body("block", {.points = {{"c", {0, 0}}}, .mass = 2})
+      .slide("ground.O", "block.c", {1, 0}, "x")
+      .element("spring", "s", measures::travel("x"),
+               {{"stiffness", 5.0}, {"free_length", 1.0}, {"time.stiffness.function", "1 + 0.1*sin(w*t)"}})
+      .drive("d", measures::travel("x"),
+             {{"time.sum", Tables{{{"function", "t"}}, {{"ramp.to", 1.0}, {"ramp.end", 2.0}}}}});
+  return builder;
+}
+
+TEST(SceneBuilder, BuildsFunctionsOfTime) {
+  const Scene read = parse_scene(R"toml(
+title = "shaken"
+numbers = { w = 3 }
+frame = { y = { as = "acceleration", sine = { amplitude = 2, frequency = 5 } } }
+ground = { points = { O = [0, 0] } }
+[body.block]
+points = { c = [0, 0] }
+mass = 2
+[[slide]]
+name = "x"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[spring]]
+name = "s"
+slide = "x"
+stiffness = 5
+free_length = 1
+time = { stiffness = { function = "1 + 0.1*sin(w*t)" } }
+[[drive]]
+name = "d"
+slide = "x"
+time = { sum = [{ function = "t" }, { ramp = { to = 1, end = 2 } }] }
+)toml",
+                                 "shaken.toml");
+  for (const Scene& built : {shaken_builder().build(), parse_scene(shaken_builder().text(), "again.toml")}) {
+    expect_same_numbers(built, read);
+    ASSERT_EQ(built.time_functions.size(), read.time_functions.size());
+    for (std::size_t f = 0; f < read.time_functions.size(); ++f) {
+      EXPECT_EQ(built.time_functions[f].of, read.time_functions[f].of);
+      EXPECT_EQ(built.time_functions[f].part, read.time_functions[f].part);
+      EXPECT_EQ(built.time_functions[f].order, read.time_functions[f].order);
+      for (const double t : {0.0, 0.3, 1.7}) {
+        for (const int d : {0, 1, 2}) EXPECT_EQ(built.time_functions[f].at(t, d), read.time_functions[f].at(t, d));
+      }
+    }
+  }
+}
+
 TEST(SceneBuilder, WritesTheFileOfWhatItBuilds) {
   expect_same_items(press_builder().build(), parse_scene(press_builder().text(), "press.toml"));
   expect_same_couplings(couplings_builder().build(), parse_scene(couplings_builder().text(), "couplings.toml"));
@@ -517,12 +572,13 @@ TEST(SceneBuilder, SaysWhatIsWrongInTheWordsOfTheReader) {
             "press: slide \"rail\".axis: expected a direction, found [0, 0]; give for example [1, 0]");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.bar("ground.O", "rod.C", 0, "rod"); }),
             "press: bar \"rod\".length: expected a finite number > 0, found 0");
-  EXPECT_EQ(error_of([](SceneBuilder& b) {
-              b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
-            }),
-            "press: spring \"s\".stifness: expected one of the keys name, points, axis, stiffness, free_length, acts; "
-            "did you "
-            "mean \"stiffness\"?");
+  EXPECT_EQ(
+      error_of([](SceneBuilder& b) {
+        b.element("spring", "s", measures::distance("ground.O", "rod.C"), {{"stifness", 1}, {"free_length", 1}});
+      }),
+      "press: spring \"s\".stifness: expected one of the keys name, points, axis, stiffness, free_length, time, acts; "
+      "did you "
+      "mean \"stiffness\"?");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.stop("end", measures::travel("guide"), {}); }),
             "press: stop \"end\": expected the key min, max or both; add max = NUMBER");
   EXPECT_EQ(error_of([](SceneBuilder& b) { b.start("crnk", 1); }),

@@ -2,6 +2,8 @@
 
 #include "model/time_function.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -22,6 +24,9 @@ std::string scene_with(const std::string& load_time, const std::string& drive = 
 [units]
 length = "mm"
 angle = "deg"
+[numbers]
+T = 1.3
+w = 2.1
 [ground.points]
 O = [0, 0]
 [body.block]
@@ -60,7 +65,21 @@ const std::vector<std::string>& all_kinds() {
       "{ step = { at = 0.9, from = 0.5, to = -2 } }",
       "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]] }",
       "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"monotone\" }",
-      "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"spline\" }"};
+      "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"spline\" }",
+      "{ ramp = { from = -1, to = 2, start = 0.4, end = 1.7, law = \"cubic\" } }",
+      "{ ramp = { from = -1, to = 2, start = 0.4, end = 1.7, law = \"trapezoidal\" } }",
+      "{ ramp = { from = -1, to = 2, start = 0.4, end = 1.7, law = \"s_curve\" } }",
+      "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"cubic\" }",
+      "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"trapezoidal\" }",
+      "{ table = [[0.3, 1], [0.8, 2], [1.0, 2.5], [1.9, -1]], interpolation = \"s_curve\" }",
+      "{ function = \"0.1*(1 - cos(2*pi*t/T))*exp(-w*t) + sqrt(1 + t)\" }",
+      "{ function = \"0.3*atan2(t, 1 + w) + (t + 1)^T\" }",
+      "{ sum = [{ function = \"w*t\" }, { sine = { amplitude = 1.5, frequency = 0.7 } }, "
+      "{ ramp = { to = 2, start = 0.4, end = 1.7 } }] }",
+      "{ product = [{ ramp = { from = 1, to = 2, start = 0.4, end = 1.7 } }, { function = \"cos(w*t)\" }, "
+      "{ table = [[0.3, 1], [1.9, -1]] }] }",
+      "{ piecewise = [{ until = 0.7, function = \"t^2\" }, { until = 1.6, function = \"0.49 + 1.4*(t - 0.7)\" }, "
+      "{ sine = { amplitude = 1.5, frequency = 0.7 } }] }"};
   return kinds;
 }
 
@@ -94,7 +113,7 @@ TEST(TimeFunction, HasTheValuesOfItsFormula) {
 TEST(TimeFunction, HasItsDerivativesByTimeAndNumbers) {
   for (const std::string& kind : all_kinds()) {
     const TimeFunction f = function_of(kind);
-    for (const double t : {0.1, 0.55, 0.93, 1.3, 1.88, 2.5}) {
+    for (const double t : {0.1, 0.55, 0.93, 1.31, 1.88, 2.5}) {
       const double h = 1e-4;
       for (int d = 1; d <= 2; ++d) {
         const double slope = (f.at(t + h, d - 1, t) - f.at(t - h, d - 1, t)) / (2 * h);
@@ -123,15 +142,87 @@ TEST(TimeFunction, HasItsDerivativesByTimeAndNumbers) {
 }
 
 TEST(TimeFunction, IsAsSmoothAsItsKindSays) {
+  std::array<int, 4> seen{};
   for (const std::string& kind : all_kinds()) {
     const TimeFunction f = function_of(kind);
-    const bool smooth = kind.find("345") != std::string::npos || kind.find("spline") != std::string::npos;
+    const int smoothness = f.law.smoothness();
+    ++seen[static_cast<std::size_t>(smoothness + 1)];
+    double largest = 0.0;  // of the first derivative that need not be continuous
     for (const double t : f.breaks()) {
-      for (int d = 0; d <= (smooth ? 2 : f.jumps() ? -1 : 0); ++d) {
-        EXPECT_NEAR(f.at(t, d, t - 1e-9), f.at(t, d, t + 1e-9), 1e-12) << kind << " " << t << " " << d;
+      for (int d = 0; d <= 2; ++d) {
+        const double jump = std::abs(f.at(t, d, t - 1e-9) - f.at(t, d, t + 1e-9));
+        if (d <= smoothness)
+          EXPECT_NEAR(jump, 0, 1e-12) << kind << " " << t << " " << d;
+        else if (d == smoothness + 1)
+          largest = std::max(largest, jump);
       }
     }
+    if (smoothness < 2 && !f.breaks().empty()) {
+      EXPECT_GT(largest, 0.1) << kind;
+    }
   }
+  for (const int count : seen) EXPECT_GT(count, 0) << "all of them";
+}
+
+// Their rates at a third and in the middle, and their largest accelerations, of a way of 1 in a time of 1.
+TEST(TimeFunction, WaysHaveTheRatesOfTheirNames) {
+  struct Known {
+    const char* word;
+    double third, middle, fastest;
+  };
+  for (const Known& way :
+       {Known{"cubic", 4.0 / 3, 1.5, 6}, Known{"trapezoidal", 1.5, 1.5, 4.5}, Known{"s_curve", 1.5, 1.5, 9},
+        Known{"polynomial_345", 30.0 * 4 / 81, 1.875, 10 / std::sqrt(3.0)}}) {
+    const TimeFunction f = function_of(fmt::format("{{ ramp = {{ to = 1, end = 1, law = \"{}\" }} }}", way.word));
+    EXPECT_NEAR(f.at(1.0 / 3, 1), way.third, 1e-14) << way.word;
+    EXPECT_NEAR(f.at(0.5, 1), way.middle, 1e-14) << way.word;
+    EXPECT_NEAR(f.at(0.5), 0.5, 1e-15) << way.word;
+    EXPECT_NEAR(f.at(0.1) + f.at(0.9), 1, 1e-15) << way.word;
+    double fastest = 0.0;
+    for (int i = 0; i < 12000; ++i) fastest = std::max(fastest, std::abs(f.at(i / 12000.0, 2)));
+    EXPECT_NEAR(fastest, way.fastest, 2e-3) << way.word;
+  }
+}
+
+// A function of named numbers follows them, and so has derivatives by them.
+TEST(TimeFunction, FormulasFollowNamedNumbers) {
+  Scene scene =
+      parse_scene(scene_with("time = { sum = [{ function = \"2*cos(w*t)\" }, { function = \"t/T\" }] }"), "time.toml");
+  EXPECT_DOUBLE_EQ(scene.time_functions[0].at(0.5), 2 * std::cos(1.05) + 0.5 / 1.3);
+  set_value(scene, "numbers.T", 2.5);
+  set_value(scene, "numbers.w", 1.0);
+  EXPECT_DOUBLE_EQ(scene.time_functions[0].at(0.5), 2 * std::cos(0.5) + 0.2);
+  EXPECT_EQ(get_value(scene, "load.F.time.sum.1.function.w"), 1.0);
+  const std::string message = test::message_of([&] { set_value(scene, "load.F.time.sum.2.function.T", 3.0); });
+  EXPECT_NE(message.find("T"), std::string::npos) << message;
+}
+
+// A velocity and an acceleration give the place by integrals, exact but for rounding over many periods.
+TEST(TimeFunction, VelocitiesAndAccelerationsAreIntegrated) {
+  const auto drive = [](const std::string& time) {
+    return parse_scene(scene_with("", "[[drive]]\nslide = \"x\"\ntime = " + time), "time.toml").time_functions.at(0);
+  };
+  const double w = 2 * std::numbers::pi * 3;
+  const TimeFunction rate = drive("{ as = \"velocity\", start = 40, sine = { amplitude = 30, frequency = 3 } }");
+  const TimeFunction pull =
+      drive("{ as = \"acceleration\", start = 40, rate = -2, sine = { amplitude = 30, frequency = 3, phase = 90 } }");
+  for (const double t : {-0.3, 0.0, 0.01, 0.77, 5.0, 1000.3}) {
+    EXPECT_NEAR(rate.at(t), 0.04 + 0.03 / w * (1 - std::cos(w * t)), 1e-15 * (1 + std::abs(t))) << t;
+    EXPECT_NEAR(rate.at(t, 1), 0.03 * std::sin(w * t), 1e-16 * (1 + w * std::abs(t))) << t;
+    EXPECT_NEAR(rate.at(t, 2), 0.03 * w * std::cos(w * t), 1e-15 * (1 + w * w * std::abs(t))) << t;
+    EXPECT_NEAR(pull.at(t), 0.04 - 0.002 * t + 0.03 / (w * w) * (1 - std::cos(w * t)), 1e-15 * (1 + t * t)) << t;
+    EXPECT_NEAR(pull.at(t, 1), -0.002 + 0.03 / w * std::sin(w * t), 1e-15 * (1 + std::abs(t))) << t;
+    // By the amplitude, the frequency and the start.
+    EXPECT_NEAR(rate.by(1, t, 0, t), (1 - std::cos(w * t)) / w, 1e-13 * (1 + std::abs(t))) << t;
+    EXPECT_EQ(rate.by(0, t, 0, t), 1.0);
+    EXPECT_EQ(pull.by(1, t, 0, t), t);
+  }
+  // A ramp of the rate goes on at its end.
+  const TimeFunction ramp =
+      drive("{ as = \"velocity\", start = 0, ramp = { to = 10, start = 0.5, end = 1.5, law = \"linear\" } }");
+  EXPECT_NEAR(ramp.at(0.5), 0, 1e-18);
+  EXPECT_NEAR(ramp.at(1), 0.01 / 8, 1e-17);
+  EXPECT_NEAR(ramp.at(4.5), 0.01 * 3.5, 1e-16);
 }
 
 TEST(TimeFunction, NumbersAreOnesOfTheScene) {
@@ -190,13 +281,31 @@ TEST(TimeFunction, RefusesWhatItCannotMean) {
   expect(message("time = { ramp = { to = 1, start = 2, end = 1 } }"), "before it ends");
   expect(message("time = { table = [[0, 1]] }"), "two points");
   expect(message("time = { table = [[0, 1], [0, 2]] }"), "a time after that of the point before");
-  expect(message("time = { table = [[0, 1], [1, 2]], interpolation = \"cubic\" }"), "cubic");
+  expect(message("time = { table = [[0, 1], [1, 2]], interpolation = \"qubic\" }"), "cubic");
+  expect(message("time = { function = \"2*v\" }"), "found \"v\"");
+  expect(message("time = { function = \"2*\" }"), "a number, a name");
+  expect(message("time = { function = 3 }"), "string");
+  expect(message("time = { sum = [] }"), "expected a list of functions");
+  expect(message("time = { sum = [{ sine = { amplitude = 1 } }] }"), "frequency");
+  expect(message("time = { piecewise = [{ function = \"1\" }, { function = \"2\" }] }"), "until");
+  expect(message("time = { piecewise = [{ until = 2, function = \"1\" }, { until = 1, function = \"2\" }, "
+                 "{ function = \"3\" }] }"),
+         "ascend");
+  expect(message("time = { piecewise = [{ until = 2, function = \"1\" }, { until = 3, function = \"2\" }] }"), "until");
+  expect(message("time = { as = \"velocity\", function = \"t\" }"), "as");
   expect(message("time = { file = \"no.csv\" }"), "no.csv");
   const std::string drive = "[[drive]]\nslide = \"x\"\n";
-  expect(message("", drive + "time = { step = { to = 1 } }"), "continuous accelerations");
-  expect(message("", drive + "time = { ramp = { to = 1, end = 1, law = \"linear\" } }"), "continuous accelerations");
-  expect(message("", drive + "time = { table = [[0, 1], [1, 2]], interpolation = \"linear\" }"),
-         "continuous accelerations");
+  const std::string jumps = "rate never jumps";
+  expect(message("", drive + "time = { step = { to = 1 } }"), jumps);
+  expect(message("", drive + "time = { ramp = { to = 1, end = 1, law = \"linear\" } }"), jumps);
+  expect(message("", drive + "time = { table = [[0, 1], [1, 2]], interpolation = \"linear\" }"), jumps);
+  expect(message("", drive + "time = { function = \"abs(t - 1)\" }"), jumps);
+  expect(message("", drive + "time = { function = \"atan2(t, 1)\" }"), jumps);
+  expect(message("", drive + "time = { function = \"1/t\" }"), "t = 0 s");
+  expect(message("", drive + "time = { piecewise = [{ until = 1, function = \"t\" }, { function = \"1\" }] }"), jumps);
+  expect(message("", drive + "time = { as = \"velocity\", start = 0, step = { to = 1 } }"), jumps);
+  expect(message("", drive + "time = { as = \"velocity\", function = \"t\" }"), "start");
+  expect(message("", drive + "time = { as = \"speed\", function = \"t\" }"), "velocity");
   expect(message("", drive + "rate = 3\ntime = { ramp = { to = 1, end = 1 } }"), "leave one out");
 }
 

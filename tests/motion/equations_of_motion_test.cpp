@@ -441,7 +441,9 @@ std::vector<Case> cases() {
           of_dataset("block_and_tackle"),
           of_dataset("curved_slot"),
           of_dataset("rolling_wheel"),
-          of_dataset("forced_machine")};
+          of_dataset("forced_machine"),
+          of_dataset("pumped_spring"),
+          of_dataset("shaken_pendulum")};
 }
 
 // What only masses that are given would tell: the bodies of scenes for statics have none.
@@ -455,19 +457,59 @@ Scene with_inertia(Scene scene, std::uint64_t seed) {
   return scene;
 }
 
+/// A formula, pieces, a sum or a product of all that there is in formulas.
+TimeLaw composed_law(Random& random) {
+  const FormulaInTime formula = FormulaInTime::of(
+      "a*sin(3*t)*exp(-t/b) + sqrt(1 + t^2) - hypot(t, a)/log(3 + t) + atan2(t, b)^2 + min(t, b) + abs(t - 1)*tan(t/4)",
+      {"a", "b"}, {random.uniform(0.5, 1.5), 0.8}, 1.0);
+  const RampInTime ramp{0.2, 1.5, 0.5, 1.5, static_cast<Way>(random.index(5))};
+  const auto table =
+      TableInTime::through({0.2, 0.7, 1.1, 1.6}, {1.0, -0.3, 0.8, 0.1}, TimeTable::Between::way, false, Way::s_curve);
+  using How = ComposedInTime::How;
+  switch (random.index(3)) {
+    case 0:
+      return ComposedInTime::of(How::sum, {}, {formula, ramp, SineInTime{0.3, 0.9, 0.1, 0.2}});
+    case 1:
+      return ComposedInTime::of(How::product, {}, {formula, ramp, table});
+    default:
+      return ComposedInTime::of(How::piecewise, {0.4, 1.2}, {ramp, formula, table});
+  }
+}
+
+/// Numbers of springs and the frame follow functions of time.
+void let_springs_follow_time(Scene& scene, Random& random) {
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    if (!std::holds_alternative<LinearSpring>(scene.elements[e].law)) continue;
+    for (const int part : {0, 1}) {
+      TimeFunction function{.of = TimeFunction::Of::element, .item = static_cast<int>(e), .law = composed_law(random)};
+      function.part = part;
+      scene.time_functions.push_back(std::move(function));
+    }
+  }
+  for (const int part : {0, 1}) {
+    TimeFunction function{.of = TimeFunction::Of::frame, .law = SineInTime{0.2, 0.6, 0.3, 0.0}};
+    function.part = part;
+    function.order = random.index(3);
+    scene.time_functions.push_back(std::move(function));
+  }
+}
+
 // A force and a torque of the scene follow functions of time of every kind.
 void let_loads_follow_time(Scene& scene, Random& random) {
   for (std::size_t i = 0; i < scene.forces.size(); ++i) {
     TimeFunction function{.of = TimeFunction::Of::force, .item = static_cast<int>(i), .law = {}};
-    switch (i % 4) {
+    switch (i % 5) {
       case 0:
         function.law = SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = random.uniform(0.0, 6.0), .offset = 1.0};
         break;
       case 1:
         function.law =
-            RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = random.uniform(0, 1) > 0.5};
+            RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .way = static_cast<Way>(random.index(5))};
         break;
       case 2:
+        function.law = composed_law(random);
+        break;
+      case 3:
         function.law = StepInTime{.at = 1.0, .from = 0.5, .to = 2.0};
         break;
       default: {
@@ -554,6 +596,7 @@ TEST_F(EquationsAsCode, IsTheEquationOfRandomMechanisms) {
         {.loops = k % 3, .followers = k % 4 == 1, .stops = k % 2 == 0, .other_laws = true, .couplings = k % 3 != 1});
     Scene scene = with_inertia(planted.in_equilibrium, seed);
     let_loads_follow_time(scene, random);
+    let_springs_follow_time(scene, random);
     compare(fmt::format("seed {}", seed), scene, random, 3);
     if (HasFatalFailure()) return;
   }
@@ -607,7 +650,7 @@ vector = [1, 0]
     scene.time_functions.push_back({.of = TimeFunction::Of::force, .item = item, .law = std::move(law)});
   };
   follow(0, SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = 0.3, .offset = 1.0});
-  follow(1, RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = true});
+  follow(1, RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .way = Way::polynomial_345});
   follow(2, StepInTime{.at = 1.0, .from = 0.5, .to = 2.0});
   const std::vector<double> t = {0.25, 0.75, 1.25, 1.5}, value = {1.0, -0.3, 0.8, 0.1};
   follow(3, TableInTime::through(t, value, TimeTable::Between::linear, false));
@@ -649,11 +692,14 @@ TEST_F(EquationsAsCode, HasAllPiecesOfLawsAndFunctionsOfTime) {
 // of ReducedMotion.
 TEST_F(EquationsAsCode, HasRatesAndAccelerationsOfDrives) {
   const std::vector<double> t = {0.25, 0.75, 1.25, 1.5}, value = {1.0, -0.3, 0.8, 0.1};
-  const std::vector<TimeLaw> laws = {SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = 0.3, .offset = 1.0},
-                                     RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = true},
-                                     RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .smooth = false},
-                                     TableInTime::through(t, value, TimeTable::Between::monotone, false),
-                                     TableInTime::through(t, value, TimeTable::Between::spline, false)};
+  const std::vector<TimeLaw> laws = {
+      SineInTime{.amplitude = 0.5, .frequency = 0.7, .phase = 0.3, .offset = 1.0},
+      RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .way = Way::polynomial_345},
+      RampInTime{.from = 0.2, .to = 1.5, .start = 0.5, .end = 1.5, .way = Way::linear},
+      TableInTime::through(t, value, TimeTable::Between::monotone, false),
+      TableInTime::through(t, value, TimeTable::Between::spline, false),
+      TableInTime::through(t, value, TimeTable::Between::way, false, Way::trapezoidal),
+      FormulaInTime::of("exp(-t)*cos(3*t)/(1 + t^2)", {}, {}, 1.0)};
   for (const TimeLaw& law : laws) {
     Scene scene = parse_scene(R"(
 gravity = [0, -9.81]

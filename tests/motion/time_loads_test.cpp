@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -9,8 +11,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "model/parameters.hpp"
 #include "motion/forces_along.hpp"
 #include "motion/motion_input.hpp"
+#include "motion/motion_record.hpp"
+#include "motion/release.hpp"
 #include "motion/simulate.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 #include "statics/model/static_model.hpp"
@@ -243,8 +248,8 @@ TEST(TimeLoads, InverseDynamicsHasTheLoadOfEachTime) {
 const std::vector<TimeLaw>& some_laws() {
   static const std::vector<TimeLaw> laws{
       SineInTime{1.3, 1.7, 0.4, 0.2},
-      RampInTime{-0.5, 1.5, 0.1, 0.5, false},
-      RampInTime{0.5, -1.5, 0.2, 0.45, true},
+      RampInTime{-0.5, 1.5, 0.1, 0.5, Way::linear},
+      RampInTime{0.5, -1.5, 0.2, 0.45, Way::polynomial_345},
       StepInTime{0.3, 0.4, 1.6},
       TableInTime::through({0.05, 0.2, 0.33, 0.6}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::linear, true),
       TableInTime::through({0.05, 0.2, 0.33, 0.6}, {1.0, -1.0, 2.0, 0.5}, TimeTable::Between::monotone, true),
@@ -340,6 +345,219 @@ TEST(TimeLoads, KeepTheEnergyOfRandomMechanisms) {
     EXPECT_LT(motion.energy_error, 1e-7) << seed;
   }
   EXPECT_GT(with_loads, 30);
+}
+
+/// A mass on a slide, without gravity, with a spring and what is added.
+std::string mass_on_spring(const std::string& spring, const std::string& more) {
+  return fmt::format(R"(
+[numbers]
+a = 0.7
+q = 0.5
+[ground.points]
+O = [0, 0]
+[body.block]
+mass = 1
+[body.block.points]
+c = [0, 0]
+[[slide]]
+name = "x"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[spring]]
+name = "s"
+slide = "x"
+{}
+{}
+)",
+                     spring, more);
+}
+
+// x'' + (a - 2 q cos 2t) x = 0 has solutions of period 2 pi at its characteristic values: odd ones at b1, even ones at
+// a1 (Mathieu functions; values of SciPy's mathieu_b and mathieu_a, to 12 digits).
+TEST(TimeLoads, SpringsThatVaryInTimeFollowMathieusEquation) {
+  struct Known {
+    double q, a;
+    bool is_odd;
+  };
+  for (const Known& known : {Known{0.5, 0.470654354934, true}, Known{0.5, 1.46676684252, false},
+                             Known{2, -1.39067650123, true}, Known{5, 1.85818754155, false}}) {
+    Scene scene = parse_scene(mass_on_spring("stiffness = 1\nfree_length = 0\n"
+                                             "time = { stiffness = { function = \"a - 2*q*cos(2*t)\" } }",
+                                             ""),
+                              "mathieu.toml");
+    set_value(scene, "numbers.a", known.a);
+    set_value(scene, "numbers.q", known.q);
+    const MotionModel model(scene);
+    const Channel x = channels_of(model).at(0);
+    const MotionState start = release(model, {}, {{x, known.is_odd, 1.0}});
+    MotionOptions options;
+    options.duration = 2 * pi;
+    options.accuracy = 1e-11;
+    const Motion motion = simulate(model, start, options);
+    ASSERT_TRUE(motion.completed()) << motion.why;
+    const double size =
+        std::max(1.0, std::abs(*std::max_element(motion.trajectory.q.begin(), motion.trajectory.q.end())));
+    EXPECT_NEAR(motion.trajectory.q.back(), known.is_odd ? 0.0 : 1.0, 1e-9 * size) << known.a;
+    EXPECT_NEAR(motion.trajectory.v.back(), known.is_odd ? 1.0 : 0.0, 1e-9 * size) << known.a;
+    EXPECT_LT(motion.energy_error, 1e-9);
+  }
+}
+
+// m x'' = -k (x - L c(t)): the free length that oscillates pushes as a load k L c(t).
+TEST(TimeLoads, FreeLengthsThatVaryPushAsLoadsDo) {
+  const double duration = 5.0;
+  const MotionModel by_length(parse_scene(
+      mass_on_spring("stiffness = 9\nfree_length = 0.2\ntime = { free_length = { function = \"1 + sin(2*t)\" } }", ""),
+      "length.toml"));
+  const MotionModel by_load(parse_scene(mass_on_spring("stiffness = 9\nfree_length = 0.2",
+                                                       "[[force]]\nat = \"block.c\"\nvector = [1.8, 0]\n"
+                                                       "time = { function = \"sin(2*t)\" }"),
+                                        "load.toml"));
+  const Motion a = moved(by_length, duration), b = moved(by_load, duration);
+  EXPECT_LT(a.energy_error, 1e-9);
+  EXPECT_NEAR(a.trajectory.q.back(), b.trajectory.q.back(), 1e-10);
+  EXPECT_NEAR(a.trajectory.v.back(), b.trajectory.v.back(), 1e-10);
+}
+
+const std::string pendulum_on = R"(
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[body.cart]
+[body.cart.points]
+c = [0, 0]
+[body.pole]
+mass = 1.2
+inertia = 0.02
+center = [0.4, 0.05]
+[body.pole.points]
+c = [0, 0]
+[[pin]]
+points = ["cart.c", "pole.c"]
+[start]
+pole = -1.1
+)";
+
+// A pendulum on a cart that is driven, and one whose frame moves as the cart does, swing alike.
+TEST(TimeLoads, MovingFramesActAsDrivenCarts) {
+  const std::string function = "{ function = \"0.1*sin(7*t) + 0.02*t^2\" }";
+  for (const std::string axis : {"x", "y"}) {
+    const std::string direction = axis == "x" ? "[1, 0]" : "[0, 1]";
+    const MotionModel driven(
+        parse_scene(pendulum_on + "[[slide]]\nname = \"s\"\npoints = [\"ground.O\", \"cart.c\"]\naxis = " + direction +
+                        "\n[[drive]]\nslide = \"s\"\ntime = " + function + "\n",
+                    "cart.toml"));
+    for (const std::string& as : {function, std::string("{ as = \"velocity\", function = \"0.7*cos(7*t) + 0.04*t\" }"),
+                                  std::string("{ as = \"acceleration\", function = \"0.04 - 4.9*sin(7*t)\" }")}) {
+      const MotionModel moving(parse_scene(
+          pendulum_on + "[[weld]]\npoints = [\"ground.O\", \"cart.c\"]\n[frame]\n" + axis + " = " + as + "\n",
+          "frame.toml"));
+      const Motion a = moved(driven, 3.0), b = moved(moving, 3.0);
+      ASSERT_TRUE(a.completed()) << a.why;
+      ASSERT_TRUE(b.completed()) << b.why;
+      EXPECT_LT(b.energy_error, 1e-9);
+      const auto angle_at_end = [](const MotionModel& model, const Motion& motion) {
+        const std::vector<Channel> channels = channels_of(model);
+        const Channel& pole = channel_named("pole", "pole", channels);
+        const std::size_t first = motion.trajectory.q.size() - static_cast<std::size_t>(model.layout().kept);
+        return motion.trajectory.q[first + static_cast<std::size_t>(pole.coordinate)] + pole.offset;
+      };
+      EXPECT_NEAR(angle_at_end(driven, a), angle_at_end(moving, b), 1e-9) << axis << " " << as;
+    }
+  }
+}
+
+/// The last place and rate of a scene's one coordinate, started with these.
+Vec2 last_state(const Scene& scene, double duration, Vec2 start) {
+  const MotionModel model(scene);
+  MotionOptions options;
+  options.duration = duration;
+  options.accuracy = 1e-12;
+  const Motion motion = simulate(model, {{start.x}, {start.y}}, options);
+  EXPECT_TRUE(motion.completed()) << motion.why;
+  return {motion.trajectory.q.back(), motion.trajectory.v.back()};
+}
+
+// At the threshold a multiplier of a period is -1:  1 + trace + determinant = 0.
+TEST(TimeLoads, PumpedSpringsBeginToSwingAtTheThresholdOfHill) {
+  struct Known {
+    double e, W;
+  };
+  for (const Known& known : {Known{0.0800069996632, 2.0}, Known{0.2, 1.90678656992}, Known{0.2, 2.08994774342}}) {
+    Scene scene = read_scene(std::string(POISE_SOURCE_DIR) + "/datasets/pumped_spring.toml");
+    set_value(scene, "numbers.e", known.e);
+    set_value(scene, "numbers.W", known.W);
+    const double period = 2 * pi / known.W;
+    const Vec2 middle{0.5, 0};
+    const Vec2 a = last_state(scene, period, middle + Vec2{1, 0}) - middle;
+    const Vec2 b = last_state(scene, period, middle + Vec2{0, 1}) - middle;
+    EXPECT_NEAR(1 + a.x + b.y + a.x * b.y - a.y * b.x, 0, 1e-9) << known.W;
+    EXPECT_NEAR(a.x * b.y - a.y * b.x, std::exp(-0.04 * period), 1e-10) << "Liouville";
+  }
+}
+
+// Shaken by a cosine, it comes back after a period where it stands just so (ce0 has that period), and after two, in the
+// opposite direction or not, where hanging begins or ends to be unstable (ce1, se1).
+TEST(TimeLoads, ShakenPendulumsStandAndFallAsMathieuSays) {
+  struct Known {
+    double h, ratio, angle;
+    int periods;
+    bool is_rate;
+  };
+  constexpr double up = pi / 2, down = -pi / 2;
+  for (const Known& known : {Known{0.05, 28.2997163519, up, 1, false}, Known{0.1, 14.1728900208, up, 1, false},
+                             Known{0.2, 7.13152811249, up, 1, false}, Known{0.4, 3.64909553093, up, 1, false},
+                             Known{0.05, 1.90802320363, down, 2, false}, Known{0.05, 2.10963239264, down, 2, true},
+                             Known{0.2, 1.70313843982, down, 2, false}, Known{0.2, 2.62391146774, down, 2, true}}) {
+    const std::string dataset = std::string(POISE_SOURCE_DIR) + "/datasets/shaken_pendulum.toml";
+    std::ifstream file(dataset);
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    text.replace(text.find("sin(W*t)"), 8, "cos(W*t)");
+    text.replace(text.find("\"l/10\""), 6, fmt::format("\"l*{}\"", known.h));
+    Scene scene = parse_scene(text, dataset);
+    set_value(scene, "numbers.ratio", known.ratio);
+    const double omega0 = std::sqrt(9.81 / 0.4), period = 2 * pi / (known.ratio * omega0);
+    constexpr double small = 1e-5;  // its cube is left out
+    const Vec2 start = known.is_rate ? Vec2{known.angle, small} : Vec2{known.angle + small, 0};
+    const Vec2 end = last_state(scene, known.periods * period, start);
+    EXPECT_NEAR((end.x - known.angle) / small, known.is_rate ? 0 : 1, 2e-6) << known.h << " " << known.ratio;
+    EXPECT_NEAR(end.y / small / (known.is_rate ? 1 : omega0), known.is_rate ? 1 : 0, 1e-4)
+        << known.h << " " << known.ratio;
+  }
+}
+
+// The force of a drive jumps with its acceleration, by the mass times that, and the motion has both sides.
+TEST(TimeLoads, ForcesOfDrivesJumpWithTheirAccelerations) {
+  const MotionModel model(
+      parse_scene(mass_on_spring("stiffness = 9\nfree_length = 0",
+                                 "[[drive]]\nslide = \"x\"\ntime = { ramp = { to = 0.9, start = 0.3, end = 1.2, law = "
+                                 "\"trapezoidal\" } }"),
+                  "trapezoidal.toml"));
+  const Motion motion = moved(model, 1.5);
+  ASSERT_TRUE(motion.completed()) << motion.why;
+  EXPECT_LT(motion.energy_error, 1e-12);
+  const double a = 0.9 * 4.5 / (0.9 * 0.9);
+  const std::vector<double> jumps{a, -a, -a, a};
+  for (std::size_t j = 0; j < jumps.size(); ++j) {
+    const double at = 0.3 + 0.3 * static_cast<double>(j);
+    const auto node = static_cast<std::size_t>(std::find_if(motion.trajectory.t.begin(), motion.trajectory.t.end(),
+                                                            [&](double t) { return std::abs(t - at) < 1e-12; }) -
+                                               motion.trajectory.t.begin());
+    ASSERT_LT(node + 1, motion.trajectory.nodes());
+    EXPECT_EQ(motion.trajectory.t[node + 1], motion.trajectory.t[node]);
+    EXPECT_NEAR(motion.drive_force[0][node + 1] - motion.drive_force[0][node], jumps[j], 1e-9) << j;
+  }
+}
+
+TEST(TimeLoads, AMotionEndsWhereAFunctionHasNoValue) {
+  const MotionModel model(oscillator("{ function = \"sqrt(1.5 - t)\" }"));
+  MotionOptions options;
+  options.duration = 2.0;
+  options.accuracy = 1e-6;
+  const Motion motion = simulate(model, test::released(model, {}), options);
+  EXPECT_EQ(motion.status, MotionStatus::stuck);
+  EXPECT_NE(motion.why.find("the function of time of \"F\" has no value"), std::string::npos) << motion.why;
+  EXPECT_NEAR(motion.trajectory.t.back(), 1.5, 1e-6);
 }
 
 }  // namespace

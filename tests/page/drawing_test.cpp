@@ -191,7 +191,7 @@ TEST(Drawing, EveryTableHasATool) {
   }
   EXPECT_GT(tables.size(), 30U);
   for (const char* const none :
-       {"title", "source", "gravity", "units", "numbers", "ground", "body", "start", "outputs", "part"})
+       {"title", "source", "gravity", "units", "numbers", "ground", "body", "start", "outputs", "part", "frame"})
     EXPECT_EQ(tables.erase(none), 1U) << none;
   for (const DrawingTool& tool : drawing_tools()) tables.erase(std::string(tool.table));
   EXPECT_TRUE(tables.empty()) << *tables.begin() << " has no tool";

@@ -38,6 +38,25 @@ def clamp_builder():
     )
 
 
+def test_functions_of_time_are_built():
+    """A mass that is driven, in a frame that is shaken: of the spring, the drive and the frame."""
+    scene = (
+        poise.SceneBuilder("shaken")
+        .number("w", 3)
+        .frame("x", as_="acceleration", sine={"amplitude": 2, "frequency": 5})
+        .ground_point("O", (0, 0))
+        .body("block", {"c": (0, 0)}, mass=2)
+        .slide("ground.O", "block.c", (1, 0), "x")
+        .element("spring", "s", measures.travel("x"), stiffness=5, free_length=1,
+                 time={"stiffness": {"function": "1 + 0.1*sin(w*t)"}})
+        .drive("d", measures.travel("x"),
+               time={"sum": [{"function": "t^2"}, {"ramp": {"to": 1, "end": 2}}]})
+        .build()
+    )
+    moved = scene.motion(2, rate=10)
+    assert moved["travel.x"][-1] == pytest.approx(4 + 1, abs=1e-9)
+
+
 def couplings_builder():
     """Every other method."""
     guide, bead = measures.travel("guide"), "bead.P"

@@ -10,6 +10,7 @@
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "model/dependent_number.hpp"
+#include "model/expression.hpp"
 #include "model/input_error.hpp"
 #include "model/one_line.hpp"
 #include "model/parameters.hpp"
@@ -223,6 +224,62 @@ std::vector<std::string> motions_of_drives(const Scene& scene) {
   return out;
 }
 
+/// "0.1*sin(w*t)", "sine", "ramp + 2*t", "t^2 until 1 s, then ramp".
+std::string law_in_words(const TimeLaw& law) {
+  if (const auto* const formula = std::get_if<FormulaInTime>(&law)) return formula->expression->text();
+  const auto* const composed = std::get_if<ComposedInTime>(&law);
+  if (composed == nullptr) return std::string(law.kind());
+  using How = ComposedInTime::How;
+  std::string out;
+  for (std::size_t k = 0; k < composed->parts.size(); ++k) {
+    const std::string part = law_in_words(composed->parts[k]);
+    if (composed->how == How::product)
+      out += (k > 0 ? " * (" : "(") + part + ")";
+    else
+      out += (k == 0 ? "" : composed->how == How::sum ? " + " : ", then ") + part;
+    if (composed->how == How::piecewise && k < composed->own.size()) {
+      out += " until " + significant(composed->own[k], force_digits) + " s";
+    }
+  }
+  if (composed->how == How::integral) {
+    return (composed->order == 1 ? "of the velocity " : "of the acceleration ") + out;
+  }
+  return out;
+}
+
+/// What a function of time is of, as in the paths of its numbers: "load F", "spring s.stiffness", "frame y".
+std::string owner_in_words(const Scene& scene, const TimeFunction& function) {
+  const std::string name(name_of(scene, function));
+  switch (function.of) {
+    case TimeFunction::Of::drive:
+      return "drive " + name;
+    case TimeFunction::Of::element: {
+      const Element& element = scene.elements[static_cast<std::size_t>(function.item)];
+      const Number& number = numbers_of(element.law)[static_cast<std::size_t>(function.part)];
+      return element.family() + " " + name + ", " + std::string(number.key_on(&element.on));
+    }
+    case TimeFunction::Of::frame:
+      return "frame, " +
+             std::string(function.order == 2   ? "place "
+                         : function.order == 1 ? "velocity "
+                                               : "acceleration ") +
+             name;
+    default:
+      return "load " + name;
+  }
+}
+
+void add_functions_of_time(Group& group, const Scene& scene) {
+  const std::vector<TimeFunction>& functions = scene.time_functions;
+  const std::vector<std::string> numbers = numbers_of_items(scene, Owner::time, functions.size());
+  std::vector<std::size_t> all;
+  for (std::size_t f = 0; f < functions.size(); ++f) all.push_back(f);
+  Table& table = group.table("functions_of_time", "Functions of time", Rows::list);
+  table.words("of", "of", each(functions, [&](const TimeFunction& one) { return owner_in_words(scene, one); }));
+  table.words("function", "function", each(functions, [](const TimeFunction& one) { return law_in_words(one.law); }));
+  table.words("numbers", "numbers", each(all, [&](std::size_t f) { return numbers[f]; }));
+}
+
 void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving) {
   const auto range = [&](const Stop& stop) {
     const Quantity quantity = quantity_of(stop.on);
@@ -393,6 +450,7 @@ Result check_result(const StaticModel& model, const Mobility& mobility, const Sc
   add_elements(content, scene);
   add_loads(content, scene);
   add_stops_and_drives(content, scene, moving);
+  add_functions_of_time(content, moving);
   content.list("kept", "Coordinates of the static model, and why", mobility.kept);
   content.list("dropped", "Left out of statics", mobility.dropped);
   return out;
