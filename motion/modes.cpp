@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "motion/body_motion.hpp"
+#include "motion/small_motions.hpp"
 #include "solvers/linear_algebra.hpp"
-#include "statics/bodies/body_measures.hpp"
-#include "statics/model/curvature.hpp"
 
 namespace poise {
 namespace {
@@ -23,81 +19,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-// Distance within which a stop is touched, rad or mechanism sizes.
-constexpr double touching_within = 1e-8;
 // Reduced masses below this share of the largest count as zero.
 constexpr double no_mass = 1e-12;
 // Stiffnesses below this share of the largest entry of the tangent are rounding.
 constexpr double no_stiffness = 1e-12;
 // With follower loads, real parts below this share of |s| are rounding of a purely imaginary pair.
 constexpr double no_growth = 1e-7;
-
-// Closure rows and the stops active at x.
-std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<double>& x) {
-  const int closures = m.equalities();
-  std::vector<int> rows(closures);
-  std::iota(rows.begin(), rows.end(), 0);
-  const DensePoint<double> at(m, x, rows);
-  for (int s = 0; s < m.stops(); ++s) {
-    const double g = at.constraint[closures + s];
-    if (g >= m.upper()[s] - touching_within || g <= m.lower()[s] + touching_within) rows.push_back(closures + s);
-  }
-  // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first; those whose limits
-  // are equal hold whatever they carry.
-  while (static_cast<int>(rows.size()) > closures) {
-    const DensePoint<double> point(m, x, rows);
-    const VectorXd push = point.multipliers();
-    const double zero = 1e-10 * std::max(1.0, push.cwiseAbs().maxCoeff());
-    Index worst = -1;
-    double hardest = zero;
-    for (Index k = closures; k < push.size(); ++k) {
-      const int s = rows[k] - closures;
-      if (m.upper()[s] == m.lower()[s]) continue;
-      const bool both = m.upper()[s] - m.lower()[s] <= 2 * touching_within;
-      const double pressure = both                                                          ? std::abs(push[k])
-                              : point.constraint[rows[k]] >= m.upper()[s] - touching_within ? push[k]
-                                                                                            : -push[k];
-      if (pressure >= hardest) continue;
-      hardest = pressure;
-      worst = k;
-    }
-    if (worst < 0) break;
-    rows.erase(rows.begin() + worst);
-  }
-  return rows;
-}
-
-// C = sum of dT/dw r r^T over all elements that damp small motions, with r the rates of their measures along the
-// columns of the basis.
-MatrixXd reduced_damping(const MotionModel& model, const std::vector<double>& x, const MatrixXd& basis) {
-  const Scene& scene = model.scene();
-  MatrixXd c = MatrixXd::Zero(basis.cols(), basis.cols());
-  const auto damps = [](const Element& e) { return damps_small_motion(e.law); };
-  if (std::none_of(scene.elements.begin(), scene.elements.end(), damps)) return c;
-  std::vector<std::vector<BodyMotion>> motions;
-  const std::vector<double> none(x.size(), 0.0);
-  for (Index k = 0; k < basis.cols(); ++k) {
-    motions.push_back(body_motions(model, x, {basis.col(k).begin(), basis.col(k).end()}, none));
-  }
-  const std::vector<BodyPose<double>> poses = model.poses(x);
-  for (const Element& e : scene.elements) {
-    if (!damps(e)) continue;
-    VectorXd r(basis.cols());
-    for (Index k = 0; k < r.size(); ++k) r[k] = rate_of(scene, motions[k], e.on);
-    const double coefficient = force_of_motion(e.law, value_of(scene, e.on, poses), 0.0).by_rate;
-    c += coefficient / model.scales().energy() * r * r.transpose();
-  }
-  return c;
-}
-
-MatrixXd reduced_mass(const MotionModel& model, const std::vector<double>& x, const MatrixXd& basis) {
-  const Mechanism<double>& m = model.mechanism();
-  std::vector<Planar<double>> pose(m.pose_size());
-  m.place(x.data(), pose.data());
-  MatrixXd full(m.coordinates(), m.coordinates());
-  model.inertia().mass_matrix(pose.data(), full.data());
-  return basis.transpose() * full * basis;
-}
 
 // One solution of (s^2 + s C + K) u = 0.
 struct Root {
@@ -143,23 +70,10 @@ void describe_roots(Vibration& vibration, Complex a, Complex b) {
 // The reduced system in coordinates z of unit mass, y = lift z.
 class Linear {
  public:
-  Linear(const MotionModel& model, const std::vector<double>& x) : model_(model) {
-    const Mechanism<double>& m = model.mechanism();
-    const std::vector<int> rows = holding_rows(m, x);
-    const ReducedHessian reduced(m, x, rows);
-    largest_ = reduced.largest;
-    basis_ = reduced.basis;
-    stiffness_ = reduced.matrix;
-    symmetric_ = !m.has_follower_loads();
-    if (symmetric_) stiffness_ = (stiffness_ + stiffness_.transpose()).eval() / 2;
-    mass_ = reduced_mass(model, x, basis_);
-    damping_ = reduced_damping(model, x, basis_);
-    out_.freedoms = static_cast<int>(basis_.cols());
-    const bool is_regular = basis_.cols() == m.coordinates() - static_cast<Index>(rows.size());
-    out_.mobility = freedoms_at(model, x, is_regular ? std::optional(0) : std::nullopt);
-    out_.active_stops = static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int row) {
-      return row >= m.equalities() && !model.scene().stops[static_cast<std::size_t>(row - m.equalities())].couples();
-    }));
+  Linear(const MotionModel& model, SmallMotions motions) : model_(model), motions_(std::move(motions)) {
+    out_.freedoms = motions_.freedoms();
+    out_.mobility = motions_.mobility;
+    out_.active_stops = static_cast<int>(motions_.stops.size());
   }
 
   Modes modes() {
@@ -173,7 +87,7 @@ class Linear {
     }
     if (!condense()) return out_;
     out_.known = true;
-    if (symmetric_)
+    if (motions_.symmetric)
       find_natural_modes();
     else
       find_follower_modes();
@@ -192,7 +106,7 @@ class Linear {
   // Static condensation: directions L without inertia follow those with inertia, H:  y_L = -K_LL^-1 K_LH y_H. Also
   // scales the masses of H to 1.
   bool condense() {
-    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(mass_);
+    const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(motions_.mass);
     const VectorXd& m = eigen.values;
     const double heaviest = m[m.size() - 1];
     const Index light = (m.array() <= no_mass * heaviest).count();
@@ -205,41 +119,41 @@ class Linear {
     lift_ =
         eigen.vectors.rightCols(m.size() - light) * m.tail(m.size() - light).cwiseSqrt().cwiseInverse().asDiagonal();
     if (light > 0) {
-      const solvers::FullyPivotedLu own(l.transpose() * stiffness_ * l);
-      if (own.largest_pivot() <= no_stiffness * largest_ || own.reciprocal_condition() < no_stiffness) {
+      const solvers::FullyPivotedLu own(l.transpose() * motions_.stiffness * l);
+      if (own.largest_pivot() <= no_stiffness * motions_.largest || own.reciprocal_condition() < no_stiffness) {
         out_.why = fmt::format(
             "coordinate \"{}\" has neither inertia nor stiffness, so its motion is undetermined; "
             "expected a mass, a moment of inertia or a spring there",
             main_coordinate(l.col(0)));
         return false;
       }
-      if ((damping_ * l).cwiseAbs().maxCoeff() > no_mass * damping_.cwiseAbs().maxCoeff()) {
+      if ((motions_.damping * l).cwiseAbs().maxCoeff() > no_mass * motions_.damping.cwiseAbs().maxCoeff()) {
         out_.why = fmt::format(
             "coordinate \"{}\" is damped but has no inertia, so it creeps instead of oscillating; "
             "expected a mass or a moment of inertia there",
             main_coordinate(l.col(0)));
         return false;
       }
-      lift_ -= l * own.solve(MatrixXd(l.transpose() * stiffness_ * lift_));
+      lift_ -= l * own.solve(MatrixXd(l.transpose() * motions_.stiffness * lift_));
     }
-    unit_stiffness_ = lift_.transpose() * stiffness_ * lift_;
-    unit_damping_ = lift_.transpose() * damping_ * lift_;
+    unit_stiffness_ = lift_.transpose() * motions_.stiffness * lift_;
+    unit_damping_ = lift_.transpose() * motions_.damping * lift_;
     return true;
   }
 
   std::string main_coordinate(const VectorXd& direction) const {
     Index largest = 0;
-    (basis_ * direction).cwiseAbs().maxCoeff(&largest);
+    (motions_.basis * direction).cwiseAbs().maxCoeff(&largest);
     return model_.layout().coordinates[largest].name;
   }
 
   // Rounding error of a squared frequency along z.
   double zero_square(const VectorXcd& z) const {
-    return no_stiffness * largest_ * (basis_ * (lift_ * z)).squaredNorm();
+    return no_stiffness * motions_.largest * (motions_.basis * (lift_ * z)).squaredNorm();
   }
 
   std::vector<Complex> shape(const VectorXcd& z) const {
-    const VectorXcd x = basis_ * (lift_ * z);
+    const VectorXcd x = motions_.basis * (lift_ * z);
     Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
     const Complex phase = std::abs(x[largest]) > 0 ? std::conj(x[largest]) / std::abs(x[largest]) : Complex(1.0);
@@ -337,15 +251,15 @@ class Linear {
   }
 
   const MotionModel& model_;
-  bool symmetric_ = true;
-  double largest_ = 0.0;
-  MatrixXd basis_, stiffness_, mass_, damping_;
+  SmallMotions motions_;
   MatrixXd lift_, unit_stiffness_, unit_damping_;
   Modes out_;
 };
 
 }  // namespace
 
-Modes modes_of(const MotionModel& model, const std::vector<double>& x) { return Linear(model, x).modes(); }
+Modes modes_of(const MotionModel& model, const std::vector<double>& x) {
+  return Linear(model, small_motions(model, x)).modes();
+}
 
 }  // namespace poise
