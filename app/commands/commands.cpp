@@ -59,6 +59,8 @@ std::vector<CommandEntry> all_commands() {
        InPage::of_scene},
       {motion_command(), "datasets/lift.toml --duration 2 --release obd=0.005 --csv swing.csv", InPage::of_scene},
       {modes_command(), "datasets/lift.toml", InPage::of_scene},
+      {response_command(), "datasets/forced_machine.toml --excite load.F --of y.machine.C --svg response.svg",
+       InPage::of_scene},
       {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg", InPage::of_scene},
       {equations_command(), "datasets/double_pendulum.toml --from start --code pendulum.c --python pendulum.py",
        InPage::of_scene},

@@ -68,6 +68,11 @@ Command motion_command();
 /// solved where the equilibrium is confirmed and its motions are known.
 Command modes_command();
 
+/// `poise response SCENE --excite load.P --of y.table.P`: amplitude and phase over the frequency about an equilibrium;
+/// with --amplitude its periodic motions, through folds. Exit code solved where the equilibrium is stable and the whole
+/// range was followed. Ctrl-C keeps what was followed so far.
+Command response_command();
+
 /// `poise forces SCENE`: efforts of drives and forces of joints in a pose, over a driven range, or along a recorded
 /// motion. Exit code solved where every body is in balance everywhere.
 Command forces_command();
