@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -214,6 +215,49 @@ int outside(const PeriodicAnswer& answer, bool is_complex) {
   }));
 }
 
+/// The largest value of f between two places, at which it is largest within, by golden sections down to a width.
+template <class F>
+double greatest_between(F f, double low, double high, double width) {
+  constexpr double golden = 0.61803398874989484820;
+  double a = high - golden * (high - low), b = low + golden * (high - low);
+  double at_a = f(a), at_b = f(b);
+  while (high - low > width) {
+    if (at_a > at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - golden * (high - low);
+      at_a = f(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + golden * (high - low);
+      at_b = f(b);
+    }
+  }
+  return std::max(at_a, at_b);
+}
+
+/// The greatest value over a period, from values at evenly spaced times of it, the first at t = 0: summits of these
+/// that are almost as high are all looked at.
+template <class F>
+double greatest_in_period(F f, const std::vector<double>& values) {
+  constexpr double almost = 0.02;
+  constexpr double width = 1e-6;  // of a spacing
+  const std::size_t count = values.size();
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  double out = *greatest;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double before = values[(k + count - 1) % count], after = values[(k + 1) % count];
+    const bool is_high = values[k] >= *greatest - almost * (*greatest - *least);
+    if (!is_high || values[k] < before || values[k] < after) continue;
+    const auto at = static_cast<double>(k);
+    out = std::max(out, greatest_between(f, at - 1.0, at + 1.0, width));
+  }
+  return out;
+}
+
 /// Follows the branches of one excitation.
 class Follower {
  public:
@@ -243,9 +287,11 @@ class Follower {
 
   bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
 
-  /// Newton's method from u in the plane normal to `row` through it. Sets `why_` and `end_` where it fails.
-  std::optional<Point> correct(const VectorXd& scale, const VectorXd& begin, const VectorXd& row) {
+  /// Newton's method from u in the plane normal to `row` through it, no farther than `most_way`: beyond are other
+  /// branches. Sets `why_` and `end_` where it fails.
+  std::optional<Point> correct(const VectorXd& scale, const VectorXd& begin, const VectorXd& row, double most_way) {
     constexpr int most = 12;
+    constexpr double eps = std::numeric_limits<double>::epsilon(), many = 1e3;
     const Index size = scale.size();
     Point out{scale, begin, {}, 0.0, {}};
     double before = INFINITY;
@@ -265,7 +311,10 @@ class Follower {
       matrix.bottomRows(1) = row.transpose();
       const solvers::FullyPivotedLu lu(matrix);
       const double miss = residual.lpNorm<Eigen::Infinity>();
-      if (miss <= period_closed_within || (miss <= period_rounding && miss > before / 2)) {
+      // A small swing about a large value is known to the rounding of that.
+      const double rounding = eps * out.state().cwiseQuotient(scale).lpNorm<Eigen::Infinity>();
+      const bool stays = miss <= period_rounding + many * rounding && miss > before / 2;
+      if (miss <= period_closed_within + rounding || stays) {
         finish_point(shot, lu, miss, out);
         return out;
       }
@@ -274,8 +323,8 @@ class Follower {
       right.head(size) = -residual;
       right[size] = row.dot(begin - out.u);
       const VectorXd step = lu.solve(right);
-      if (!step.allFinite() || step.norm() > 3.0) break;
       out.u += step;
+      if (!((out.u - begin).norm() <= most_way)) break;
     }
     why_ = "Newton's method finds no periodic motion";
     end_ = End::failed;
@@ -295,7 +344,7 @@ class Follower {
   }
 
   PeriodicAnswer describe(const Shot& shot, double frequency, const VectorXd& state, double residual) {
-    constexpr int samples = 64;
+    constexpr int samples = 128;
     PeriodicAnswer out;
     out.frequency = frequency;
     out.residual = residual;
@@ -303,12 +352,17 @@ class Follower {
     out.place.assign(state.begin(), state.begin() + f);
     out.rate.assign(state.begin() + f, state.end());
     QuantitiesAlong along(shot.model->scene(), *shot.model, shot.motion);
-    const QuantityRange range = along.ranges({of_}).front();
-    out.amplitude = (range.greatest.value - range.least.value) / 2;
-    out.farthest =
-        std::max(std::abs(range.greatest.value - linear_.at_rest()), std::abs(range.least.value - linear_.at_rest()));
     std::vector<double> values;
     for (int k = 0; k < samples; ++k) values.push_back(along.value(of_, k / (samples * frequency)));
+    const auto at = [&](double place) {
+      return along.value(of_, (place - samples * std::floor(place / samples)) / (samples * frequency));
+    };
+    const double greatest = greatest_in_period(at, values);
+    std::vector<double> opposite;
+    for (const double value : values) opposite.push_back(-value);
+    const double least = -greatest_in_period([&](double place) { return -at(place); }, opposite);
+    out.amplitude = (greatest - least) / 2;
+    out.farthest = std::max(std::abs(greatest - linear_.at_rest()), std::abs(least - linear_.at_rest()));
     out.harmonic = shooting_.harmonic(values);
     const VectorXcd multipliers = multipliers_of(shot);
     out.multipliers.assign(multipliers.begin(), multipliers.end());
@@ -335,7 +389,7 @@ class Follower {
 
   /// The first point, at a frequency: from the linear answer, or from that to a small amplitude, which then grows.
   std::optional<Point> first_point(double log_f) {
-    constexpr double least = 1e-3;
+    constexpr double least = 1e-3, first_way = 3.0;
     const double frequency = std::exp(log_f);
     double share = 1.0, reached = 0.0, step = 1.0;
     std::optional<Point> found;
@@ -350,7 +404,7 @@ class Follower {
       const VectorXd begin = found ? VectorXd(rest + share / reached * (found->state() - rest))
                                    : linear_state(frequency, share * options_.amplitude);
       if (!begin.allFinite()) break;
-      if (std::optional<Point> next = at_frequency(begin, log_f)) {
+      if (std::optional<Point> next = at_frequency(begin, log_f, first_way)) {
         found = std::move(next);
         reached = share;
         step *= 2;
@@ -365,7 +419,7 @@ class Follower {
     return found;
   }
 
-  std::optional<Point> at_frequency(const VectorXd& state, double log_f) {
+  std::optional<Point> at_frequency(const VectorXd& state, double log_f, double most_way = longest_arc) {
     const Shot shot = shooting_.shoot(state, std::exp(log_f));
     if (!shot.is_whole()) {
       why_ = shot.why;
@@ -374,12 +428,12 @@ class Follower {
     }
     VectorXd u(state.size() + 1);
     u << state.cwiseQuotient(shot.reach), log_f;
-    return correct(shot.reach, u, VectorXd::Unit(u.size(), u.size() - 1));
+    return correct(shot.reach, u, VectorXd::Unit(u.size(), u.size() - 1), most_way);
   }
 
   /// The point at the distance s along the tangent of another.
   std::optional<Point> at_distance(const Point& from, double s) {
-    std::optional<Point> out = correct(from.scale, from.u + s * from.tangent, from.tangent);
+    std::optional<Point> out = correct(from.scale, from.u + s * from.tangent, from.tangent, s + shortest_arc);
     if (out && in_scale(out->tangent, out->scale, from.scale).dot(from.tangent) < 0.0) out->tangent *= -1.0;
     return out;
   }
@@ -432,22 +486,23 @@ class Follower {
     branches_.push_back(std::move(branch));
   }
 
-  /// The place of a change along the arc from one point to the next, of a function of points with opposite signs.
+  /// The place of a change along the arc from one point to the next, of a function of points with opposite signs; where
+  /// branches cross, the nearest place at which Newton's method still converges.
   template <class Of>
-  std::optional<Point> located(const Point& from, const Point& to, Of of) {
+  Point located(const Point& from, const Point& to, Of of) {
     const double a = of(from), b = of(to);
     const double size = std::max(std::abs(a), std::abs(b));
-    std::optional<Point> last;
-    const std::optional<double> root = solvers::root_by_secants(
+    Point last = to;
+    solvers::root_by_secants(
         [&](double share) -> std::optional<double> {
           std::optional<Point> found = at_distance(from, share * from.step);
           if (!found) return std::nullopt;
           const double value = of(*found) / size;
-          last = std::move(found);
+          last = std::move(*found);
           return value;
         },
         {0.0, 1.0}, a / size, b / size, 1e-11);
-    return root ? last : std::nullopt;
+    return last;
   }
 
   void find_events(std::size_t b) {
@@ -459,20 +514,17 @@ class Follower {
       const auto at_one = [](const Point& point) { return product_at(point.answer, 1.0); };
       const auto at_minus_one = [](const Point& point) { return product_at(point.answer, -1.0); };
       const auto changes = [&](const auto& of) { return (of(from) > 0.0) != (of(to) > 0.0); };
-      if (changes(along_f)) {
-        if (const std::optional<Point> fold = located(from, to, along_f)) add_fold(b, k, *fold);
-      } else if (changes(at_one)) {
-        if (const std::optional<Point> at = located(from, to, at_one)) events_.push_back({Event::branch, at->answer});
-      }
+      if (changes(along_f))
+        add_fold(b, k, located(from, to, along_f));
+      else if (changes(at_one))
+        events_.push_back({Event::branch, located(from, to, at_one).answer});
       if (linear_.is_undamped()) continue;  // multipliers stay on the unit circle, or leave it in pairs
-      if (changes(at_minus_one)) {
-        if (const std::optional<Point> at = located(from, to, at_minus_one)) {
-          events_.push_back({Event::doubling, at->answer});
-        }
-      } else if (std::abs(outside(from.answer, true) - outside(to.answer, true)) == 2 &&
-                 outside(from.answer, false) == outside(to.answer, false)) {
+      const bool pair_leaves = std::abs(outside(from.answer, true) - outside(to.answer, true)) == 2 &&
+                               outside(from.answer, false) == outside(to.answer, false);
+      if (changes(at_minus_one))
+        events_.push_back({Event::doubling, located(from, to, at_minus_one).answer});
+      else if (pair_leaves)
         events_.push_back({Event::torus, halved(from, to)});
-      }
     }
   }
 
@@ -538,7 +590,6 @@ class Follower {
 
   /// By golden sections over the two arcs at the point of largest amplitude.
   void find_largest() {
-    constexpr double golden = 0.61803398874989484820;
     constexpr double narrow = 1e-5;
     const Branch* best = nullptr;
     std::size_t place = 0;
@@ -560,24 +611,7 @@ class Follower {
         if (found->answer.amplitude > largest.amplitude) largest = found->answer;
         return found->answer.amplitude;
       };
-      double low = 0.0, high = 2.0;
-      double a = high - golden * (high - low), b = low + golden * (high - low);
-      double at_a = amplitude(a), at_b = amplitude(b);
-      while (high - low > narrow && !interrupted()) {
-        if (at_a > at_b) {
-          high = b;
-          b = a;
-          at_b = at_a;
-          a = high - golden * (high - low);
-          at_a = amplitude(a);
-        } else {
-          low = a;
-          a = b;
-          at_a = at_b;
-          b = low + golden * (high - low);
-          at_b = amplitude(b);
-        }
-      }
+      greatest_between(amplitude, 0.0, 2.0, narrow);
     }
     events_.push_back({Event::largest, largest});
   }
