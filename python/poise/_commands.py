@@ -575,6 +575,57 @@ class SceneCommands:
             "--seek": seek,
         }, None, progress)
 
+    def response(
+        self,
+        excite: str,
+        of: Words,
+        *,
+        set: Settings | None = None,
+        from_: float | None = None,
+        to: float | None = None,
+        steps: int | None = None,
+        amplitude: float | None = None,
+        at: str | None = None,
+        seek: str | None = None,
+        progress: Progress | None = None,
+    ) -> Found:
+        """Find amplitude and phase over the frequency of what swings about an equilibrium.
+
+        As by the command line::
+
+            poise response datasets/forced_machine.toml --excite load.F --of y.machine.C --svg response.svg
+
+        set: Change a number of the scene, in its own units: load.P=40,
+            body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
+            can be given several times;
+            or a dictionary, {PATH: NUMBER}
+        excite: What swings as a cosine: a load, load.NAME, or a number of a spring, say
+            spring.NAME.free_length (docs/response.md)
+        of: What answers: x.BODY.POINT, angle.BODY, travel.JOINT, length.ELEMENT,
+            force.ELEMENT, d(A)/dt, or an expression of them (docs/quantities.md)
+        from_: Lowest frequency (a tenth of the lowest natural frequency)
+        to: Highest frequency (three times the highest natural frequency)
+        steps: Frequencies between, on a logarithmic scale (200)
+        amplitude: Amplitude of a load, in its unit: follow the periodic motions, which
+            may fold and jump, in place of the response to first order
+        at: Frequencies, Hz, of which all periodic motions are listed
+        seek: settle: the equilibrium that the mechanism reaches from its start
+            when released with heavy damping (the default); any: any
+            equilibrium near the start (minimising methods find minima only);
+            stable: minima only
+        """
+        return run(Found, "response", self._core, {
+            "--set": set,
+            "--excite": excite,
+            "--of": of,
+            "--from": from_,
+            "--to": to,
+            "--steps": steps,
+            "--amplitude": amplitude,
+            "--at": at,
+            "--seek": seek,
+        }, None, progress)
+
     def forces(
         self,
         name: str | None = None,

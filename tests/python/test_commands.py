@@ -4,6 +4,7 @@ import importlib.util
 import inspect
 import json
 import keyword
+import math
 import os
 import pathlib
 import shlex
@@ -144,6 +145,15 @@ def test_changed_numbers_are_those_of_the_scene_in_every_command():
     settings = {"load.P": 30, "spring.rubber.stiffness": 350.1}
     assert without_times(changed.modes().to_dict()) == without_times(clamp.modes(set=settings).to_dict())
     assert changed.solve()["force.rubber"] == clamp.solve(settings)["force.rubber"]
+
+
+def test_response_has_its_peak_and_its_jumps():
+    duffing = poise.load("datasets/duffing.toml")
+    peak = duffing.response(excite="load.F", of="x.mass.C").to_dict()["resonances"][0]
+    assert abs(peak["frequency"] - math.sqrt(1 - 2 * 0.02 ** 2) / (2 * math.pi)) < 1e-9
+    jumps = duffing.response(excite="load.F", of="x.mass.C", from_=0.05, to=0.4, amplitude=0.2).to_dict()["periodic"]
+    assert [event["jumps"] for event in jumps["events"]] == [True, True, False]
+    assert abs(jumps["events"][0]["frequency"] - 1.4025723214 / (2 * math.pi)) < 1e-10
 
 
 def test_what_was_found_is_the_file_of_another_command():
