@@ -96,6 +96,8 @@ figures: all
 	  --quiet --svg docs/clamp_find.svg
 	$(BUILD)/poise hold datasets/friction/drawer.toml --vary load.P --quiet --svg docs/drawer.svg
 	$(BUILD)/poise loads datasets/structures/three_hinged_portal.toml --quiet --svg docs/portal_loads.svg
+	$(BUILD)/poise response datasets/duffing.toml --excite load.F --amplitude 0.2 --of x.mass.C --from 0.05 --to 0.4 \
+	  --quiet --svg docs/duffing_response.svg
 	$(BUILD)/poise stress --starts 10 --work 4000 --markdown docs/stress.md
 	$(BUILD)/poise stress --safeguards --starts 20 --work 40000 --markdown docs/safeguards.md
 

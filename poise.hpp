@@ -43,8 +43,10 @@
 #include "motion/kinematics.hpp"
 #include "motion/loads_in_motion.hpp"
 #include "motion/modes.hpp"
+#include "motion/periodic_response.hpp"
 #include "motion/quantities_along.hpp"
 #include "motion/release.hpp"
+#include "motion/response.hpp"
 #include "motion/simulate.hpp"
 
 // Design: numbers of a scene for which quantities keep limits

@@ -31,6 +31,7 @@ GUIDES = {
     "kinematics": ["motion", "quantities"],
     "motion": ["motion", "tutorial-identification"],
     "modes": ["motion", "recipes"],
+    "response": ["response", "motion"],
     "forces": ["motion", "friction"],
     "equations": ["equations", "motion"],
     "design": ["design-recipes", "design-files", "synthesis", "path-synthesis", "balance"],

@@ -29,6 +29,7 @@ std::vector<std::vector<std::string>> commands_on(const std::string& scene, cons
           {"loads", scene, "--vary", "loads=0.5..1", "--steps", "2", "--csv", csv, "--html", html},
           {"compare", scene, "--markdown", folder.path("o.md")},
           {"modes", scene, "--json", json, "--svg", svg},
+          {"response", scene, "--excite", "load.P", "--of", "length.spring", "--json", json, "--csv", csv},
           {"motion", scene, "--duration", "0.1", "--csv", csv, "--json", json},
           {"equations", scene, "--from", "start", "--code", folder.path("o.c"), "--python", folder.path("o.py"),
            "--json", json},

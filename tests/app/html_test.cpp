@@ -74,6 +74,8 @@ std::vector<Words> every_command(const TempFolder& folder) {
           {"motion", lift, "--duration", "0.2", "--release", "obd=0.005"},
           {"modes", lift},
           {"equations", lift},
+          {"response", lift, "--excite", "spring.oil.free_length", "--of", "angle.fa"},
+          {"response", dataset("duffing"), "--excite", "load.F", "--of", "x.mass.C", "--amplitude", "0.2"},
           {"forces", lift, "--drive", "stroke=0.5..0.79", "--steps", "6"},
           {"forces", clamp, "--drive", "handle=60"},
           {"design", dataset("lift_design")},

@@ -69,6 +69,7 @@ void add_scenes(const std::string& folder, std::vector<Command>& out) {
          {Words{"check"}, Words{"solve", "--svg", "o.svg"}, Words{"compare", "--json", "o.json", "--markdown", "o.md"},
           Words{"modes", "--json", "o.json"}, Words{"motion", "--duration", "0.02", "--csv", "o.csv"},
           Words{"equations", "--from", "start", "--code", "o.c", "--python", "o.py"},
+          Words{"response", "--excite", "load.P", "--of", "energy + force.spring", "--csv", "o.csv"},
           Words{"forces", "--verbose", "--svg", "o.svg"}, Words{"sensitivity", "--of", "energy", "--csv", "o.csv"},
           Words{"hold", "--vary", "loads"},
           Words{"find", "--vary", "loads=0.5..1", "--for", "energy = 0", "--csv", "o.csv"},

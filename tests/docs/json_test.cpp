@@ -482,6 +482,57 @@ TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"m
 
 TEST(JsonDocs, Equations) {
   check_section("equations", {{{"equations", scene("lift")}, with_csv}, {{"equations", scene("slider_crank")}}});
+/// Two leaves of a table that swing against each other in a mode of which the table tells nothing.
+constexpr const char* two_leaves = R"(
+[ground]
+points = { O = [0, 0] }
+[body.table]
+points = { P = [0, 0] }
+mass = 3
+[body.left]
+points = { P = [0, 0] }
+mass = 1
+[body.right]
+points = { P = [0, 0] }
+mass = 1
+[[slide]]
+name = "guide"
+points = ["ground.O", "table.P"]
+axis = [0, 1]
+[[slide]]
+name = "one"
+points = ["table.P", "left.P"]
+axis = [0, 1]
+[[slide]]
+name = "two"
+points = ["table.P", "right.P"]
+axis = [0, 1]
+[[spring]]
+name = "mount"
+slide = "guide"
+stiffness = 50
+free_length = 0
+[[spring]]
+name = "first leaf"
+slide = "one"
+stiffness = 9
+free_length = 0
+[[spring]]
+name = "second leaf"
+slide = "two"
+stiffness = 9
+free_length = 0
+)";
+
+TEST(JsonDocs, Response) {
+  const TempFolder folder;
+  check_section("response",
+                {{{"response", scene("lift"), "--excite", "spring.oil.free_length", "--of", "angle.fa"}, with_csv},
+                 {{"response", scene("duffing"), "--excite", "load.F", "--of", "x.mass.C", "--amplitude", "0.2", "--to",
+                   "0.3", "--at", "0.207"},
+                  with_csv},
+                 {{"response", folder.write("leaves.toml", two_leaves), "--excite", "spring.mount.free_length", "--of",
+                   "y.table.P"}}});
 }
 
 TEST(JsonDocs, Kinematics) {
