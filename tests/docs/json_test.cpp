@@ -483,6 +483,8 @@ TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"m
 TEST(JsonDocs, Equations) {
   check_section("equations", {{{"equations", scene("lift")}, with_csv}, {{"equations", scene("slider_crank")}}});
 /// Two leaves of a table that swing against each other in a mode of which the table tells nothing.
+/// Two leaves of a table that swing against each other in a mode of which the table tells nothing, and a peg that is
+/// pressed on its stop.
 constexpr const char* two_leaves = R"(
 [ground]
 points = { O = [0, 0] }
@@ -522,6 +524,22 @@ name = "second leaf"
 slide = "two"
 stiffness = 9
 free_length = 0
+[body.peg]
+points = { P = [0, 0] }
+mass = 1
+[[slide]]
+name = "hole"
+points = ["ground.O", "peg.P"]
+axis = [1, 0]
+[[stop]]
+name = "bottom"
+slide = "hole"
+min = 0
+max = 1
+[[force]]
+name = "press"
+at = "peg.P"
+vector = [-1, 0]
 )";
 
 TEST(JsonDocs, Response) {
@@ -531,6 +549,7 @@ TEST(JsonDocs, Response) {
                  {{"response", scene("duffing"), "--excite", "load.F", "--of", "x.mass.C", "--amplitude", "0.2", "--to",
                    "0.3", "--at", "0.207"},
                   with_csv},
+                 {{"response", scene("forced_machine"), "--excite", "load.F", "--of", "y.machine.C"}},
                  {{"response", folder.write("leaves.toml", two_leaves), "--excite", "spring.mount.free_length", "--of",
                    "y.table.P"}}});
 }
