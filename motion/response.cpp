@@ -195,8 +195,8 @@ void refuse_without_response(const Scene& scene, const SoughtQuantity& of) {
                    "spring or damper, the rate d(Q)/dt of such a place, or what is made of these");
 }
 
-FrequencyResponse::FrequencyResponse(const MotionModel& model, const std::vector<double>& x, const Excitation& excitation,
-                               const SoughtQuantity& of)
+FrequencyResponse::FrequencyResponse(const MotionModel& model, const std::vector<double>& x,
+                                     const Excitation& excitation, const SoughtQuantity& of)
     : model_(model), motions_(small_motions(model, x)), modes_(modes_of(model, x)) {
   Slope slope = SlopeReader(model, x, motions_, excitation).read(of);
   at_rest_ = slope.value;
@@ -247,6 +247,13 @@ FrequencyResponse::ValueAndSlope FrequencyResponse::at_and_slope(double frequenc
   const Complex value = direct_ + reads.cwiseProduct(y).sum();
   const Complex slope = reads.cwiseProduct(y_w).sum() + i * by_rate_.cast<Complex>().cwiseProduct(y).sum();
   return {value, 4 * M_PI * (std::conj(value) * slope).real()};
+}
+
+Complex FrequencyResponse::at(double frequency) const {
+  const bool drifts = std::any_of(modes_.vibrations.begin(), modes_.vibrations.end(),
+                                  [](const Vibration& mode) { return mode.kind == Vibration::Kind::neutral; });
+  if (frequency == 0.0 && drifts) return {std::numeric_limits<double>::quiet_NaN(), 0.0};
+  return at_and_slope(frequency).value;
 }
 
 std::vector<Complex> FrequencyResponse::shape(double frequency) const {

@@ -67,15 +67,15 @@ class FrequencyResponse {
  public:
   /// x: scaled coordinates of an equilibrium of the model.
   FrequencyResponse(const MotionModel& model, const std::vector<double>& x, const Excitation& excitation,
-                 const SoughtQuantity& of);
+                    const SoughtQuantity& of);
 
   const SmallMotions& motions() const { return motions_; }
   const Modes& modes() const { return modes_; }
   /// The quantity in the equilibrium.
   double at_rest() const { return at_rest_; }
 
-  /// H, per unit of p. Not a number where the equations are singular.
-  std::complex<double> at(double frequency) const { return at_and_slope(frequency).value; }
+  /// H, per unit of p. Not a number at 0 Hz where a mode has no restoring force.
+  std::complex<double> at(double frequency) const;
   /// The complex amplitude of all coordinates of the model per unit of p, SI.
   std::vector<std::complex<double>> shape(double frequency) const;
   /// Without rounding, H is real: nothing damps.

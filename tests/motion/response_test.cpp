@@ -156,6 +156,18 @@ TEST(Response, FreeLengthShakesTheFoot) {
   }
 }
 
+// Two masses that only a spring joins: above 0 Hz both move, at 0 Hz nothing holds them.
+TEST(Response, WhatNothingHoldsHasNoStaticResponse) {
+  std::string text = with_absorber(4.2, 0);
+  const std::size_t mount = text.find("[[spring]]\nname = \"mount\"");
+  text.erase(mount, text.find("[[force]]") - mount);
+  const About about(scene_of(text), "load.P", "y.table.P");
+  ASSERT_EQ(about.why, "");
+  EXPECT_TRUE(std::isnan(about.at(0.0).real()));
+  const double square = std::pow(2 * M_PI * 0.2, 2);
+  EXPECT_NEAR(about.at(0.2).real(), (4.2 - 0.2 * square) / (-square * (2.2 * 4.2 - 0.4 * square)), 1e-10);
+}
+
 TEST(Response, UndampedResonanceIsUnbounded) {
   const About about(scene_of(machine(0)), "load.P", "y.table.P");
   const std::vector<Resonance> found = about.response->resonances(0.1, 10);

@@ -187,7 +187,8 @@ Line verdict(const ResponseAnswer& answer, const ResponseUnits& units) {
   return answer.periodic ? periodic_verdict(answer, units) : linear_verdict(answer, units);
 }
 
-std::vector<std::string> left_out(const Scene& scene) {
+/// `periodic`: smooth friction acts in periodic motions, which are refused where friction sticks.
+std::vector<std::string> left_out(const Scene& scene, bool periodic) {
   std::vector<std::string> out;
   for (const Drive& drive : scene.drives)
     out.push_back(fmt::format("drive \"{}\": what it moves is free here", drive.name));
@@ -195,7 +196,7 @@ std::vector<std::string> left_out(const Scene& scene) {
     out.push_back(fmt::format("friction of joint {}: while it sticks nothing moves there", joint));
   }
   for (const Element& element : scene.elements) {
-    if (stores_energy(element.law) || damps_small_motion(element.law)) continue;
+    if (periodic || stores_energy(element.law) || damps_small_motion(element.law)) continue;
     out.push_back(fmt::format("{} \"{}\": dry friction, which is not linear", element.family(), element.name));
   }
   for (const TimeFunction& function : scene.time_functions) {
@@ -249,7 +250,8 @@ void add_facts(Group& group, const Scene& scene, const ResponseAnswer& answer, c
   if (!linear.motions().stops.empty()) {
     group.fact("held by", stops_in_words(scene, linear.motions()) + ", which small motions do not leave");
   }
-  for (const std::string& one : left_out(scene)) group.fact("left out", one, Tone::doubtful);
+  for (const std::string& one : left_out(scene, answer.periodic.has_value()))
+    group.fact("left out", one, Tone::doubtful);
   for (const SilentMode& mode : linear.silent_modes()) {
     const Vibration& vibration = linear.modes().vibrations[static_cast<std::size_t>(mode.mode)];
     group.fact(fmt::format("mode {}", mode.mode + 1),
@@ -312,8 +314,8 @@ void add_answer_columns(Table& table, const std::vector<PeriodicAnswer>& rows, c
                 each(rows, [&](const PeriodicAnswer& one) { return one.farthest / units.quantity; }), format);
   table.numbers("phase", "phase", "deg", each(rows, [](const PeriodicAnswer& one) { return phase_of(one.harmonic); }),
                 {.style = Format::Style::significant, .digits = 5});
-  table.words("", "stability", each(rows, [](const PeriodicAnswer& one) { return one.stable ? "stable" : "unstable"; })).tones =
-      each(rows, [](const PeriodicAnswer& one) { return one.stable ? Tone::good : Tone::doubtful; });
+  table.words("", "stability", each(rows, [](const PeriodicAnswer& one) { return one.stable ? "stable" : "unstable"; }))
+      .tones = each(rows, [](const PeriodicAnswer& one) { return one.stable ? Tone::good : Tone::doubtful; });
   table.flags("stable", each(rows, [](const PeriodicAnswer& one) { return one.stable ? 1.0 : 0.0; }));
   table.numbers(
       "multiplier", "largest multiplier", "",
@@ -393,7 +395,7 @@ void add_data(Group& group, const Scene& scene, const ResponseAnswer& answer, co
   quantity.data("value", answer.linear ? Value(answer.linear->at_rest() / units.quantity) : Value());
   group.data("unit", units.per_unit_name());
   group.data("stops", answer.linear ? stops_of(scene, answer.linear->motions()) : std::vector<std::string>{});
-  group.data("left_out", left_out(scene));
+  group.data("left_out", left_out(scene, answer.periodic.has_value()));
 }
 
 void add_silent(Group& group, const ResponseAnswer& answer) {
