@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "model/nearest_name.hpp"
+#include "motion/body_motion.hpp"
+#include "motion/states_along.hpp"
 #include "solvers/random_stream.hpp"
 
 namespace poise {
@@ -79,47 +81,62 @@ const Channel& channel_named(const std::string& where, const std::string& name, 
                   name, did_you_mean_or_list(name, names)));
 }
 
-MotionRecord record(const MotionModel& model, const Motion& motion, double rate) {
+std::vector<PointRecord> points_of(const Scene& scene) {
+  constexpr const char* center = "center";
+  std::vector<PointRecord> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    bool has_name = false;
+    const auto add = [&](const std::string& name, const Vec2& at) {
+      out.push_back({.name = body.name + "." + name, .body = static_cast<int>(i), .at = at});
+    };
+    for (const NamedPoint& p : body.points) {
+      add(p.name, p.at);
+      has_name = has_name || p.name == center;
+    }
+    if (body.mass > 0.0 && !has_name) add(center, body.center);
+  }
+  return out;
+}
+
+MotionRecord record(const MotionModel& model, const Motion& motion, double rate, bool whole) {
   MotionRecord out;
   out.channels = channels_of(model);
-  out.value.resize(out.channels.size());
-  out.rate.resize(out.channels.size());
-  const std::vector<Body>& bodies = model.scene().bodies;
-  for (std::size_t i = 1; i < bodies.size(); ++i) {
-    for (const NamedPoint& p : bodies[i].points) out.points.push_back({bodies[i].name + "." + p.name});
+  const std::size_t channels = out.channels.size();
+  out.value.resize(channels);
+  out.rate.resize(channels);
+  if (whole) {
+    out.acceleration.resize(channels);
+    out.points = points_of(model.scene());
   }
   if (motion.trajectory.nodes() < 2) return out;
-  std::vector<int> all(static_cast<std::size_t>(motion.trajectory.coordinates));
-  std::iota(all.begin(), all.end(), 0);
-  TrajectoryReader reader(motion.trajectory, all);
+  StatesAlong states(model, motion);
   Energies energies(model);
-  std::vector<double> q(all.size()), v(all.size());
   // A sample that rounding puts behind the end belongs to it.
   const auto samples = static_cast<std::size_t>(std::floor(motion.trajectory.t.back() * rate * (1 + 1e-12))) + 1;
   for (std::size_t k = 0; k < samples; ++k) {
     const double t = std::min(static_cast<double>(k) / rate, motion.trajectory.t.back());
-    reader.at(t);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      q[i] = reader.q(i);
-      v[i] = reader.v(i);
-    }
+    const StatesAlong::Reading& read = states.read(t);
     out.time.push_back(t);
-    for (std::size_t c = 0; c < out.channels.size(); ++c) {
-      const Channel& channel = out.channels[c];
-      out.value[c].push_back(q[static_cast<std::size_t>(channel.coordinate)] + channel.offset);
-      out.rate[c].push_back(v[static_cast<std::size_t>(channel.coordinate)]);
+    for (std::size_t c = 0; c < channels; ++c) {
+      const auto i = static_cast<std::size_t>(out.channels[c].coordinate);
+      out.value[c].push_back(read.q[i] + out.channels[c].offset);
+      out.rate[c].push_back(read.v[i]);
     }
-    const std::vector<BodyPose<double>> poses = model.poses(model.from_si(q));
-    std::size_t point = 0;
-    for (std::size_t i = 1; i < bodies.size(); ++i) {
-      for (const NamedPoint& p : bodies[i].points) {
-        const Vec2 at = poses[i].world(p.at);
-        out.points[point].x.push_back(at.x);
-        out.points[point].y.push_back(at.y);
-        ++point;
-      }
+    energies.add(read.q, read.v, out);
+    if (!whole) continue;
+    const MovingState& state = states.at(t);
+    const std::vector<double> accelerations = model.to_si(state.a);
+    for (std::size_t c = 0; c < channels; ++c) {
+      out.acceleration[c].push_back(accelerations[static_cast<std::size_t>(out.channels[c].coordinate)]);
     }
-    energies.add(q, v, out);
+    const std::vector<BodyMotion> bodies = body_motions(model, state.x, state.v, state.a);
+    for (PointRecord& point : out.points) {
+      const BodyMotion& body = bodies[static_cast<std::size_t>(point.body)];
+      point.place.push_back(body.pose.world(point.at));
+      point.velocity.push_back(body.velocity_of(point.at));
+      point.acceleration.push_back(body.acceleration_of(point.at));
+    }
   }
   return out;
 }

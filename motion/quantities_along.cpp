@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -15,8 +14,6 @@
 
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
-#include "motion/motion_input.hpp"
-#include "motion/reduced_motion.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -444,12 +441,6 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
 
 namespace {
 
-std::vector<int> all_coordinates(const Trajectory& path) {
-  std::vector<int> out(static_cast<std::size_t>(path.coordinates));
-  std::iota(out.begin(), out.end(), 0);
-  return out;
-}
-
 /// Chebyshev's points of an interval, between -1 and 1.
 constexpr std::size_t chebyshev_points = 12;
 double chebyshev_point(std::size_t k) {
@@ -548,84 +539,25 @@ const SoughtQuantity& force_in(const SoughtQuantity& of) {
 
 }  // namespace
 
-/// The equations of motion at single states.
-class QuantitiesAlong::Equations {
- public:
-  /// `start`: scaled coordinates at which the motion began.
-  Equations(const MotionModel& model, const std::vector<double>& start)
-      : reduced_(model.scaled_scene(), model.mechanism(), model.inertia()) {
-    reduced_.set_inputs(model.scaled_scene(), scaled(inputs_of(model.scene()), model.scene(), model.scales()));
-    reduced_.start_drives(start.data());
-  }
-
-  /// Sets the accelerations at scaled coordinates and rates, of which the dependent ones are closed; false where they
-  /// are not known.
-  bool accelerate(double t, std::vector<double>& x, std::vector<double>& v, std::vector<double>& a) {
-    using Evaluated = ReducedMotion<double>::Status;
-    if (reduced_.choose(t, x.data(), true) != Evaluated::ok) return false;
-    reduced_.expect(x.data());
-    std::vector<double> z, w;
-    for (const int i : reduced_.independent()) {
-      z.push_back(x[static_cast<std::size_t>(i)]);
-      w.push_back(v[static_cast<std::size_t>(i)]);
-    }
-    constexpr double least_pivot = 1e-3;
-    if (reduced_.evaluate(t, z.data(), w.data()) != Evaluated::ok || reduced_.pivot() < least_pivot) return false;
-    x.assign(reduced_.q(), reduced_.q() + x.size());
-    v.assign(reduced_.v(), reduced_.v() + v.size());
-    a.assign(reduced_.a(), reduced_.a() + a.size());
-    return true;
-  }
-
- private:
-  ReducedMotion<double> reduced_;
-};
-
-QuantitiesAlong::~QuantitiesAlong() = default;
-
 QuantitiesAlong::QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion)
     : scene_(scene),
       model_(model),
       path_(motion.trajectory),
       quantities_(scene, model),
-      reader_(path_, all_coordinates(path_)),
-      at_(undefined) {
-  for (std::size_t k = 0; k < path_.v.size(); k += static_cast<std::size_t>(path_.coordinates)) {
-    const auto first = path_.v.begin() + static_cast<std::ptrdiff_t>(k);
-    for (const double one : model.from_si({first, first + path_.coordinates})) {
-      fastest_ = std::max(fastest_, std::abs(one));
-    }
-  }
-  const std::vector<Element>& elements = model.scene().elements;
-  const bool sticks = std::any_of(elements.begin(), elements.end(), [](const Element& one) {
-    const auto* const friction = std::get_if<DryFriction>(&one.law);
-    return friction != nullptr && friction->width == 0.0;
-  });
-  if (sticks) return;
-  const std::vector<double> start(path_.q.begin(), path_.q.begin() + path_.coordinates);
-  equations_ = std::make_unique<Equations>(model, model.from_si(start));
-}
+      states_(model, motion),
+      at_(undefined) {}
 
 const Forces& QuantitiesAlong::state(double t, bool with_forces) {
   if (t == at_ && (has_forces_ || !with_forces)) return forces_;
-  reader_.at(t);
-  const auto n = static_cast<std::size_t>(path_.coordinates);
-  std::vector<double> q(n), v(n), a(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    q[i] = reader_.q(i);
-    v[i] = reader_.v(i);
-    a[i] = reader_.a(i);
-  }
-  std::vector<double> x = model_.from_si(q), w = model_.from_si(v), b = model_.from_si(a);
-  if (equations_) equations_->accelerate(t, x, w, b);
+  const auto& [x, v, a] = states_.at(t);
   at_ = t;
   has_forces_ = with_forces;
   if (!with_forces) {
     forces_ = Forces{};
-    forces_.motions = body_motions(model_, x, w, b);
+    forces_.motions = body_motions(model_, x, v, a);
     return forces_;
   }
-  forces_ = forces_in_motion(then(t), model_, x, w, b, fastest_);
+  forces_ = forces_in_motion(then(t), model_, x, v, a, states_.fastest());
   if (forces_.friction.has_no_forces()) return forces_;
   imbalance_ = std::max(imbalance_, forces_.imbalance);
   largest_force_ = std::max(largest_force_, forces_.largest_force);

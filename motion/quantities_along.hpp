@@ -10,7 +10,7 @@
 
 #include "motion/inverse_dynamics.hpp"
 #include "motion/simulate.hpp"
-#include "motion/trajectory.hpp"
+#include "motion/states_along.hpp"
 #include "statics/quantities/quantity.hpp"
 
 namespace poise {
@@ -76,15 +76,13 @@ struct QuantityRange {
   double mean = 0.0;
 };
 
-/// Quantities as functions of time along a simulated motion. Between the steps of the integrator coordinates and rates
-/// are those of TrajectoryReader; accelerations are those of the equations of motion there, or, near singular poses and
-/// where something in the scene can stick, of its polynomials. One object per thread: it holds the last state.
+/// Quantities as functions of time along a simulated motion, whose states are those of StatesAlong. One object per
+/// thread: it holds the last state.
 class QuantitiesAlong {
  public:
   /// `scene` is the one before resisted_by_joints(), in which the quantities are found. All must outlive this; the
   /// motion has two nodes at least.
   QuantitiesAlong(const Scene& scene, const MotionModel& model, const Motion& motion);
-  ~QuantitiesAlong();
 
   /// At a time of the motion, where something jumps after the jump; SI. Rates d(A)/dt of what is no measure are those
   /// of the polynomial of degree 11 through the values of A at Chebyshev's points of the integrator's step.
@@ -102,7 +100,6 @@ class QuantitiesAlong {
   double imbalance() const { return largest_force_ > 0.0 ? imbalance_ / largest_force_ : 0.0; }
 
  private:
-  class Equations;
   struct Polynomial {
     std::string of;
     std::size_t interval = 0;
@@ -122,9 +119,7 @@ class QuantitiesAlong {
   const MotionModel& model_;
   const Trajectory& path_;
   MovingQuantities quantities_;
-  TrajectoryReader reader_;
-  std::unique_ptr<Equations> equations_;  // none where something can stick
-  double fastest_ = 0.0;                  // rate of a scaled coordinate
+  StatesAlong states_;
   double at_;
   std::optional<Scene> then_;
   double then_at_ = 0.0;

@@ -58,8 +58,7 @@ void check(const MotionRequest& request) {
 }
 
 void expect_record_of_a_size(const MotionRequest& request, const MotionModel& model) {
-  std::size_t columns = 2 * channels_of(model).size() + 3;
-  for (const Body& body : model.scene().bodies) columns += 2 * body.points.size();
+  const std::size_t columns = 3 * channels_of(model).size() + 6 * points_of(model.scene()).size() + 3;
   const double numbers = request.duration * request.rate * static_cast<double>(columns);
   if (numbers <= most_numbers) return;
   throw InputError(fmt::format("--rate: {} samples per second for {} s make {:.2g} numbers; expected {:.2g} at most",

@@ -678,17 +678,17 @@ class Equilibria(Columned, Sequence[Any]):
 class Motion(Columned):
     """A motion: ``motion[name]`` is an array over ``motion.time``, in s.
 
-    ``motion["angle.arm1"]``, ``motion["d(angle.arm1)/dt"]``, ``motion["x.arm1.elbow"]``, and any quantity of
-    docs/quantities.md, such as ``motion["reaction.shoulder"]``.
+    ``motion["angle.arm1"]``, ``motion["d(angle.arm1)/dt"]``, ``motion["d(d(x.arm1.elbow)/dt)/dt"]``, and any quantity
+    of docs/quantities.md, such as ``motion["reaction.shoulder"]``.
     """
 
     def _key(self, name: str) -> str:
-        if name.startswith("d(") and name.endswith(")/dt"):
-            return _pose_key(name[2:-4], self.columns) + ".rate"
-        family, _, item = name.partition(".")
-        if family in ("x", "y"):
-            return f"{item}.{family}"
-        return _pose_key(name, self.columns)
+        of, order = name, 0
+        while of.startswith("d(") and of.endswith(")/dt"):
+            of, order = of[2:-4], order + 1
+        family, _, item = of.partition(".")
+        key = f"{item}.{family}" if family in ("x", "y") else _pose_key(of, self.columns)
+        return key + ("", ".rate", ".acceleration")[order] if order < 3 else name
 
     @property
     def time(self) -> Array:

@@ -87,7 +87,9 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
   const ProgramRun run = run_poise(words(folder.write("a.toml", oscillator),
                                          {"--duration", "2", "--rate", "500", "--release", "rail=7", "--csv", csv}));
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  const CsvTable table = read_csv(csv, {"time", "rail", "rail.rate", "energy.kinetic", "block.C.x", "block.C.y"});
+  const CsvTable table = read_csv(
+      csv, {"time", "rail", "rail.rate", "energy.kinetic", "block.C.x", "block.C.y", "rail.acceleration",
+            "block.C.x.rate", "block.C.x.acceleration", "block.center.x.acceleration", "block.C.y.acceleration"});
   ASSERT_EQ(table.values[0].size(), 1001U);
   const double decay = 1.0;
   const double w = std::sqrt(100.0 - decay * decay);
@@ -101,6 +103,12 @@ TEST(MotionCommand, DampedOscillatorFollowsItsClosedForm) {
     ASSERT_NEAR(table.values[3][i], 0.5 * 2 * rate * rate * 1e-6 * 1e3, 1e-9) << "N mm";
     ASSERT_NEAR(table.values[4][i], table.values[1][i], 1e-12) << "the point is where the rail takes it, in mm";
     ASSERT_EQ(table.values[5][i], 0.0);
+    const double acceleration = -w * w * displacement - 2 * decay * rate - decay * decay * displacement;
+    ASSERT_NEAR(table.values[6][i], acceleration, 1e-6) << "mm/s^2: of x'' + 2 x' + 100 x = 0";
+    ASSERT_EQ(table.values[7][i], table.values[2][i]);
+    ASSERT_EQ(table.values[8][i], table.values[6][i]);
+    ASSERT_EQ(table.values[9][i], table.values[6][i]) << "the centre of mass is at C";
+    ASSERT_EQ(table.values[10][i], 0.0);
   }
   EXPECT_NE(run.out.find("equilibrium (stable), rail displaced by 7 mm and released"), std::string::npos) << run.out;
 }

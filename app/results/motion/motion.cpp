@@ -206,8 +206,15 @@ void add_record(Group& group, const Units& units, const MotionRecord& record, co
     add(record.channels[c].name + ".rate", record.rate[c], record.channels[c].quantity, "/s");
   }
   for (const PointRecord& point : record.points) {
-    add(point.name + ".x", point.x, Quantity::length, "");
-    add(point.name + ".y", point.y, Quantity::length, "");
+    for (const auto& [axis, along] : {std::pair(".x", &Vec2::x), std::pair(".y", &Vec2::y)}) {
+      const auto add_part = [&, axis = axis, along = along](const std::vector<Vec2>& of, const char* key,
+                                                            const char* per) {
+        add(point.name + axis + key, each(of, along), Quantity::length, per);
+      };
+      add_part(point.place, "", "");
+      add_part(point.velocity, ".rate", "/s");
+      add_part(point.acceleration, ".acceleration", "/s²");
+    }
   }
   add("energy.kinetic", record.kinetic, Quantity::energy, "");
   add("energy.potential", record.potential, Quantity::energy, "");
@@ -233,6 +240,9 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("degrees_of_freedom", motion.freedoms);
   group.data("steps", motion.steps);
   group.data("rejected", motion.rejected);
+  for (std::size_t c = 0; c < record.acceleration.size(); ++c) {
+    add(record.channels[c].name + ".acceleration", record.acceleration[c], record.channels[c].quantity, "/s²");
+  }
   group.data("evaluations", motion.evaluations);
   group.data("microseconds", motion.microseconds);
   group.data("largest_gap", motion.gap);
