@@ -93,7 +93,10 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
   }
   add_cams(out, scene, forces);
   if (rubs(forces)) {
-    for (std::size_t k = 0; k < drives.size(); ++k) {
+    const bool is_known = std::all_of(forces.poses.begin(), forces.poses.end(), [&](const Forces& f) {
+      return f.friction.efforts_without.size() == drives.size();
+    });
+    for (std::size_t k = 0; is_known && k < drives.size(); ++k) {
       add("effort_without_friction." + drives[k].name, drives[k].is_angle ? Quantity::moment : Quantity::force,
           [k](const Forces& f) { return f.friction.efforts_without[k]; });
     }
@@ -119,6 +122,26 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     }
     add("overrun." + scene.stops[s].name, quantity_of(scene.stops[s].on),
         [s](const Forces& f) { return f.overrun[s]; });
+  }
+  return out;
+}
+
+std::vector<ForceCourse> inertia_courses(const Scene& scene, const ForcesAlong& forces) {
+  std::vector<ForceCourse> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const Body& body = scene.bodies[i];
+    const auto add = [&](const char* part, Quantity quantity, auto value) {
+      ForceCourse course{"inertia." + body.name + part, quantity};
+      for (const Forces& pose : forces.poses) course.value.push_back(value(pose.motions[i]));
+      out.push_back(std::move(course));
+    };
+    if (body.mass > 0.0) {
+      add(".x", Quantity::force, [&](const BodyMotion& m) { return -body.mass * m.acceleration_of(body.center).x; });
+      add(".y", Quantity::force, [&](const BodyMotion& m) { return -body.mass * m.acceleration_of(body.center).y; });
+    }
+    if (body.inertia > 0.0) {
+      add(".moment", Quantity::moment, [&](const BodyMotion& m) { return -body.inertia * m.angular_acceleration; });
+    }
   }
   return out;
 }

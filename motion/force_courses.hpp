@@ -20,9 +20,14 @@ struct ForceCourse {
 /// the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance;
 /// cam.NAME.pressure_angle, .normal_force, .side_thrust (statics/model/cam_contact.hpp), not a number without contact;
 /// and overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed. Of joints with
-/// friction, where something moves: effort_without_friction.DRIVE, joint_friction.JOINT (against its rate; 0 where it
-/// stands still) and lost.JOINT (energy per second). What friction leaves without forces is not a number.
+/// friction, where something moves: effort_without_friction.DRIVE, where it was found, joint_friction.JOINT (against
+/// its rate; where it stands still 0, or what holds it in a simulated motion) and lost.JOINT (energy per second). What
+/// friction leaves without forces is not a number.
 std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& forces);
+
+/// inertia.BODY.x, .y and .moment of every body with mass or a moment of inertia: -m a of its centre of mass, where it
+/// acts, and -I alpha.
+std::vector<ForceCourse> inertia_courses(const Scene& scene, const ForcesAlong& forces);
 
 /// Joints with friction, and some pose moves.
 bool rubs(const ForcesAlong& forces);

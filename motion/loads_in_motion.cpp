@@ -8,11 +8,16 @@ namespace {
 /// Of a motion whose start alone is asked for.
 constexpr double any_duration = 1e-6;
 
+}  // namespace
+
 ForcesInMotion in_motion(const Scene& scene, const Forces& forces) {
   ForcesInMotion out{
       .element_forces = forces.element_force, .reactions = forces.reactions, .efforts = {}, .accelerations = {}};
   for (std::size_t k = 0; k < forces.drives.size(); ++k) {
     out.efforts.push_back({forces.drives[k].name, scene.drives[k].on, forces.drives[k].value});
+  }
+  for (const SlidingJoint& one : forces.friction.joints) {
+    out.efforts.push_back({scene.joints[static_cast<std::size_t>(one.joint)].name, one.on, one.effort});
   }
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const BodyMotion& motion = forces.motions[i];
@@ -20,8 +25,6 @@ ForcesInMotion in_motion(const Scene& scene, const Forces& forces) {
   }
   return out;
 }
-
-}  // namespace
 
 LoadsInMotion loads_in_motion(const MotionModel& model, const MotionState& start, double time, MotionOptions options) {
   LoadsInMotion out;

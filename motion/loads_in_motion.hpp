@@ -9,6 +9,9 @@
 
 namespace poise {
 
+/// What link_loads() needs of forces that were found with the drives of the scene.
+ForcesInMotion in_motion(const Scene& scene, const Forces& forces);
+
 /// The internal loads of links at one time of a motion, SI.
 struct LoadsInMotion {
   std::string why;  ///< the motion did not reach that time: one sentence; then all that follows is empty

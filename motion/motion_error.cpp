@@ -22,7 +22,7 @@ double energy_error(const Motion& motion) {
   return exchanged > 0 && !at_rest ? worst / exchanged : 0.0;
 }
 
-double difference(const Motion& a, const Motion& b) {
+double difference(const Motion& a, const Motion& b, double of_most) {
   const Trajectory& fine = b.trajectory;
   const Trajectory& coarse = a.trajectory;
   const std::size_t n = static_cast<std::size_t>(fine.coordinates);
@@ -41,7 +41,7 @@ double difference(const Motion& a, const Motion& b) {
   const double far = n > 0 ? *std::max_element(reach.begin(), reach.end()) : 0.0;
   double worst = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (far > 0) worst = std::max(worst, apart[i] / std::max(reach[i], 1e-3 * far));
+    if (far > 0) worst = std::max(worst, apart[i] / std::max(reach[i], of_most * far));
   }
   return worst;
 }

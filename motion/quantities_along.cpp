@@ -286,10 +286,15 @@ namespace {
 /// Loads of inertia and of what resists motion; friction that does not slide is asked for as if it were driven.
 class MovingLoads {
  public:
-  /// `motions` are measured from any point of the world.
-  MovingLoads(const Scene& scene, const std::vector<BodyMotion>& motions, double size, double fastest)
+  /// `motions` are measured from any point of the world; `efforts` of the drives, if they are known.
+  MovingLoads(const Scene& scene, const std::vector<BodyMotion>& motions, double size, double fastest,
+              const std::vector<double>* efforts)
       : scene_(scene), motions_(motions), poses_(poses_of(motions)), size_(size), fastest_(fastest) {
-    additions.drives = scene.drives;
+    if (efforts == nullptr) {
+      additions.drives = scene.drives;
+    } else {
+      for (std::size_t k = 0; k < efforts->size(); ++k) add_effort_on(scene.drives[k].on, (*efforts)[k], additions);
+    }
     for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
       const Body& body = scene.bodies[i];
       additions.loads.push_back({static_cast<int>(i), motions[i].pose.world(body.center),
@@ -303,7 +308,7 @@ class MovingLoads {
       const Measure on =
           joint.has_travel() ? Measure::travel_of(j) : Measure::angle_between(joint.a.body, joint.b.body);
       if (stands_still(on))
-        hold(on, -1);
+        hold(on, {.joint = j});
       else
         sliding.push_back({.joint = j, .on = on, .rate = rate_of(scene, motions, on)});
     }
@@ -311,22 +316,28 @@ class MovingLoads {
 
   Additions additions{};
   std::vector<double> element_force{};  ///< of what resists motion
-  std::vector<int> held{};              ///< of the drives behind those of the scene: the element, or -1 of a joint
+  struct Held {
+    int element = -1, joint = -1;
+  };
+  std::vector<Held> held{};             ///< of the drives behind those of the scene: what friction it is
   std::vector<SlidingJoint> sliding{};  ///< joints with friction that move, without their efforts
 
   /// All loads with these efforts of the joints that slide, positive where they tend to increase their measures.
   Additions with(const std::vector<SlidingJoint>& rubbing) const {
     Additions out = additions;
-    for (const SlidingJoint& one : rubbing) {
-      for (const UnitEffort& unit : unit_efforts(scene_, one.on, poses_)) {
-        out.loads.push_back({unit.body_a, unit.a, -one.effort * unit.force, -one.effort * unit.moment});
-        out.loads.push_back({unit.body_b, unit.b, one.effort * unit.force, one.effort * unit.moment});
-      }
-    }
+    for (const SlidingJoint& one : rubbing) add_effort_on(one.on, one.effort, out);
     return out;
   }
 
  private:
+  /// Positive where it tends to increase the measure.
+  void add_effort_on(const Measure& on, double effort, Additions& to) const {
+    for (const UnitEffort& unit : unit_efforts(scene_, on, poses_)) {
+      to.loads.push_back({unit.body_a, unit.a, -effort * unit.force, -effort * unit.moment});
+      to.loads.push_back({unit.body_b, unit.b, effort * unit.force, effort * unit.moment});
+    }
+  }
+
   bool stands_still(const Measure& on) const {
     return std::abs(rate_of(scene_, motions_, on)) <= no_rate * fastest_ * (on.is_angle() ? 1.0 : size_);
   }
@@ -339,9 +350,9 @@ class MovingLoads {
     return false;
   }
 
-  void hold(const Measure& on, int element) {
+  void hold(const Measure& on, const Held& what) {
     additions.drives.push_back({.name = "friction", .on = on, .start = {}});
-    held.push_back(element);
+    held.push_back(what);
   }
 
   void add_resistance(std::size_t element) {
@@ -350,16 +361,13 @@ class MovingLoads {
     if (!resists_motion(of.law) || is_of_joint(static_cast<int>(element))) return;
     const auto* const friction = std::get_if<DryFriction>(&of.law);
     if (friction != nullptr && friction->width == 0.0 && stands_still(of.on)) {
-      hold(of.on, static_cast<int>(element));
+      hold(of.on, {.element = static_cast<int>(element)});
       return;
     }
     const double force =
         force_of_motion(of.law, value_of(scene_, of.on, poses_), rate_of(scene_, motions_, of.on)).value;
     element_force.back() = force;
-    for (const UnitEffort& effort : unit_efforts(scene_, of.on, poses_)) {
-      additions.loads.push_back({effort.body_a, effort.a, force * effort.force, force * effort.moment});
-      additions.loads.push_back({effort.body_b, effort.b, -force * effort.force, -force * effort.moment});
-    }
+    add_effort_on(of.on, -force, additions);
   }
 
   const Scene& scene_;
@@ -406,7 +414,8 @@ FreeBodies balance_in_motion(const Scene& then, const MovingLoads& loads, const 
 }  // namespace
 
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
-                        const std::vector<double>& v, const std::vector<double>& a, double fastest) {
+                        const std::vector<double>& v, const std::vector<double>& a, double fastest,
+                        const std::vector<double>* efforts) {
   Forces out;
   out.motions = body_motions(model, x, v, a);
   std::vector<BodyMotion> motions = out.motions;
@@ -414,21 +423,31 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
   for (std::size_t i = 0; i < motions.size(); ++i) motions[i].pose = poses[i];
   for (const double one : v) fastest = std::max(fastest, std::abs(one));
   const double size = model.scales().length;
-  const MovingLoads loads(then, motions, size, fastest);
+  const MovingLoads loads(then, motions, size, fastest, efforts);
   FreeBodies bodies = balance_in_motion(then, loads, motions, size, out.friction);
   out.element_force = loads.element_force;
   for (std::size_t e = 0; e < then.elements.size(); ++e) out.element_force[e] += bodies.element_force[e];
   const std::size_t first_drive = bodies.reactions.size() - loads.additions.drives.size();
+  const auto add_drive = [&](const Drive& drive, double value, bool determined) {
+    const double rate = rate_of(then, motions, drive.on);
+    out.drives.push_back({drive.name, drive.on.is_angle(), value, rate, value * rate, determined});
+  };
+  const std::size_t sought = efforts == nullptr ? then.drives.size() : 0;
+  for (std::size_t k = sought; k < then.drives.size(); ++k) add_drive(then.drives[k], (*efforts)[k], true);
   for (std::size_t k = 0; k < loads.additions.drives.size(); ++k) {
     const Drive& drive = loads.additions.drives[k];
     const Reaction& found = bodies.reactions[first_drive + k];
     const double value = drive.on.is_angle() ? found.moment : -found.axial;
-    if (k < then.drives.size()) {
-      const double rate = rate_of(then, motions, drive.on);
-      out.drives.push_back({drive.name, drive.on.is_angle(), value, rate, value * rate, found.determined});
-    } else if (const int element = loads.held[k - then.drives.size()]; element >= 0) {
-      out.element_force[static_cast<std::size_t>(element)] = found.determined ? -value : undefined;
+    if (k < sought) {
+      add_drive(drive, value, found.determined);
+      continue;
     }
+    const auto& [element, joint] = loads.held[k - sought];
+    const double holding = found.determined ? value : undefined;
+    if (element >= 0)
+      out.element_force[static_cast<std::size_t>(element)] = -holding;
+    else
+      out.friction.joints.push_back({.joint = joint, .on = drive.on, .effort = holding});
   }
   bodies.reactions.resize(first_drive);
   out.reactions = std::move(bodies.reactions);

@@ -60,9 +60,11 @@ class MovingQuantities {
 /// scene of the instant, at_time(). Friction of joints that slide is their bound under the joint forces that it makes
 /// itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what the accelerations need it
 /// to be, undetermined where it shares a load with others: where rates are below 1e-9 of the fastest of v and
-/// `fastest`. Of the checks there is the imbalance only.
+/// `fastest`. Of the checks there is the imbalance only. With `efforts` those of the drives of `then` are given, N m or
+/// N, in place of being found.
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
-                        const std::vector<double>& v, const std::vector<double>& a, double fastest = 0.0);
+                        const std::vector<double>& v, const std::vector<double>& a, double fastest = 0.0,
+                        const std::vector<double>* efforts = nullptr);
 
 /// A time of a motion and the value of a quantity there.
 struct ValueInTime {

@@ -91,8 +91,12 @@ struct Motion {
 /// contradict each other or the joints.
 Motion simulate(const MotionModel& model, const MotionState& start, const MotionOptions& options);
 
-/// The largest difference of two motions of one start, relative to the travel of each coordinate: with one of them at a
-/// stricter accuracy, the error of the other.
-double difference(const Motion& a, const Motion& b);
+/// What the singular poses are that a motion passed, of so many at most. Where branches of motion cross it went on
+/// along the one on which rates go on.
+std::vector<SingularPlace> singular_places(const MotionModel& model, const Motion& motion, std::size_t most);
+
+/// The largest difference of two motions of one start, relative to the travel of each coordinate, or to this part of
+/// that of the one that moves most where it is more: with one of them at a stricter accuracy, the error of the other.
+double difference(const Motion& a, const Motion& b, double of_most = 1e-3);
 
 }  // namespace poise

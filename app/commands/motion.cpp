@@ -1,5 +1,6 @@
 #include "app/results/motion/motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -19,6 +20,7 @@
 #include "app/draw/motion_pictures.hpp"
 #include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
+#include "motion/forces_in_time.hpp"
 #include "motion/release.hpp"
 
 namespace poise::app {
@@ -37,10 +39,16 @@ struct MotionRequest {
   std::uint64_t seed = 1;
   double accuracy = 1e-10;
   std::vector<std::string> show;
+  bool forces = false;
+  std::vector<std::string> motors;
+
+  bool wants_forces() const { return forces || !motors.empty(); }
 };
 
 // Numbers of a record, all columns together; a larger file is taken for a mistake in --rate or --duration.
 constexpr double most_numbers = 2e8;
+// Forces on bodies, joints, elements and stops at all times; they take some hundred bytes each.
+constexpr double most_forces = 4e6;
 
 void check(const MotionRequest& request) {
   expect_number("--duration", request.duration, request.duration > 0, "seconds > 0");
@@ -54,15 +62,46 @@ void check(const MotionRequest& request) {
   if (request.noise > 0 && !request.show.empty()) {
     throw InputError("--noise: it is added to the record of all angles and travels; expected no --show with it");
   }
+  if (request.wants_forces() && !request.show.empty()) {
+    throw InputError("--show: with --forces all forces are shown and written; expected one of the two");
+  }
   if (!request.from.empty()) chosen("--from", request.from, motion_starts);
 }
 
 void expect_record_of_a_size(const MotionRequest& request, const MotionModel& model) {
   const std::size_t columns = 3 * channels_of(model).size() + 6 * points_of(model.scene()).size() + 3;
   const double numbers = request.duration * request.rate * static_cast<double>(columns);
+  const Scene& scene = model.scene();
+  const double forces =
+      request.duration * request.rate *
+      static_cast<double>(scene.bodies.size() + scene.joints.size() + scene.elements.size() + scene.stops.size());
+  if (request.wants_forces() && forces > most_forces) {
+    throw InputError(fmt::format("--rate: {} samples per second for {} s make {:.2g} forces; expected {:.2g} at most",
+                                 request.rate, request.duration, forces, most_forces));
+  }
   if (numbers <= most_numbers) return;
   throw InputError(fmt::format("--rate: {} samples per second for {} s make {:.2g} numbers; expected {:.2g} at most",
                                request.rate, request.duration, numbers, most_numbers));
+}
+
+/// The motors that are named, with commas between.
+std::vector<Drive> read_motors(const MotionRequest& request, const Scene& scene) {
+  std::vector<Drive> out;
+  if (request.motors.empty()) return out;
+  if (scene.drives.empty()) {
+    throw InputError(
+        "--motors: the scene prescribes no motion for motors to make; expected a [[drive]] for each condition");
+  }
+  for (const std::string& list : request.motors) {
+    for (const std::string& name : comma_separated(list)) {
+      const std::string where = "--motors " + name;
+      if (std::any_of(out.begin(), out.end(), [&](const Drive& one) { return one.name == name; })) {
+        throw InputError(where + ": it is named twice; expected each motor once");
+      }
+      out.push_back(find_motor(where, scene, name));
+    }
+  }
+  return out;
 }
 
 MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
@@ -148,6 +187,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   std::vector<std::string> left_out;
   const bool asked = !request.show.empty();
   const std::vector<SoughtQuantity> shown = asked ? read_asked(request, scene) : outputs_in_motion(scene, left_out);
+  const std::vector<Drive> motors = read_motors(request, scene);
   const MotionModel model(resisted_by_joints(scene));
   refuse_rubbing_ropes(model.scene(), "motion");
   expect_record_of_a_size(request, model);
@@ -176,8 +216,17 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
                                       progress_of(progress, "estimating the error", request.duration));
 
   progress.now("writing the result");
-  answer.record = record(model, answer.found.motion, request.rate);
+  answer.record =
+      record(model, answer.found.motion, request.rate, (files.wants_csv() || request.wants_forces()) && !asked);
   const bool moved = answer.found.motion.trajectory.nodes() > 1;
+  if (request.wants_forces() && moved) {
+    progress.now("finding the forces");
+    answer.forces = forces_in_time(scene, model, answer.found.motion, answer.record,
+                                   {.motors = motors,
+                                    .accuracy = request.accuracy,
+                                    .interrupt = &interrupt,
+                                    .progress = progress_of(progress, "finding the forces", request.duration)});
+  }
   if (!shown.empty() && moved) {
     QuantitiesAlong along(scene, model, answer.found.motion);
     answer.shown = quantities_in_time(shown, answer.record.time, along);
@@ -185,11 +234,14 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
     answer.shown.left_out = left_out;
   }
   MotionRecord measured;
-  if (files.wants_csv() && !asked) measured = answer.record;
+  if ((files.wants_csv() || answer.forces) && !asked) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
   const Result result = motion_result(model, answer, measured, request.common.settings);
-  const std::vector<Panel> panels =
+  std::vector<Panel> panels =
       quantity_panels(answer.shown.of, answer.shown.value, scene.units, answer.shown.time, "time (s)");
+  if (answer.forces) {
+    for (Panel& panel : forces_in_time_panels(scene, *answer.forces)) panels.push_back(std::move(panel));
+  }
   Pictures pictures;
   if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
     pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
@@ -199,7 +251,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
     pictures.figures = {motion_figure(model, answer.found.motion, answer.record,
                                       with_record(panels, scene, answer.record), answer.found.confirmed())};
   }
-  return finish(request.common, result, &files, pictures, answer.found.confirmed(), progress, palette);
+  return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette);
 }
 
 }  // namespace
@@ -228,6 +280,14 @@ Command motion_command() {
   command.add({"--seed", &request->seed, "N", "Of the noise (1)"});
   command.add({"--accuracy", &request->accuracy, "NUMBER", "Relative accuracy of the motion (1e-10)"});
   add_show_option(command, request->show);
+  command.add(
+      {"--forces", &request->forces, "",
+       "At every instant of the record the forces of drives with their power\nand work, of joints and elements, "
+       "of inertia, and internal loads of\nlinks: columns of --csv, largest values, charts"});
+  command.add(
+      {"--motors", &request->motors, "NAMES",
+       "Torques of pins or forces along slides, with commas between, that make\nthe motion in place of the drives, "
+       "which say what it is to be;\nimplies --forces"});
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism at the start, in the middle and at the end, and\nangles, travels and "
                              "energies over time, or what --show names,\ninto FILE",

@@ -26,14 +26,6 @@ namespace {
 
 const std::vector<std::string> ways_to_seek = {"settle", "any", "stable"};
 
-std::vector<std::string> comma_separated(const std::string& text) {
-  // A comma at the end leaves an empty word behind it, which getline would not give.
-  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
-  std::vector<std::string> words;
-  for (std::string word; std::getline(list, word, ',');) words.push_back(word);
-  return words;
-}
-
 template <class Whole>
 void read_whole_number(const std::string& option, const std::string& word, Whole& value) {
   const char* const end = word.data() + word.size();
@@ -134,6 +126,14 @@ void add_quantities_option(Command& command, std::vector<std::string>& names) {
                "force.ELEMENT, reaction.JOINT or its\n.x, .y, .moment, .axial; stop.NAME; energy; d(A)/d(B); "
                "fold.load.LOAD, the\nload at which the mechanism snaps (docs/quantities.md)",
                Presence::required});
+}
+
+std::vector<std::string> comma_separated(const std::string& text) {
+  // A comma at the end leaves an empty word behind it, which getline would not give.
+  std::istringstream list(text + (text.empty() || text.back() == ',' ? "," : ""));
+  std::vector<std::string> words;
+  for (std::string word; std::getline(list, word, ',');) words.push_back(word);
+  return words;
 }
 
 void add_show_option(Command& command, std::vector<std::string>& names) {

@@ -81,6 +81,9 @@ Seek read_seek(const std::string& word);
 
 /// --of, required; its words go to `names`, which must outlive the command.
 void add_quantities_option(Command& command, std::vector<std::string>& names);
+/// The words of a list with commas between, empty ones too.
+std::vector<std::string> comma_separated(const std::string& text);
+
 /// Adds --show NAMES, quantities that are shown at each position.
 void add_show_option(Command& command, std::vector<std::string>& names);
 /// The quantities of names with commas between them, each kept once. Throws InputError naming `option`.

@@ -501,6 +501,8 @@ class SceneCommands:
         seed: int | None = None,
         accuracy: float | None = None,
         show: Words | None = None,
+        forces: bool = False,
+        motors: Words | None = None,
         progress: Progress | None = None,
     ) -> Motion:
         """Simulate free or driven motion, from equilibrium or from a displaced position.
@@ -533,6 +535,12 @@ class SceneCommands:
         show: Quantities to show, with commas between: angle.BODY, x.BODY.POINT,
             length.ELEMENT, force.ELEMENT, reaction.JOINT, push.BODY.POINT.x,
             d(A)/d(B), energy, ..., and expressions of them (docs/quantities.md)
+        forces: At every instant of the record the forces of drives with their power
+            and work, of joints and elements, of inertia, and internal loads of
+            links: columns of --csv, largest values, charts
+        motors: Torques of pins or forces along slides, with commas between, that make
+            the motion in place of the drives, which say what it is to be;
+            implies --forces
         """
         return run(Motion, "motion", self._core, {
             "--set": set,
@@ -546,6 +554,8 @@ class SceneCommands:
             "--seed": seed,
             "--accuracy": accuracy,
             "--show": show,
+            "--forces": forces,
+            "--motors": motors,
         }, None, progress)
 
     def modes(

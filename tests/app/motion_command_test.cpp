@@ -272,6 +272,100 @@ TEST(MotionCommand, DriveDoesTheWorkThatTheWheelGains) {
   EXPECT_NEAR(r["energies"]["end"]["work"], 0.5 * 3 * (140.0 * 140 - 20 * 20) * degree * degree, 1e-9);
 }
 
+// Of 3 kg m2 that a motor speeds up by 60 deg/s^2 from 20 deg/s: torque, power and work at every instant.
+TEST(MotionCommand, ForcesAtEveryInstant) {
+  const TempFolder folder;
+  const std::string file = folder.path("a.json").string(), csv = folder.path("a.csv").string();
+  const std::string scene = folder.write("a.toml", std::string(flywheel) + motor);
+  const ProgramRun run =
+      run_poise(words(scene, {"--duration", "2", "--rate", "10", "--forces", "--json", file, "--csv", csv}));
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const double degree = M_PI / 180, torque = 3 * 60 * degree;
+  const CsvTable table = read_csv(csv, {"time", "effort.motor", "power.motor", "work.motor", "inertia.wheel.moment",
+                                        "wheel.acceleration", "imbalance"});
+  ASSERT_EQ(table.values[0].size(), 21U);
+  for (std::size_t i = 0; i < table.values[0].size(); ++i) {
+    const double t = table.values[0][i];
+    EXPECT_NEAR(table.values[1][i], torque, 1e-9);
+    EXPECT_NEAR(table.values[2][i], torque * (20 + 60 * t) * degree, 1e-9);
+    EXPECT_NEAR(table.values[3][i], torque * (20 * t + 30 * t * t) * degree, 1e-9);
+    EXPECT_NEAR(table.values[4][i], -torque, 1e-9);
+    EXPECT_NEAR(table.values[5][i], 60, 1e-9) << "deg/s^2";
+  }
+  const json r = json::parse(contents(file));
+  EXPECT_TRUE(r["forces"]["balanced"]);
+  EXPECT_NEAR(r["forces"]["drives"][0]["work"], torque * 160 * degree, 1e-9);
+  EXPECT_NEAR(r["forces"]["drives"][0]["power_at"], 2.0, 1e-12);
+  EXPECT_EQ(r["samples"]["work.motor"].size(), 21U);
+  EXPECT_TRUE(r["forces"]["motors"].is_null());
+}
+
+TEST(MotionCommand, MotorsThatCannotMakeAMotionEndWithExitOne) {
+  const TempFolder folder;
+  const std::string robot = dataset("three_motor_robot"), file = folder.path("a.json").string();
+  const ProgramRun all = run_poise(
+      words(robot, {"--duration", "0.5", "--rate", "50", "--motors", "shoulder,elbow,wrist", "--json", file}));
+  ASSERT_EQ(all.exit_code, 0) << all.out << all.err;
+  json found = json::parse(contents(file))["forces"]["motors"];
+  EXPECT_TRUE(found["made"]);
+  EXPECT_EQ(found["freedoms"], 3);
+  EXPECT_LT(found["followed"], 1e-8);
+  const ProgramRun few =
+      run_poise(words(robot, {"--duration", "0.5", "--rate", "50", "--motors", "shoulder,elbow", "--json", file}));
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_NE(few.out.find("shoulder and elbow cannot make this motion: at t = "), std::string::npos) << few.out;
+  EXPECT_NE(few.out.find("Generalized forces that stay unbalanced"), std::string::npos) << few.out;
+  found = json::parse(contents(file))["forces"]["motors"];
+  EXPECT_FALSE(found["made"]);
+  EXPECT_EQ(found["unbalanced"].size(), 3U);
+}
+
+TEST(MotionCommand, ADriveThatMeetsADeadCentreNamesIt) {
+  const TempFolder folder;
+  const std::string text = R"([ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], A = [0.1, 0] }
+mass = 2
+inertia = 0.05
+[body.rod]
+points = { A = [0, 0], B = [0.3, 0] }
+[body.block]
+points = { B = [0, 0] }
+mass = 0.5
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "A"
+points = ["crank.A", "rod.A"]
+[[pin]]
+name = "B"
+points = ["rod.B", "block.B"]
+[[slide]]
+name = "ram"
+points = ["ground.O", "block.B"]
+axis = [1, 0]
+[[drive]]
+name = "winch"
+slide = "ram"
+start = 0.35
+rate = 0.05
+[start]
+crank = 0.9
+rod = -0.26
+ram = 0.35
+)";
+  const std::string file = folder.path("a.json").string();
+  const ProgramRun run = run_poise(words(folder.write("a.toml", text), {"--duration", "5", "--json", file}));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.out.find("it meets a dead centre of the loop closed by"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("crank and rod are in line"), std::string::npos) << run.out;
+  const json place = json::parse(contents(file))["dead_centre"];
+  EXPECT_NEAR(place["time"], 1.0, 1e-8) << "from 0.35 m to 0.4 m";
+  EXPECT_EQ(place["position"], "crank = 0 rad, rod = 0 rad, ram = 0.4 m");
+}
+
 TEST(MotionCommand, NoiseHasTheSizeAskedForAndFollowsTheSeed) {
   const TempFolder folder;
   const std::string scene = folder.write("a.toml", oscillator);
@@ -345,6 +439,9 @@ TEST(MotionCommand, BadWordsAreNamed) {
       {{"--duration", "1", "--show", "mode.1.frequency"}, "belongs to an equilibrium, not to a motion"},
       {{"--duration", "1", "--show", "d(travel.rail)/d"}, "--show d(travel.rail)/d: "},
       {{"--duration", "1", "--show", "travel.rail", "--noise", "0.1", "--csv", csv}, "expected no --show with it"},
+      {{"--duration", "1", "--show", "travel.rail", "--forces"}, "--show: with --forces all forces"},
+      {{"--duration", "1", "--motors", "rail"}, "--motors: the scene prescribes no motion"},
+      {{"--duration", "1000", "--rate", "10000", "--forces"}, "forces; expected 4e+06 at most"},
       {{"--duration", "1", "--csv", scene}, "is the scene too"},
       {{"--duration", "1", "--csv", csv, "--json", csv}, "--csv"}};
   const std::vector<std::string> before = folder.names();

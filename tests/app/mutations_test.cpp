@@ -257,9 +257,10 @@ std::vector<Command> all_commands() {
         {{"loads", "arm.toml", "--vary", "load.P=0..2", "--steps", "2", "--csv", "o.csv"}, {{"arm.toml", sized}}});
     out.push_back({{"forces", "arm.toml", "--drive", "length.shock=1.2..1.1", "--steps", "2", "--rate", "1"},
                    {{"arm.toml", sized}}});
-    out.push_back({{"motion", "arm.toml", "--duration", "0.02", "--csv", "o.csv"},
-                   {{"arm.toml", std::string(sized) + "[[drive]]\nname = \"motor\"\npoints = [\"ground.B\", "
-                                                      "\"arm.A\"]\nrate = 0.1\n"}}});
+    out.push_back(
+        {{"motion", "arm.toml", "--duration", "0.02", "--rate", "100", "--motors", "length.shock", "--csv", "o.csv"},
+         {{"arm.toml", std::string(sized) + "[[drive]]\nname = \"motor\"\npoints = [\"ground.B\", "
+                                            "\"arm.A\"]\nrate = 0.1\n"}}});
     out.push_back({{"import", "four_bar.txt", "--units", "in", "--scene", "o.toml", "--json", "o.json"},
                    {{"four_bar.txt", contents(fs::path(POISE_SOURCE_DIR) / "datasets/exchange/four_bar.txt")}}});
     for (const char* const file : {"arm.urdf", "four_bar.xml", "crank_slider.linkage2", "four_bar.url"}) {

@@ -243,6 +243,16 @@ def test_motion_has_rates_that_are_derivatives():
     assert np.diff(total).max() < 1e-9 < total[0] - total[-1]  # its joints damp
     assert motion.unit("d(angle.arm1)/dt") == "rad/s" and motion["reaction.shoulder"].shape == angle.shape
     assert np.array_equal(motion["x.arm1.elbow"], motion["arm1.elbow.x"])
+    acceleration = motion["d(d(angle.arm1)/dt)/dt"]
+    assert np.allclose((rate[2:] - rate[:-2]) / (2 * step), acceleration[1:-1], atol=1e-2)
+    assert motion.unit("d(d(angle.arm1)/dt)/dt") == "rad/s²"
+
+
+def test_motion_has_forces_at_every_instant():
+    robot = poise.load("datasets/three_motor_robot.toml")
+    moved = robot.motion(duration=0.2, rate=50, motors=["shoulder", "elbow", "wrist"])
+    assert moved.confirmed and moved["effort.shoulder"].shape == moved.time.shape == (11,)
+    assert np.all(moved["effort.shoulder"] > 150)  # N m, it holds arm and load
 
 
 def test_fit_has_estimates_with_their_covariance(fit):

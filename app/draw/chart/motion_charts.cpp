@@ -247,4 +247,35 @@ std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found) {
   return panels;
 }
 
+std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForcesInTime& found) {
+  std::vector<Panel> panels = forces_panels(scene, found.found);
+  if (found.found.poses.empty()) return panels;
+  const std::vector<double>& times = found.found.at;
+  Panel work{
+      .title = "work of drives", .x_label = "time (s)", .y_label = titled("work", Quantity::energy, scene.units)};
+  for (std::size_t d = 0; d < std::min(found.work.size(), most_curves); ++d) {
+    work.curves.push_back({.name = found.found.poses.front().drives[d].name,
+                           .x = times,
+                           .y = in_unit(found.work[d], Quantity::energy, scene.units)});
+  }
+  if (!work.curves.empty()) panels.push_back(std::move(work));
+  Panel bending{.title = "largest bending moments of links",
+                .x_label = "time (s)",
+                .y_label = titled("moment", Quantity::moment, scene.units)};
+  for (const LinkCourse& one : found.links) {
+    if (one.key != "moment" || bending.curves.size() == most_curves) continue;
+    Curve curve{.name = one.link, .x = times};
+    for (const LargestOnLink& at : one.value) curve.y.push_back(in_unit(at.value, Quantity::moment, scene.units));
+    bending.curves.push_back(std::move(curve));
+  }
+  if (!bending.curves.empty()) panels.push_back(std::move(bending));
+  if (found.motors) {
+    for (Panel& panel : panels) {
+      if (const std::size_t at = panel.title.find("drives"); at != std::string::npos)
+        panel.title.replace(at, 6, "motors");
+    }
+  }
+  return panels;
+}
+
 }  // namespace poise::app

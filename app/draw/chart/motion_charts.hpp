@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/draw/chart/plot.hpp"
-#include "motion/forces_along.hpp"
+#include "motion/forces_in_time.hpp"
 #include "motion/kinematics.hpp"
 #include "motion/motion_record.hpp"
 
@@ -26,5 +26,8 @@ std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record)
 
 /// Efforts of drives and sizes of joint forces over a range or time.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);
+
+/// The same over a simulated motion, with the work of drives and the largest bending moments of links.
+std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForcesInTime& found);
 
 }  // namespace poise::app

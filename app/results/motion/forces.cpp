@@ -25,11 +25,6 @@ namespace {
 
 constexpr int place_digits = 8;
 
-std::string power_unit(const Units& units) {
-  const std::string energy = unit_name(Quantity::energy, units);
-  return energy == "J" ? "W" : energy + "/s";
-}
-
 /// The pose that is worst out of balance.
 const Forces& worst(const ForcesAlong& found) {
   return *std::max_element(found.poses.begin(), found.poses.end(), [](const Forces& a, const Forces& b) {
@@ -566,6 +561,11 @@ void add_shown(Group& group, const MotionModel& model, const ForcesAlong& found,
 }
 
 }  // namespace
+
+std::string power_unit(const Units& units) {
+  const std::string energy = unit_name(Quantity::energy, units);
+  return energy == "J" ? "W" : energy + "/s";
+}
 
 Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<SoughtQuantity>& show,
                      const std::vector<std::string>& settings) {

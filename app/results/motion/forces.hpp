@@ -20,6 +20,9 @@ struct ForcesAnswer {
   std::vector<std::string> drives{};  ///< what the drives of the command line are: "upper: angle of upper in the world"
 };
 
+/// The unit of power: "W", "N mm/s".
+std::string power_unit(const Units& units);
+
 /// What `poise forces` shows. One pose: drives, springs, dampers and all joint forces. More poses: the efforts of the
 /// drives from place to place and the largest of everything else. In all of them the quantities of `show`.
 Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const std::vector<SoughtQuantity>& show,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
+#include "app/results/motion/forces_in_time.hpp"
 #include "app/results/parts.hpp"
 #include "model/meshing.hpp"
 
@@ -18,7 +19,7 @@ constexpr double remarkable_error = 100.0;
 
 double reached(const Motion& motion) { return motion.trajectory.t.empty() ? 0.0 : motion.trajectory.t.back(); }
 
-Line verdict(const MotionAnswer& answer) {
+Line verdict(const MotionModel& model, const MotionAnswer& answer) {
   const Motion& motion = answer.found.motion;
   const std::optional<double>& error = answer.found.error;
   if (!motion.completed()) {
@@ -32,6 +33,10 @@ Line verdict(const MotionAnswer& answer) {
   }
   if (!answer.found.confirmed()) {
     return bad(moved + ", not confirmed: small errors grow to the size of the motion.");
+  }
+  if (answer.forces) {
+    const std::string objection = objection_to_forces(model, *answer.forces);
+    if (!objection.empty()) return bad(moved + objection + ".");
   }
   if (*error > remarkable_error * answer.accuracy || motion.energy_error > remarkable_error * answer.accuracy) {
     return doubtful(moved + "; small errors grow along this motion.");
@@ -169,7 +174,7 @@ void add_energy_data(Group& group, const MotionModel& model, const Motion& motio
 }
 
 /// The largest effort of each drive, by size, and when.
-void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
+void add_drives(Group& group, const MotionModel& model, const Motion& motion, Verbosity level) {
   const Scene& scene = model.scene();
   std::vector<std::string> names, efforts;
   std::vector<double> largest, times;
@@ -183,16 +188,18 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion) {
     largest.push_back(in_unit(any ? *most : 0.0, quantity, scene.units));
     times.push_back(any ? motion.trajectory.t[static_cast<std::size_t>(most - force.begin())] : 0.0);
   }
-  Table& table = group.table("drives", "Drives", Rows::list);
+  Table& table = group.table("drives", "Drives", Rows::list, level);
   table.words("name", "drive", std::move(names));
   table.numbers("largest", "largest force or torque", "", std::move(largest)).texts = std::move(efforts);
   table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 
 /// A motion that is not confirmed says so in each row. Outputs of the scene are at the end of each.
-void add_record(Group& group, const Units& units, const MotionRecord& record, const QuantitiesInTime& outputs,
-                bool is_confirmed) {
-  Table& table = group.table("", "", Rows::columns, Verbosity::data);
+void add_record(Group& group, const Scene& scene, const MotionRecord& record, const MotionAnswer& answer) {
+  const Units& units = scene.units;
+  const QuantitiesInTime& outputs = answer.shown;
+  const bool is_confirmed = answer.found.confirmed();
+  Table& table = group.table(answer.forces ? "samples" : "", "", Rows::columns, Verbosity::data);
   table.csv = true;
   table.data("time", record.time).unit = "s";
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(record.time.size(), "no"));
@@ -226,6 +233,9 @@ void add_record(Group& group, const Units& units, const MotionRecord& record, co
   }
 }
 
+  for (std::size_t c = 0; c < record.acceleration.size(); ++c) {
+    add(record.channels[c].name + ".acceleration", record.acceleration[c], record.channels[c].quantity, "/s²");
+  }
 void add_data(Group& group, const MotionAnswer& answer) {
   const Motion& motion = answer.found.motion;
   group.data("status", to_string(motion.status));
@@ -240,9 +250,7 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("degrees_of_freedom", motion.freedoms);
   group.data("steps", motion.steps);
   group.data("rejected", motion.rejected);
-  for (std::size_t c = 0; c < record.acceleration.size(); ++c) {
-    add(record.channels[c].name + ".acceleration", record.acceleration[c], record.channels[c].quantity, "/s²");
-  }
+  if (answer.forces) add_force_columns(table, scene, *answer.forces, record.time.size());
   group.data("evaluations", motion.evaluations);
   group.data("microseconds", motion.microseconds);
   group.data("largest_gap", motion.gap);
@@ -257,7 +265,7 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
                      const std::vector<std::string>& settings) {
   const Motion& motion = answer.found.motion;
   Result out = scene_result(model.scene(), settings);
-  out.verdict = verdict(answer);
+  out.verdict = verdict(model, answer);
   for (const std::string& stop : motion.overrun) {
     out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
   }
@@ -283,9 +291,10 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
     add_moving(content, model, answer, Moving::travel, "Slides");
     add_moving(content, model, answer, Moving::place, "Positions of free bodies");
   }
-  add_drives(content, model, motion);
+  add_drives(content, model, motion, answer.forces ? Verbosity::data : Verbosity::normal);
+  if (answer.forces) add_forces_in_time(content, model, *answer.forces);
   if (motion.trajectory.nodes() > 0 && !asked) add_energies(content, model, motion);
-  if (!asked) add_record(content, model.scene().units, measured, answer.shown, answer.found.confirmed());
+  if (!asked) add_record(content, model.scene(), measured, answer);
   Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("method", effort(motion));
   numerics.fact("error", error_in_words(answer));
@@ -310,3 +319,11 @@ Result no_origin_result(const MotionModel& model, const std::string& why, const 
 }
 
 }  // namespace poise::app
+  if (answer.forces) {
+    numerics.fact("balance", fmt::format("every body is in balance to {} of the largest force, at worst \"{}\"",
+                                         small_number(answer.forces->imbalance), answer.forces->worst_body));
+    numerics.fact("powers",
+                  fmt::format("of drives, loads and elements and the kinetic energy balance to {} of them; "
+                              "their integrals, the works and energies, to {}",
+                              small_number(answer.forces->power_error), small_number(answer.forces->energy_error)));
+  }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/result/result.hpp"
 #include "app/results/motion/quantities.hpp"
 #include "motion/confirmed_motion.hpp"
+#include "motion/forces_in_time.hpp"
 #include "motion/motion_record.hpp"
 
 namespace poise::app {
@@ -16,8 +18,15 @@ struct MotionAnswer {
   double duration = 0.0;  ///< asked for, s
   double accuracy = 0.0;  ///< asked for
   ConfirmedMotion found;
-  MotionRecord record;       ///< without noise
-  QuantitiesInTime shown{};  ///< what was asked for, or the outputs of the scene
+  MotionRecord record;                   ///< without noise
+  QuantitiesInTime shown{};              ///< what was asked for, or the outputs of the scene
+  std::optional<ForcesInTime> forces{};  ///< where they were asked for
+
+  /// Confirmed; and all forces in balance, made by the motors that were named.
+  bool is_good() const {
+    return found.confirmed() &&
+           (!forces || (forces->found.complete && forces->balanced() && (!forces->motors || forces->motors->is_made)));
+  }
 };
 
 /// What `poise motion` shows: verdict, start, where everything that moves began, ended and turned round, drives,
