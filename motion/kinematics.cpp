@@ -9,6 +9,7 @@
 #include "model/meshing.hpp"
 #include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
+#include "motion/driven_coordinates.hpp"
 #include "motion/driven_path.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/singular_words.hpp"
@@ -40,66 +41,6 @@ Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
     drive.on = *range.on;
   }
   return scene;
-}
-
-// A driven measure, from SI to a place in the coordinates of a SplitClosure:  x = (value - zero) / unit.
-struct DrivenCoordinate {
-  int coordinate = -1;
-  double zero = 0.0, unit = 1.0;
-  bool is_angle = true;
-  std::string start{};  // the name of its guess in [start], where it is a coordinate of the mechanism
-
-  double scaled(double value) const { return (value - zero) / unit; }
-  double value(double x) const { return zero + unit * x; }
-};
-
-bool is_coordinate(const Measure& on) {
-  return on.kind == Measure::Kind::travel || (on.kind == Measure::Kind::angle && on.body_a == 0);
-}
-
-// Measures that are no coordinates have their places behind these.
-std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model) {
-  const Scene& scene = model.scene();
-  const Layout& layout = model.layout();
-  std::vector<DrivenCoordinate> out;
-  int behind = model.mechanism().coordinates();
-  for (const Drive& drive : scene.drives) {
-    const Measure& on = drive.on;
-    DrivenCoordinate driven{.unit = on.is_angle() ? 1.0 : model.scales().length, .is_angle = on.is_angle()};
-    if (!is_coordinate(on)) {
-      driven.coordinate = behind++;
-    } else if (on.is_angle()) {
-      const Link& link = layout.links[on.body_b];
-      driven.coordinate = link.frame;
-      driven.zero = layout.turns[link.turn].to<double>();
-      driven.start = scene.bodies[static_cast<std::size_t>(on.body_b)].name;
-    } else {
-      driven.coordinate = layout.travel[on.joint];
-      driven.start = scene.joints[static_cast<std::size_t>(on.joint)].name;
-    }
-    if (driven.coordinate < 0) {
-      throw InputError(
-          fmt::format("{}drive \"{}\": expected a body that can turn, this one keeps its angle; drive the "
-                      "joint along which it moves",
-                      where(scene), drive.name));
-    }
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      if (out[k].coordinate != driven.coordinate && scene.drives[k].name != drive.name) continue;
-      throw InputError(fmt::format("{}drive \"{}\": another drive already moves the same coordinate; drive one of them",
-                                   where(scene), drive.name));
-    }
-    out.push_back(std::move(driven));
-  }
-  return out;
-}
-
-// Drives whose measures are no coordinates.
-std::vector<int> measured_drives(const Scene& scene) {
-  std::vector<int> out;
-  for (std::size_t k = 0; k < scene.drives.size(); ++k) {
-    if (!is_coordinate(scene.drives[k].on)) out.push_back(static_cast<int>(k));
-  }
-  return out;
 }
 
 VectorXd assembled(const MotionModel& model) {

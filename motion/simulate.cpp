@@ -17,6 +17,7 @@
 #include "motion/sensitivity_columns.hpp"
 #include "motion/simulation_words.hpp"
 #include "motion/singular_passage.hpp"
+#include "motion/singular_state.hpp"
 #include "motion/step_ends.hpp"
 #include "motion/step_error.hpp"
 #include "motion/stick_slip.hpp"
@@ -30,6 +31,10 @@ using stepping::eps;
 
 /// Relative pivots below this are avoided: ill-conditioned loops amplify rounding by its inverse cube.
 constexpr double comfortable_pivot = 1e-3;
+/// Closures and drives whose singular values differ by less than this ratio have nearly lost rank.
+constexpr double nearly_singular = 1e-2;
+/// Part of the duration within which a dead centre is looked for where no step succeeds.
+constexpr double looked_ahead = 0.01;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
 
@@ -96,6 +101,13 @@ class Simulation {
     out_.evaluations = step_.evaluations();
     out_.energy_error = energy_error(out_);
     out_.singular = zero_crossings(out_.trajectory.t, nodes_.pivots());
+    for (const Passed& passed : passed_) {
+      // Steps of uneven length beside it are no poses of their own.
+      constexpr double beside = 10.0;
+      std::erase_if(out_.singular, [&](double t) { return std::abs(t - passed.time) < beside * passed.length; });
+      out_.singular.push_back(passed.time);
+    }
+    std::sort(out_.singular.begin(), out_.singular.end());
     return std::move(out_);
   }
 
@@ -154,6 +166,7 @@ class Simulation {
         h = 0.5 * left;
       if (!make_step(t, h)) {
         if (h > 1e-13 * options_.duration && h > 1e-15 * (1 + t)) continue;
+        if (passes_singular_pose(t, h)) continue;
         return give_up(t);
       }
       const StepEnds::Border border = borders_.act() ? ends_.meets_border(t) : StepEnds::Border{};
@@ -257,6 +270,8 @@ class Simulation {
         }
         ++out_.rejected;
         h = std::isfinite(error) ? solvers::next_step(h, error) : h / 5;
+        // Without independent coordinates the pose alone says on which branch of the loops the motion is.
+        if (reduced_.freedoms() == 0) step_.return_to_node(t);
         return false;
       }
       ++out_.rejected;
@@ -314,6 +329,49 @@ class Simulation {
                      "repeats those of other joints and drives, but not beyond; the mechanism is mobile there only "
                      "infinitesimally, or its drives contradict each other",
                      t, out_.gap_of, gap.size));
+    return true;
+  }
+
+  /// Where everything is driven and steps cannot end near a singular pose: goes on behind it, at t, if rates go on
+  /// there as they were: h is as long as that took. Towards a dead centre they grow without bound, and there is no pose
+  /// behind.
+  bool passes_singular_pose(double& t, double& h) {
+    constexpr double wider = 2.0, stays_within = 0.05;
+    const std::vector<double>& pivots = nodes_.pivots();
+    if (reduced_.freedoms() > 0 || reduced_.rank() == 0 || friction_.acts() || columns_.count() > 0) return false;
+    std::size_t from = nodes_.nodes() - 1;
+    while (from > nodes_.piece_from() && pivots[from] < wider * pivots.back()) --from;
+    const double since = t - nodes_.times()[from];
+    if (!(pivots[from] > pivots.back()) || !(since > 0.0)) return false;
+    // With finite rates pivots fall in proportion to the time.
+    const double ahead = pivots.back() * since / (pivots[from] - pivots.back()), later = t + 2 * ahead;
+    if (later >= breaks_.next(t) || later <= t) return false;
+    const double way = since + 2 * ahead;
+    std::vector<double> q, v;
+    double fastest = 0.0;
+    for (std::size_t i = 0; i < q_start_.size(); ++i) {
+      const NodeValues at = nodes_.at(from, i);
+      q.push_back(at.q + way * (at.v + way / 2 * at.a));
+      v.push_back(at.v + way * at.a);
+      fastest = std::max({fastest, std::abs(at.v), std::abs(v.back())});
+    }
+    const double before = step_.dydt[0], work = step_.work();
+    if (reduced_.choose(later, q.data(), true) != Reduced::Status::ok) return false;
+    reduced_.expect(q.data());
+    if (reduced_.evaluate(later, nullptr, nullptr) != Reduced::Status::ok) return false;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      if (!(std::abs(reduced_.q()[i] - q[i]) <= stays_within * way * fastest)) return false;
+      if (!(std::abs(reduced_.v()[i] - v[i]) <= stays_within * fastest)) return false;
+    }
+    set_state(reduced_.q(), reduced_.v(), work);
+    step_.remake();
+    if (!step_.evaluate(later)) return false;
+    step_.y[0] = work + ahead * (before + step_.dydt[0]);
+    h = later - t;
+    t = later;
+    add_node(t);
+    nodes_.begin_smooth();
+    passed_.push_back({t - h / 2, h});
     return true;
   }
 
@@ -507,6 +565,30 @@ class Simulation {
     }
     MotionEnd end = end_of_motion(model_, step_.status(), t, {reduced_.q(), reduced_.q() + q_start_.size()});
     stop(end.status, std::move(end.why));
+    if (end.status == MotionStatus::stuck && reduced_.held().empty() && nodes_.nodes() > 0) name_dead_centre(t);
+  }
+
+  /// Says where the motion ended, if the closures and drives lose rank there.
+  void name_dead_centre(double t) {
+    LastState last{.time = t, .x = {}, .v = {}, .a = {}};
+    for (std::size_t i = 0; i < q_start_.size(); ++i) {
+      const NodeValues at = nodes_.at(nodes_.nodes() - 1, i);
+      last.x.push_back(at.q);
+      last.v.push_back(at.v);
+      last.a.push_back(at.a);
+    }
+    if (reduced_.freedoms() == 0) {
+      out_.dead_centre = dead_centre_beyond(model_, last, looked_ahead * options_.duration);
+    }
+    if (!out_.dead_centre) {
+      const SingularState there = singular_state(model_, last.x, reduced_.rank());
+      if (!(there.closeness < nearly_singular)) return;
+      const bool is_driven = !model_.scene().drives.empty();
+      out_.dead_centre = SingularPlace{
+          t, (is_driven ? "dead centre" : "singular position") + there.text, position_in_words(model_, last.x), {}};
+    }
+    out_.why = fmt::format("at t = {:.9g} s it meets a {}; there {}", out_.dead_centre->time, out_.dead_centre->text,
+                           out_.dead_centre->position);
   }
 
   const MotionModel& model_;
@@ -523,8 +605,12 @@ class Simulation {
   MotionWriter nodes_;
   StepError error_;
   StepEnds ends_;
-  double limit_ = 0.0;  // of pivots: steps avoid those below
-  double ahead_ = 0.0;  // time in which choices of friction are told apart
+  struct Passed {
+    double time, length;
+  };
+  std::vector<Passed> passed_;  // singular poses that were stepped over, and by what length
+  double limit_ = 0.0;          // of pivots: steps avoid those below
+  double ahead_ = 0.0;          // time in which choices of friction are told apart
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
   int departures_ = 0;                                                // steps that are short behind the border passed
   double onward_ = 0.0;                                               // length of steps to go on with behind a border

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,14 @@ enum class MotionStatus {
 
 std::string to_string(MotionStatus status);
 
+/// A pose of a motion in which its closures and drives lose rank.
+struct SingularPlace {
+  double time = 0.0;
+  std::string text;      ///< "dead centre of the loop closed by "D": crank and rod are in line"
+  std::string position;  ///< "crank = 0 deg, ram = 300 mm"
+  std::string branch{};  ///< of one that is passed: how it goes on, "crank at 12.6 rad/s"
+};
+
 /// A motion up to the time reached.
 struct Motion {
   MotionStatus status = MotionStatus::not_started;
@@ -78,8 +87,9 @@ struct Motion {
   int freedoms = 0;
   int steps = 0, rejected = 0, evaluations = 0;
   double microseconds = 0.0;
-  std::vector<double> singular;      ///< times of passing singular poses, to about a hundredth of a step
-  std::vector<std::string> overrun;  ///< stops that were passed: stops do not act in motion
+  std::vector<double> singular;              ///< times of passing singular poses, to about a hundredth of a step
+  std::optional<SingularPlace> dead_centre;  ///< at which it ends: beyond it the drives cannot take the mechanism
+  std::vector<std::string> overrun;          ///< stops that were passed: stops do not act in motion
 
   bool completed() const { return status == MotionStatus::completed; }
 };

@@ -109,7 +109,9 @@ std::string describe_singularity(const SplitClosure& closure, const PathPose& po
   const std::string of_drives =
       drives.empty() ? "" : fmt::format("{} of {}", loops.empty() ? "" : " and", listed(drives));
   return fmt::format("{}{}: {} {}", of_loops, of_drives, listed(in_line ? pushing : movers),
-                     in_line ? "are in line" : "can move while the drives are fixed");
+                     in_line                    ? "are in line"
+                     : closure.driven().empty() ? "can move in several ways"
+                                                : "can move while the drives are fixed");
 }
 
 }  // namespace poise

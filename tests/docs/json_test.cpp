@@ -582,6 +582,99 @@ rate = 1
 acceleration = 0.5
 )";
 
+/// A slider-crank with a section, a spring and a damper, driven at its block past the dead centre, and a parallelogram
+/// that is driven through its change point. A torque enters one of its links nobody knows where.
+constexpr const char* driven_press = R"(
+[ground]
+points = { O = [0, 0], P = [0, 2], Q = [0.4, 2] }
+[body.crank]
+points = { O = [0, 0], A = [0.1, 0] }
+mass = 2
+inertia = 0.05
+[body.rod]
+points = { A = [0, 0], B = [0.3, 0] }
+mass = 1
+center = [0.15, 0]
+inertia = 0.01
+[body.rod.section]
+area = 1e-4
+second_moment = 1e-9
+modulus = 2e11
+height = 0.01
+line = ["A", "B"]
+[body.block]
+points = { B = [0, 0] }
+mass = 0.5
+[body.one]
+points = { P = [0, 0], A = [0.2, 0] }
+mass = 1
+[body.coupler]
+points = { A = [0, 0], B = [0.4, 0] }
+mass = 1
+[body.two]
+points = { Q = [0, 0], B = [0.2, 0] }
+mass = 1
+[body.two.section]
+area = 1e-4
+second_moment = 1e-9
+modulus = 2e11
+height = 0.01
+line = ["Q", "B"]
+[[torque]]
+on = "two"
+value = 1
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "A"
+points = ["crank.A", "rod.A"]
+[[pin]]
+name = "B"
+points = ["rod.B", "block.B"]
+[[pin]]
+name = "P"
+points = ["ground.P", "one.P"]
+[[pin]]
+name = "Q"
+points = ["ground.Q", "two.Q"]
+[[pin]]
+name = "S"
+points = ["one.A", "coupler.A"]
+[[pin]]
+name = "T"
+points = ["two.B", "coupler.B"]
+[[slide]]
+name = "ram"
+points = ["ground.O", "block.B"]
+axis = [1, 0]
+[[spring]]
+name = "S1"
+points = ["ground.O", "block.B"]
+stiffness = 10
+free_length = 0.1
+[[damper]]
+name = "D1"
+points = ["ground.O", "block.B"]
+coefficient = 10
+[[drive]]
+name = "winch"
+slide = "ram"
+start = 0.35
+rate = 0.05
+[[drive]]
+name = "turn"
+bodies = ["ground", "one"]
+start = -1
+rate = 2
+[start]
+crank = 0.9
+rod = -0.26
+ram = 0.35
+one = -1
+two = -1
+)";
+
 TEST(JsonDocs, Motion) {
   const TempFolder folder;
   check_section(
@@ -590,7 +683,9 @@ TEST(JsonDocs, Motion) {
        {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
        {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
        {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show", "force.oil,max(force.oil)"}},
-       {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv}});
+       {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv},
+       {{"motion", folder.write("press.toml", driven_press), "--duration", "2", "--rate", "20", "--forces"}, with_csv},
+       {{"motion", scene("three_motor_robot"), "--duration", "0.1", "--rate", "50", "--motors", "shoulder,elbow"}}});
 }
 
 /// A slider-crank, driven at its block past the dead point.

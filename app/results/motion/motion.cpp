@@ -57,14 +57,35 @@ std::string error_in_words(const MotionAnswer& answer) {
                      small_number(*answer.found.error), answer.accuracy);
 }
 
-std::string singular_poses(const Motion& motion) {
-  constexpr std::size_t shown = 6;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(shown, motion.singular.size()); ++i) {
-    text += fmt::format("{}{} s", i == 0 ? "passed at t = " : ", ", significant(motion.singular[i], 6));
+/// Singular poses that were passed, of which the first are named.
+void add_singular(Group& group, const MotionModel& model, const Motion& motion) {
+  constexpr std::size_t named = 6;
+  const std::vector<SingularPlace> places = singular_places(model, motion, named);
+  Branch& passages = group.array("passages");
+  std::vector<std::string> lines;
+  for (const SingularPlace& place : places) {
+    Group& one = passages.parts.emplace_back();
+    one.data("time", place.time);
+    one.data("text", place.text);
+    one.data("position", place.position);
+    one.data("branch", place.branch);
+    lines.push_back(fmt::format("passed at t = {} s: {}; it goes on with {}", significant(place.time, 6), place.text,
+                                place.branch));
   }
-  if (motion.singular.size() > shown) text += fmt::format(" and {} more", motion.singular.size() - shown);
-  return text;
+  if (motion.singular.size() > named) lines.push_back(fmt::format("and {} more", motion.singular.size() - named));
+  for (const std::string& line : lines) group.fact("singular", line);
+}
+
+/// The pose beyond which the drives cannot take the mechanism.
+void add_dead_centre(Group& group, const Motion& motion) {
+  if (!motion.dead_centre) {
+    group.data("dead_centre", nullptr);
+    return;
+  }
+  Group& place = group.group("dead_centre", "", Verbosity::data);
+  place.data("time", motion.dead_centre->time);
+  place.data("text", motion.dead_centre->text);
+  place.data("position", motion.dead_centre->position);
 }
 
 enum class Moving { angle, travel, place };
@@ -212,6 +233,9 @@ void add_record(Group& group, const Scene& scene, const MotionRecord& record, co
   for (std::size_t c = 0; c < record.channels.size(); ++c) {
     add(record.channels[c].name + ".rate", record.rate[c], record.channels[c].quantity, "/s");
   }
+  for (std::size_t c = 0; c < record.acceleration.size(); ++c) {
+    add(record.channels[c].name + ".acceleration", record.acceleration[c], record.channels[c].quantity, "/s²");
+  }
   for (const PointRecord& point : record.points) {
     for (const auto& [axis, along] : {std::pair(".x", &Vec2::x), std::pair(".y", &Vec2::y)}) {
       const auto add_part = [&, axis = axis, along = along](const std::vector<Vec2>& of, const char* key,
@@ -226,6 +250,7 @@ void add_record(Group& group, const Scene& scene, const MotionRecord& record, co
   add("energy.kinetic", record.kinetic, Quantity::energy, "");
   add("energy.potential", record.potential, Quantity::energy, "");
   if (record.time.empty()) return;
+  if (answer.forces) add_force_columns(table, scene, *answer.forces, record.time.size());
   for (std::size_t k = 0; k < outputs.of.size(); ++k) {
     std::vector<double> values = outputs.value[k];
     for (double& one : values) one /= outputs.of[k].dimension.unit(units);
@@ -233,9 +258,6 @@ void add_record(Group& group, const Scene& scene, const MotionRecord& record, co
   }
 }
 
-  for (std::size_t c = 0; c < record.acceleration.size(); ++c) {
-    add(record.channels[c].name + ".acceleration", record.acceleration[c], record.channels[c].quantity, "/s²");
-  }
 void add_data(Group& group, const MotionAnswer& answer) {
   const Motion& motion = answer.found.motion;
   group.data("status", to_string(motion.status));
@@ -250,7 +272,6 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("degrees_of_freedom", motion.freedoms);
   group.data("steps", motion.steps);
   group.data("rejected", motion.rejected);
-  if (answer.forces) add_force_columns(table, scene, *answer.forces, record.time.size());
   group.data("evaluations", motion.evaluations);
   group.data("microseconds", motion.microseconds);
   group.data("largest_gap", motion.gap);
@@ -279,7 +300,8 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   content.fact("start", answer.start);
   content.fact("mobility", fmt::format("{}, of {}", count(motion.freedoms, "degree of freedom", "degrees of freedom"),
                                        count(model.layout().kept, "coordinate that moves", "coordinates that move")));
-  if (!motion.singular.empty()) content.fact("singular", singular_poses(motion));
+  add_singular(content, model, motion);
+  add_dead_centre(content, motion);
   add_moving_data(content, model, answer);
   add_energy_data(content, model, motion);
   const bool asked = answer.shown.are_all;
@@ -302,6 +324,14 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
     numerics.fact("closure", fmt::format("largest gap of a joint or drive {} of the mechanism's size, or rad: {}",
                                          small_number(motion.gap), motion.gap_of));
   }
+  if (answer.forces) {
+    numerics.fact("balance", fmt::format("every body is in balance to {} of the largest force, at worst \"{}\"",
+                                         small_number(answer.forces->imbalance), answer.forces->worst_body));
+    numerics.fact("powers",
+                  fmt::format("of drives, loads and elements and the kinetic energy balance to {} of them; "
+                              "their integrals, the works and energies, to {}",
+                              small_number(answer.forces->power_error), small_number(answer.forces->energy_error)));
+  }
   if (answer.shown.imbalance > 0.0) {
     numerics.fact("forces", fmt::format("every body is in balance to {} of the largest force",
                                         small_number(answer.shown.imbalance)));
@@ -319,11 +349,3 @@ Result no_origin_result(const MotionModel& model, const std::string& why, const 
 }
 
 }  // namespace poise::app
-  if (answer.forces) {
-    numerics.fact("balance", fmt::format("every body is in balance to {} of the largest force, at worst \"{}\"",
-                                         small_number(answer.forces->imbalance), answer.forces->worst_body));
-    numerics.fact("powers",
-                  fmt::format("of drives, loads and elements and the kinetic energy balance to {} of them; "
-                              "their integrals, the works and energies, to {}",
-                              small_number(answer.forces->power_error), small_number(answer.forces->energy_error)));
-  }
