@@ -53,9 +53,9 @@ struct AskedValue {
 EquationState equation_state(const MotionModel& model, const MotionOrigin& origin,
                              const std::vector<AskedValue>& places, const std::vector<AskedValue>& rates, double t);
 
-/// The equation in coordinates that are chosen in that state, among them those `wanted` by the names of channels. Throws InputError
-/// where these depend on each other, where nothing is free to move, and where the scene has what makes the equation
-/// more than a function of z, w and t, such as friction that sticks.
+/// The equation in coordinates that are chosen in that state, among them those `wanted` by the names of channels.
+/// Throws InputError where these depend on each other, where nothing is free to move, and where the scene has what
+/// makes the equation more than a function of z, w and t, such as friction that sticks.
 EquationsOfMotion equations_of_motion(const MotionModel& model, const MotionOrigin& origin, const EquationState& state,
                                       const std::vector<std::string>& wanted);
 

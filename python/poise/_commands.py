@@ -389,6 +389,8 @@ class SceneCommands:
         set: Settings | None = None,
         seek: str | None = None,
         methods: Words | None = None,
+        scaling: float | None = None,
+        penalty: float | None = None,
         proof_seconds: float | None = None,
         tolerances: Numbers | None = None,
         repeat: int | None = None,
@@ -420,6 +422,10 @@ class SceneCommands:
             cobyla: minimum energy without derivatives (NLopt)
             dynamic-relaxation: damped fictitious motion
             least-squares: least squares of the residuals of all equations, by Ceres
+        scaling: Of the augmented Lagrangian V + k lambda c + p/2 c^2: k > 0 (1),
+            which changes rounding alone
+        penalty: Of the augmented Lagrangian: p >= 0, in units in which forces and
+            lengths of the mechanism are about 1 (10)
         proof_seconds: Time allowed for the proof of an answer, after which that is
             "checked, not proved" (a number of operations, about 10 s)
         tolerances: Speed against error: runs at these tolerances, by decades
@@ -432,6 +438,8 @@ class SceneCommands:
             "--set": set,
             "--seek": seek,
             "--methods": methods,
+            "--scaling": scaling,
+            "--penalty": penalty,
             "--proof-seconds": proof_seconds,
             "--tolerances": tolerances,
             "--repeat": repeat,

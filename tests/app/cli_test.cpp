@@ -502,10 +502,9 @@ TEST(CommandLine, VersionAndHelpExitZero) {
   EXPECT_EQ(all.exit_code, 0);
   EXPECT_EQ(all.err, "");
   for (const char* name :
-       {"check", "solve", "find", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes", "forces",
-        "equations", "design", "identify", "validate", "identifiability", "plan", "montecarlo", "import", "export"}) {
-       {"check", "solve", "find", "sensitivity", "tolerance", "compare", "kinematics", "motion", "modes", "response",
-        "forces", "design", "identify", "validate", "identifiability", "plan", "montecarlo", "import", "export"}) {
+       {"check",    "solve",           "find",     "sensitivity", "tolerance", "compare", "kinematics",
+        "motion",   "modes",           "response", "forces",      "equations", "design",  "identify",
+        "validate", "identifiability", "plan",     "montecarlo",  "import",    "export"}) {
     const std::string example = std::string("poise ") + name + " datasets/";
     EXPECT_TRUE(contains(all.out, example)) << all.out;
     const ProgramRun help = run_poise({name, "--help"});

@@ -231,7 +231,8 @@ TEST(MotionCommand, StaticsHasTheLoadsOfOneTime) {
   EXPECT_NE(later.out.find("-0.00821"), std::string::npos) << later.out;
   const ProgramRun none = run_poise({"solve", dataset("zeeman"), "--time", "1"});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.err.find("--time: no load or spring of the scene follows a function of time"), std::string::npos) << none.err;
+  EXPECT_NE(none.err.find("--time: no load or spring of the scene follows a function of time"), std::string::npos)
+      << none.err;
 }
 
 TEST(MotionCommand, StartsWhereAssembledOnRequest) {

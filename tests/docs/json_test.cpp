@@ -482,7 +482,8 @@ TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"m
 
 TEST(JsonDocs, Equations) {
   check_section("equations", {{{"equations", scene("lift")}, with_csv}, {{"equations", scene("slider_crank")}}});
-/// Two leaves of a table that swing against each other in a mode of which the table tells nothing.
+}
+
 /// Two leaves of a table that swing against each other in a mode of which the table tells nothing, and a peg that is
 /// pressed on its stop.
 constexpr const char* two_leaves = R"(
@@ -582,8 +583,8 @@ rate = 1
 acceleration = 0.5
 )";
 
-/// A slider-crank with a section, a spring and a damper, driven at its block past the dead centre, and a parallelogram
-/// that is driven through its change point. A torque enters one of its links nobody knows where.
+/// A slider-crank with a section, a spring and a damper, driven at its block past the dead centre, and a
+/// parallelogram that is driven through its change point. A torque enters one of its links nobody knows where.
 constexpr const char* driven_press = R"(
 [ground]
 points = { O = [0, 0], P = [0, 2], Q = [0.4, 2] }
