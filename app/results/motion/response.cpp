@@ -305,7 +305,9 @@ std::vector<PeriodicAnswer> points_of(const std::vector<ResponseEvent>& events) 
   return out;
 }
 
-void add_answer_columns(Table& table, const std::vector<PeriodicAnswer>& rows, const ResponseUnits& units) {
+/// `at_limit` says which are neither stable nor unstable, because a multiplier is on the unit circle; empty: none.
+void add_answer_columns(Table& table, const std::vector<PeriodicAnswer>& rows, const ResponseUnits& units,
+                        const std::vector<bool>& at_limit = {}) {
   table.numbers("frequency", "frequency", "Hz", each(rows, &PeriodicAnswer::frequency), {.digits = hertz_digits});
   const Format format{.style = Format::Style::significant, .digits = hertz_digits};
   table.numbers("amplitude", "amplitude", units.quantity_name,
@@ -314,8 +316,12 @@ void add_answer_columns(Table& table, const std::vector<PeriodicAnswer>& rows, c
                 each(rows, [&](const PeriodicAnswer& one) { return one.farthest / units.quantity; }), format);
   table.numbers("phase", "phase", "deg", each(rows, [](const PeriodicAnswer& one) { return phase_of(one.harmonic); }),
                 {.style = Format::Style::significant, .digits = 5});
-  table.words("", "stability", each(rows, [](const PeriodicAnswer& one) { return one.stable ? "stable" : "unstable"; }))
-      .tones = each(rows, [](const PeriodicAnswer& one) { return one.stable ? Tone::good : Tone::doubtful; });
+  Column& stability = table.words("", "stability", {});
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const bool is_limit = !at_limit.empty() && at_limit[k];
+    stability.words.emplace_back(is_limit ? "at its limit" : rows[k].stable ? "stable" : "unstable");
+    stability.tones.push_back(is_limit ? Tone::plain : rows[k].stable ? Tone::good : Tone::doubtful);
+  }
   table.flags("stable", each(rows, [](const PeriodicAnswer& one) { return one.stable ? 1.0 : 0.0; }));
   table.numbers(
       "multiplier", "largest multiplier", "",
@@ -335,7 +341,9 @@ void add_periodic(Group& group, const ResponseAnswer& answer, const ResponseUnit
   periodic.data("motions", found.motions);
   Table& events = periodic.table("events", "Folds, jumps and the largest amplitude", Rows::list);
   events.words("kind", "what", each(found.events, [](const ResponseEvent& one) { return name_of(one.kind); }));
-  add_answer_columns(events, points_of(found.events), units);
+  std::vector<bool> at_limit;
+  for (const ResponseEvent& one : found.events) at_limit.push_back(one.kind != Event::largest);
+  add_answer_columns(events, points_of(found.events), units, at_limit);
   events.flags("jumps", each(found.events, [](const ResponseEvent& one) { return one.jumps ? 1.0 : 0.0; }));
   events.numbers(
       "landing", "jumps to", units.quantity_name,
