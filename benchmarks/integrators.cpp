@@ -153,7 +153,7 @@ class FreeMotion : public solvers::OdeSystem {
         model_.from_si({motion.trajectory.q.end() - static_cast<std::ptrdiff_t>(n), motion.trajectory.q.end()}),
         model_.from_si({motion.trajectory.v.end() - static_cast<std::ptrdiff_t>(n), motion.trajectory.v.end()}));
   }
-  /// The same by IDA in all coordinates.
+  /// IDA in all coordinates comes to this state.
   State by_full_dae(double tolerance) {
     reduced_.evaluate(0.0, from_.data(), from_.data() + reduced_.freedoms());
     FullMotion full(model_, reduced_);

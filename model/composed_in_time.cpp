@@ -323,7 +323,7 @@ int gap_between(const TimeLaw& before, const TimeLaw& after, double t) {
   for (int order = 0; order <= 2; ++order) {
     const double a = before.at(t, order, t), b = after.at(t, order, t);
     double size = std::abs(a) + std::abs(b);
-    // What is near zero there is compared with what it is about there.
+    // Values that vanish at t itself are compared with those beside it.
     for (const double near : {t - h, t + h})
       size += std::abs(before.at(near, order, t)) + std::abs(after.at(near, order, t));
     if (!(std::abs(a - b) <= rounding * size)) return order;

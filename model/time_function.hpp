@@ -161,7 +161,7 @@ struct ComposedInTime {
   void set(std::size_t number, double to);
   void set_alone(std::size_t number, double to);
   void multiply(std::size_t number, double factor);
-  /// As those of TimeLaw.
+  /// These are as those of TimeLaw.
   int smoothness() const;
   std::vector<double> breaks() const;
   bool moves_break(std::size_t number) const;

@@ -13,7 +13,7 @@ namespace poise {
 /// The value of a law where its numbers are these, which may carry derivatives.
 SecondDual value_with(const TimeLaw& law, std::span<const SecondDual> numbers, double t, double near);
 
-/// As those of the other laws in time_function.cpp.
+/// They have the meaning of those of the other laws in time_function.cpp.
 double value_of(const FormulaInTime& formula, double t, int derivative, double near);
 double value_by(const FormulaInTime& formula, int number, double t, int derivative, double near);
 double value_of(const ComposedInTime& composed, double t, int derivative, double near);

@@ -20,8 +20,8 @@ struct DrivenCoordinate {
   double value(double x) const { return zero + unit * x; }
 };
 
-/// Those of all drives. Measures that are no coordinates have their places behind these. Throws InputError where a
-/// driven body cannot turn, and where two drives move the same coordinate.
+/// Finds those of all drives. Measures that are no coordinates have their places behind these. Throws InputError where
+/// a driven body cannot turn, and where two drives move the same coordinate.
 std::vector<DrivenCoordinate> driven_coordinates(const MotionModel& model);
 
 /// Drives whose measures are no coordinates.

@@ -235,7 +235,7 @@ void $NAME$_constraints(double t, const double q[$NAME$_COORDINATES], double *g,
 
 )";
 
-// Of what hangs together by closures or drives.
+// It is written where closures or drives join coordinates.
 constexpr const char* closing_in_c = R"(#define $NAME$_DEPENDENT $D$
 
 static const int $NAME$_z[] = {$INDEPENDENT$}, $NAME$_other[] = {$DEPENDENT$}, $NAME$_used[] = {$USED$};
@@ -402,7 +402,7 @@ static int $NAME$_place(double t, const double *z, double *q, double *a, int *sw
 }
 )";
 
-// Where all coordinates are independent.
+// It is written where all coordinates are independent.
 constexpr const char* open_in_c = R"(#define $NAME$_DEPENDENT 1
 
 static const int $NAME$_z[] = {$INDEPENDENT$};

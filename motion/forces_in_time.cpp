@@ -97,7 +97,7 @@ class ForcesOverTime {
     return out;
   }
 
-  /// With the drives of the scene, or with motors.
+  /// Finds them with the drives of the scene, or with motors.
   Forces at(double t, const Scene& then, MotorsFound* found = nullptr) {
     const MovingState& state = states_.at(t);
     if (!motors_) return finished(forces_in_motion(then, model_, state.x, state.v, state.a, states_.fastest()));

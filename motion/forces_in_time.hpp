@@ -36,7 +36,7 @@ struct MotorsInTime {
 
 /// All forces over a simulated motion at the times of its record.
 struct ForcesInTime {
-  /// Of the drives of the scene, or of motors in their place, with all joint forces that belong to them.
+  /// They are those of the drives of the scene, or of motors in their place, with all joint forces that belong to them.
   ForcesAlong found;
   /// Work of each drive or motor since the start, per time, J.
   std::vector<std::vector<double>> work;
@@ -63,7 +63,7 @@ struct ForcesInTimeOptions {
   std::function<void(double)> progress{};
 };
 
-/// By forces_in_motion() with the states of StatesAlong and the loads of each instant. `scene` is the one before
+/// Calls forces_in_motion() with the states of StatesAlong and the loads of each instant. `scene` is the one before
 /// resisted_by_joints(), of the bodies, joints and drives of the model; the record is one of the motion, which has two
 /// nodes at least.
 ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,

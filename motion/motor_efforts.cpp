@@ -53,7 +53,7 @@ FreeMotions free_motions(const MotionModel& model, const std::vector<double>& x)
   return out;
 }
 
-/// Of a pin the torque, of what slides the force along the travel.
+/// A motor in a pin is a torque, one in what slides a force along the travel.
 std::optional<Measure> effort_in_joint(const Scene& scene, const std::string& name) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {
     const Joint& joint = scene.joints[j];

@@ -28,7 +28,7 @@ using End = ResponseBranch::End;
 using Event = ResponseEvent::Kind;
 
 constexpr double motion_accuracy = 1e-10;
-// Of the state after a period, over how far each coordinate swings.
+// The state after a period is as far from that before, over how far each coordinate swings.
 constexpr double period_closed_within = 1e-12;
 constexpr double period_rounding = 1e-9;
 // Steps along a branch: in logarithms of the frequency, and in how far each coordinate swings.
@@ -74,7 +74,7 @@ class Shooting {
   const std::vector<int>& independent() const { return independent_; }
   const std::vector<double>& rest() const { return rest_; }
   int motions() const { return motions_; }
-  /// In place of that of the options.
+  /// Takes the place of that of the options.
   void set_amplitude(double amplitude) { amplitude_ = amplitude; }
 
   Shot shoot(const VectorXd& state, double frequency, double accuracy = motion_accuracy) {
@@ -331,7 +331,7 @@ class Follower {
     return std::nullopt;
   }
 
-  /// In the scale of its own motion, with its tangent, by the factors of its equations.
+  /// Finishes it in the scale of its own motion; its tangent follows from the factors of its equations.
   void finish_point(const Shot& shot, const solvers::FullyPivotedLu& lu, double residual, Point& point) {
     const Index size = point.scale.size();
     VectorXd right = VectorXd::Zero(size + 1);

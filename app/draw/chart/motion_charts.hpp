@@ -27,7 +27,7 @@ std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record)
 /// Efforts of drives and sizes of joint forces over a range or time.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);
 
-/// The same over a simulated motion, with the work of drives and the largest bending moments of links.
+/// Forces over a simulated motion, which has the work of drives and the largest bending moments of links too.
 std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForcesInTime& found);
 
 }  // namespace poise::app

@@ -37,7 +37,7 @@ struct ResponseUnits {
         quantity_name(answer.of.dimension.unit_name(units)),
         excitation_name(answer.excitation.dimension.unit_name(units)) {}
 
-  /// Of an amplitude per unit of the excitation, SI.
+  /// Converts an amplitude per unit of the excitation, SI.
   double per_unit(double si) const { return si * excitation / quantity; }
   std::string per_unit_name() const {
     if (excitation_name.empty()) return quantity_name;
