@@ -128,6 +128,11 @@ void visit_items(AnyScene& scene, Use use) {
   }
   for (int i = 0; i < count(scene.drives); ++i) {
     auto& drive = scene.drives[i];
+    // Its function of time has taken the place of its own numbers.
+    const bool follows = std::any_of(scene.time_functions.begin(), scene.time_functions.end(), [i](const auto& one) {
+      return one.of == TimeFunction::Of::drive && one.item == i;
+    });
+    if (follows) continue;
     use(Parts{"drive", drive.name}, ParameterPlace{Owner::drive, i}, drive, std::span<const Number>(Drive::numbers),
         &drive.on);
   }
@@ -555,7 +560,12 @@ void scale(Scene& scene, const Scales& scales) {
   for (TimeFunction& function : scene.time_functions) {
     const auto item = static_cast<std::size_t>(function.item);
     if (function.of == TimeFunction::Of::drive) {
-      function.scale_table(scene.drives[item].on.dimension().per_scale(scales));
+      Drive& drive = scene.drives[item];
+      function.scale_table(drive.on.dimension().per_scale(scales));
+      // Its own numbers, which are no rows, are those of the function at the start.
+      for (const Number& number : Drive::numbers) {
+        number.scale(&drive, number.dimension_on(&drive.on).per_scale(scales));
+      }
     } else if (function.of == TimeFunction::Of::frame) {
       function.scale_table(dimension::length.per_scale(scales));
     }
