@@ -218,8 +218,11 @@ std::vector<std::string> motions_of_drives(const Scene& scene) {
   for (std::size_t f = 0; f < functions.size(); ++f) {
     const TimeFunction& function = scene.time_functions[f];
     if (function.of != TimeFunction::Of::drive) continue;
+    // The table of functions has those of which only some numbers are named.
+    const bool is_long =
+        std::holds_alternative<FormulaInTime>(function.law) || std::holds_alternative<ComposedInTime>(function.law);
     out[static_cast<std::size_t>(function.item)] =
-        std::string(function.kind()) + (functions[f].empty() ? "" : ": " + functions[f]);
+        std::string(function.kind()) + (functions[f].empty() || is_long ? "" : ": " + functions[f]);
   }
   return out;
 }
