@@ -42,9 +42,9 @@ class DaeSystem {
   virtual bool residual(double t, const double* y, const double* dydt, double* r) = 0;
 };
 
-/// From y and its rates at t = 0 to y at `end`. Empty if it fails, or where there is no such solver.
-std::vector<double> sundials_ida(DaeSystem& system, std::vector<double> y, std::vector<double> dydt, double end,
-                                 double tolerance);
+/// Goes from y and its rates at t = 0 to y at `end`. Empty if it fails, or where there is no such solver.
+std::vector<double> sundials_ida(DaeSystem& system, const std::vector<double>& from, const std::vector<double>& rates,
+                                 double end, double tolerance);
 
 /// RungeKutta78 of solvers/, step sizes by next_step(), as in simulate().
 Integrator poise_integrator();

@@ -4,6 +4,8 @@ namespace poise::benchmarks {
 
 std::vector<Integrator> sundials_integrators() { return {}; }
 
-std::vector<double> sundials_ida(DaeSystem&, std::vector<double>, std::vector<double>, double, double) { return {}; }
+std::vector<double> sundials_ida(DaeSystem&, const std::vector<double>&, const std::vector<double>&, double, double) {
+  return {};
+}
 
 }  // namespace poise::benchmarks

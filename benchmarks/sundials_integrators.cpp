@@ -87,11 +87,11 @@ class Explicit : public DaeSystem {
   solvers::OdeSystem& system_;
 };
 
-State ida_of_rates(solvers::OdeSystem& system, State y, double end, double tolerance) {
+State ida_of_rates(solvers::OdeSystem& system, const State& y, double end, double tolerance) {
   State dydt(y.size());
   if (!system.rates(0.0, y.data(), dydt.data())) return {};
   Explicit as_dae(system);
-  return sundials_ida(as_dae, std::move(y), std::move(dydt), end, tolerance);
+  return sundials_ida(as_dae, y, dydt, end, tolerance);
 }
 
 State explicit_runge_kutta(ARKODE_ERKTableID table, solvers::OdeSystem& system, State y, double end, double tolerance) {
@@ -117,7 +117,8 @@ Integrator runge_kutta(const std::string& name, ARKODE_ERKTableID table) {
 
 }  // namespace
 
-State sundials_ida(DaeSystem& system, State y, State dydt, double end, double tolerance) {
+State sundials_ida(DaeSystem& system, const State& from, const State& rates_there, double end, double tolerance) {
+  State y = from, dydt = rates_there;
   const auto n = static_cast<sunindextype>(y.size());
   Session state(y);
   const SUNContext context = state.context();

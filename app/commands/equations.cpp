@@ -53,8 +53,9 @@ std::vector<AskedValue> read_asked_values(const std::string& option, const std::
   std::vector<AskedValue> out;
   for (const std::string& text : texts) {
     const NamedNumber given = read_named_number(option, text, "NAME=NUMBER, say crank=30");
-    expect_number(option + " " + text, given.value, true, "a finite number");
-    const Channel& channel = channel_named(option + " " + text, given.name, channels);
+    const std::string asked = fmt::format("{} {}", option, text);
+    expect_number(asked, given.value, true, "a finite number");
+    const Channel& channel = channel_named(asked, given.name, channels);
     const double si = given.value * unit_value(channel.quantity, model.scene().units);
     out.push_back({channel, is_rate ? si : si - channel.offset});
   }
