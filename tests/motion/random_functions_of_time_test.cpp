@@ -220,7 +220,7 @@ bool is_near_break(const TimeFunction& f, double t, double h) {
 }
 
 TEST(RandomFunctions, HaveTheValuesAndDerivativesOfTheirText) {
-  constexpr double h = 1e-3;
+  constexpr double h = 1e-3, finer = 2e-4;
   int derived = 0;
   const int cases = test::cases(150, 2000);
   for (int i = 0; i < cases; ++i) {
@@ -249,7 +249,8 @@ TEST(RandomFunctions, HaveTheValuesAndDerivativesOfTheirText) {
           return other.at(t, derivative, t);
         };
         for (int d = 0; d <= 2; ++d) {
-          const double by = (8 * (moved(h, d) - moved(-h, d)) - (moved(2 * h, d) - moved(-2 * h, d))) / (12 * h);
+          const double by =
+              (8 * (moved(finer, d) - moved(-finer, d)) - (moved(2 * finer, d) - moved(-2 * finer, d))) / (12 * finer);
           EXPECT_NEAR(f.by(number, t, d, t), by, 1e-6 * (1 + std::abs(by)) * (d == 2 ? 100 : 1))
               << row.path.text() << " " << t << " " << d;
           ++derived;
@@ -301,11 +302,14 @@ TEST(RandomFunctions, MoveRandomMechanismsInBalance) {
     for (const int axis : {0, 1}) add(TimeFunction::Of::frame, 0, axis, static_cast<int>(seed % 3));
     const MotionModel model(scene);
     MotionOptions options;
-    options.accuracy = 1e-8;
+    options.accuracy = 1e-10;
     options.most_steps = 20000;
     const Motion motion = simulate(model, test::released(model, {}), options);
     if (!motion.completed()) continue;
     ++moved;
+    // A spring that is made to push apart lets go without bound, until all is rounding.
+    const double largest = *std::max_element(motion.kinetic.begin(), motion.kinetic.end());
+    if (largest > 1e6) continue;
     EXPECT_LT(motion.energy_error, 1e-5);
     for (std::size_t node = 0; node < motion.trajectory.nodes(); node += 7) {
       const double t = motion.trajectory.t[node];
