@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Python.h>
+#include <cxxabi.h>
 #include <unistd.h>
 
 namespace poise::python {
@@ -17,7 +18,11 @@ class WithoutLock {
   WithoutLock() : ends_python_(_Py_IsFinalizing() != 0), state_(PyEval_SaveThread()) {}
   ~WithoutLock() {
     if (!ends_python_) wait_where_python_ends();
-    PyEval_RestoreThread(state_);
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (const abi::__forced_unwind&) {  // the interpreter began to end while this thread waited for its lock
+      for (;;) ::pause();
+    }
   }
   WithoutLock(const WithoutLock&) = delete;
   WithoutLock& operator=(const WithoutLock&) = delete;
