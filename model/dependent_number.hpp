@@ -35,8 +35,8 @@ struct DependentNumber {
   Expression expression;
   Dimension dimension;
   Range range = Range::finite;
-  /// Of a scene at one time: c(t), by which the expression of a load or of a number of a spring is multiplied, or which
-  /// is subtracted from gravity; null of others.
+  /// This is c(t) in a scene at one time: the expression of a load or of a number of a spring is multiplied by it, from
+  /// gravity it is subtracted; null of others.
   std::shared_ptr<const HeldFactor> factor{};
 
   /// Its value in the units of the file. Not a number, or infinite, where it has none. Throws InputError where the

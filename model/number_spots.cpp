@@ -26,7 +26,7 @@ const toml::node* item_of(const toml::node* list, int at) {
   return all != nullptr ? all->get(static_cast<std::size_t>(at)) : nullptr;
 }
 
-/// Of a number of a function of time that is written in the table `time`.
+/// Finds where a number of a function of time is written in the table `time`.
 NumberSpot spot_in(const toml::table* time, const TimeLaw& law, int number, const std::string& key) {
   if (const auto* const composed = std::get_if<ComposedInTime>(&law)) {
     const bool is_integral = composed->how == ComposedInTime::How::integral;

@@ -36,7 +36,7 @@ class Recording {
   int constant(double value);
   int node(LaneOp op, std::array<int, 3> of, double value);
 
-  /// Of a function in pieces all are recorded, each to be used where it holds, in place of the one in which the inputs
+  /// All pieces of a function are recorded, each to be used where it holds, in place of the one in which the inputs
   /// are, with guards.
   bool keeps_all_pieces = false;
   /// While the piece is looked for: what is answered to the first questions, to all others yes, and what was asked.

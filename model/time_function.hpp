@@ -154,7 +154,7 @@ struct ComposedInTime {
   static ComposedInTime of(How how, std::vector<double> own, std::vector<TimeLaw> parts, int order = 0);
   /// "sum", "product", "piecewise"; of an integral that of what is integrated.
   std::string_view kind() const;
-  /// Of a number: the part that has it, or -1 where it is one of `own`, and its place there.
+  /// Finds the part that has a number, or -1 where it is one of `own`, and its place there.
   std::pair<int, std::size_t> place_of(std::size_t number) const;
   double value(std::size_t number) const;
   /// Sets a number where others change with it, as TimeLaw::set_among_others(); set_alone() checks them.

@@ -111,7 +111,7 @@ class TomlTable {
   const TomlPlace& place() const { return place_; }
   /// SI value of one unit of a number in it, where there are parts.
   double unit(const Dimension& of) const;
-  /// By which strings stand for numbers; null where they do not.
+  /// The reader gives strings that stand for numbers their values; null where they do not stand for any.
   const ExpressionReader* expressions() const { return expressions_; }
   /// Orders tables as the document does: file, line, then column of the first key.
   std::array<int, 3> position() const;

@@ -201,7 +201,7 @@ ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const 
     if (options.progress) options.progress(t);
   }
   if (largest_force > 0.0) out.imbalance /= largest_force;
-  // Of a mechanism at rest powers and energies are rounding alone.
+  // Powers and energies of a mechanism at rest are rounding alone.
   constexpr double at_rest = 1e-12;
   const double nothing = at_rest * largest_force * model.scales().length;
   if (powers > nothing / nodes.back()) out.power_error = power_left / powers;

@@ -63,7 +63,7 @@ class InputLoad {
     near_ = near;
     set_value(static_cast<T>(input_.at(t, 0, near)));
   }
-  /// The same with the value of its function or curve there, times the unit.
+  /// Sets the load by the value of its function or curve at the time, times the unit.
   void set_value(const T& value) {
     value_ = value;
     extra_ = (input_.multiplies ? written_ * value_ : value_) - written_;
@@ -112,7 +112,7 @@ class InputSpring {
 
   int element() const { return functions_.front().item; }
   void set(double t, double near);
-  /// The same with value(function), of each function there.
+  /// Sets the numbers by value(function), what each function has at the time.
   template <class Value>
   void set_values(Value value);
   /// g += the generalized force in the pose, n values.

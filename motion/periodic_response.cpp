@@ -588,7 +588,7 @@ class Follower {
     return out;
   }
 
-  /// By golden sections over the two arcs at the point of largest amplitude.
+  /// Finds the largest amplitude by golden sections over the two arcs at the point of largest amplitude.
   void find_largest() {
     constexpr double narrow = 1e-5;
     const Branch* best = nullptr;

@@ -34,8 +34,8 @@ struct ResponseEvent {
   };
   Kind kind = Kind::largest;
   PeriodicAnswer at;
-  /// Of a fold at which a stable branch ends: as the frequency goes on, the motion jumps, to the stable answer nearest
-  /// in amplitude where one is known.
+  /// A stable branch ends at this fold: as the frequency goes on, the motion jumps, to the stable answer nearest in
+  /// amplitude where one is known.
   bool jumps = false;
   bool upwards = false;  ///< of a fold: the branch comes from lower frequencies
   std::optional<PeriodicAnswer> landing{};

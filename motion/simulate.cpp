@@ -420,8 +420,8 @@ class Simulation {
     }
   }
 
-  /// The same by a time at which the acceleration g'' of a drive jumps: where that time moves, the derivative of the
-  /// rate g' jumps, and with it that of the others by  d alpha/dg'' times as much.
+  /// Adds to derivatives by a time at which the acceleration g'' of a drive jumps: where that time moves, the
+  /// derivative of the rate g' jumps, and with it that of the others by  d alpha/dg'' times as much.
   void follow_jumps_of_drives(double t, std::size_t p) {
     const int f = reduced_.freedoms();
     std::vector<double> by_acceleration(static_cast<std::size_t>(f));

@@ -30,7 +30,7 @@ std::vector<char> needed_nodes(const EquationProgram::Part& part) {
   return needed;
 }
 
-/// Of an operation on a, b and c in either language.
+/// This is how an operation on a, b and c is written in either language.
 struct Spelling {
   const char* c;
   const char* python;

@@ -273,7 +273,7 @@ TEST(MotionCommand, DriveDoesTheWorkThatTheWheelGains) {
   EXPECT_NEAR(r["energies"]["end"]["work"], 0.5 * 3 * (140.0 * 140 - 20 * 20) * degree * degree, 1e-9);
 }
 
-// Of 3 kg m2 that a motor speeds up by 60 deg/s^2 from 20 deg/s: torque, power and work at every instant.
+// A motor speeds 3 kg m2 up by 60 deg/s^2 from 20 deg/s: torque, power and work are known at every instant.
 TEST(MotionCommand, ForcesAtEveryInstant) {
   const TempFolder folder;
   const std::string file = folder.path("a.json").string(), csv = folder.path("a.csv").string();

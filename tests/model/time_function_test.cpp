@@ -213,7 +213,7 @@ TEST(TimeFunction, VelocitiesAndAccelerationsAreIntegrated) {
     EXPECT_NEAR(rate.at(t, 2), 0.03 * w * std::cos(w * t), 1e-15 * (1 + w * w * std::abs(t))) << t;
     EXPECT_NEAR(pull.at(t), 0.04 - 0.002 * t + 0.03 / (w * w) * (1 - std::cos(w * t)), 1e-15 * (1 + t * t)) << t;
     EXPECT_NEAR(pull.at(t, 1), -0.002 + 0.03 / w * std::sin(w * t), 1e-15 * (1 + std::abs(t))) << t;
-    // By the amplitude, the frequency and the start.
+    // Derivatives by the amplitude and by both starts are known too.
     EXPECT_NEAR(rate.by(1, t, 0, t), (1 - std::cos(w * t)) / w, 1e-13 * (1 + std::abs(t))) << t;
     EXPECT_EQ(rate.by(0, t, 0, t), 1.0);
     EXPECT_EQ(pull.by(1, t, 0, t), t);

@@ -235,7 +235,7 @@ TEST(DeadCentre, GapsDoNotGrowInTenThousandSeconds) {
   EXPECT_NEAR(last[crank] - first[crank], 1e4, 1e-8);
 }
 
-// The same freely, without loads: the crank turns on by its inertia.
+// Without drive or loads the crank turns on freely by its inertia.
 TEST(DeadCentre, NorDoThoseOfAFreeMotion) {
   const MotionModel model(parse_scene(four_bar, "a.toml"));
   constexpr double coarse = 1e-4;

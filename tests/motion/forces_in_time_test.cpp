@@ -139,7 +139,7 @@ TEST(ForcesInTime, TheEnvelopeOfALinkSaysWhereAndWhen) {
   }
   EXPECT_EQ(normal.largest, 20U);
   EXPECT_EQ(normal.value[normal.largest].s, 0.0);
-  // Of the angular acceleration 2: the moment at the pin is that of the whole bar.
+  // The angular acceleration is 2, and the moment at the pin is that of the whole bar.
   EXPECT_NEAR(std::abs(turned.link("bar", "moment").value[10].value), m * l * l / 3 * 2, 1e-9);
 }
 

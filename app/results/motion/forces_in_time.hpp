@@ -9,7 +9,7 @@ namespace poise::app {
 /// and where on their line; in JSON `forces`.
 void add_forces_in_time(Group& group, const MotionModel& model, const ForcesInTime& found);
 
-/// The same at every time, as columns of the record, whose rows are `rows`: those of a run that was interrupted are
+/// Adds the forces at every time as columns of the record, whose rows are `rows`: those of an interrupted run are
 /// filled up.
 void add_force_columns(Table& table, const Scene& scene, const ForcesInTime& found, std::size_t rows);
 
