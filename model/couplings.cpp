@@ -130,12 +130,13 @@ constexpr Number point_number() {
   return number;
 }
 
-constexpr int cam_numbers_before = 3;
+constexpr int cam_numbers_before = 4;
 constexpr auto cam_numbers = []<std::size_t... Point>(std::index_sequence<Point...>) {
   Number lift = needed(factor_number<1>("lift", {}, Range::finite));
   lift.measure_power = 1;
   return std::array<Number, cam_numbers_before + most_curve_points>{
-      lift, shift_number<1>("phase", dimension::angle), value_number("base"), point_number<Point, true, true>()...};
+      lift, shift_number<1>("phase", dimension::angle), value_number("base"), Stop::restitution_number(),
+      point_number<Point, true, true>()...};
 }
 (std::make_index_sequence<most_curve_points>());
 constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1, 0, 1.0, true},
@@ -148,7 +149,7 @@ constexpr Number positive_value(std::string_view key) {
   length.range_of_measure = false;
   return length;
 }
-constexpr std::array<Number, 1> rope_numbers{positive_value("length")};
+constexpr std::array<Number, 2> rope_numbers{positive_value("length"), Stop::restitution_number()};
 
 // Of the three stops of a chain. The radii are factors of the first; in the second, what its measure is held at.
 // A scene whose numbers are scaled has that value scaled once, with the first of them.
@@ -175,8 +176,8 @@ constexpr Number radius_number(std::string_view key) {
   }
   return radius;
 }
-constexpr std::array<Number, 3> chain_numbers{radius_number<1>("radius_a"), radius_number<2>("radius_b"),
-                                              value_number("length")};
+constexpr std::array<Number, 4> chain_numbers{radius_number<1>("radius_a"), radius_number<2>("radius_b"),
+                                              value_number("length"), Stop::restitution_number()};
 constexpr std::array<CouplingPart, 3> chain_parts{CouplingPart{Of::factor, 1, 0, -1.0, true},
                                                   CouplingPart{Of::factor, 2, 1, 1.0, true},
                                                   CouplingPart{Of::value, 0, 2}};
@@ -206,9 +207,11 @@ constexpr Number rim_number() {
   return number;
 }
 
-// Of a rope with friction on its pulleys.
+// Of a rope, behind its own those of friction on its pulleys.
+constexpr std::size_t rope_numbers_before = 2;
 constexpr auto rubbing_rope_numbers = []<std::size_t... Rim>(std::index_sequence<Rim...>) {
-  return std::array<Number, 1 + most_rubbing_rims>{positive_value("length"), rim_number<Rim>()...};
+  return std::array<Number, rope_numbers_before + most_rubbing_rims>{
+      positive_value("length"), Stop::restitution_number(), rim_number<Rim>()...};
 }
 (std::make_index_sequence<most_rubbing_rims>());
 
@@ -557,7 +560,7 @@ std::span<const Number> Stop::numbers() const {
     }
     return all.first(static_cast<std::size_t>(points.first + points.points * points.components));
   }
-  if (table == "rope") return std::span(rubbing_rope_numbers).first(1 + rubbing_rims(on).size());
+  if (table == "rope") return std::span(rubbing_rope_numbers).first(rope_numbers_before + rubbing_rims(on).size());
   const CouplingKind* const kind = coupling_kind(*this);
   if (kind == nullptr) return limits;
   const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -103,6 +104,16 @@ class Numbers {
   /// Stop::max (`upper`) or Stop::min: a number of a plain stop, of a gas strut its length and stroke, of a coupling
   /// what its kind says where it is finite.
   T limit(int stop, bool upper) const;
+
+  /// The coefficient of restitution of a stop or coupling; 0 of those without.
+  T restitution(int stop) const {
+    if (list_->strut(stop) >= 0) return T(0);
+    const std::span<const Number> all = stop_of(list_->first_row(stop)).numbers();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (all[k].key == "restitution") return p_[list_->stop(stop) + static_cast<int>(k)];
+    }
+    return T(0);
+  }
 
   /// The tangent of the pressure angle of a gear or rack.
   T pressure_tangent(int stop) const {

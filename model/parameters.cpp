@@ -417,7 +417,7 @@ void follow_expressions(Scene& scene, bool in_range) {
     const double value = values[next++];
     if constexpr (std::is_same_v<decltype(item), Stop&>) {
       // Both limits of a stop: one alone might pass the other on the way.
-      if (row.place.owner == Owner::stop) {
+      if (row.place.owner == Owner::stop && row.place.number < 2) {
         (row.place.number == 0 ? item.min : item.max) = value;
         return;
       }

@@ -68,6 +68,7 @@ class CouplingReader {
     check_meshing(table, stop);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
+    if (stop.table == "cam" || stop.table == "rope") read_impact(table, stop);
     return stop;
   }
 
@@ -143,7 +144,7 @@ class CouplingReader {
   }
 
   void read_rope(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "over", "length"});
+    table.allow_keys({"name", "over", "length", "restitution", "law"});
     stop.on = Measure::rope_over(measures_.contacts(table, "over", true));
     if (rubbing_rims(stop.on).size() > most_rubbing_rims) {
       table.place_of("over").fail(fmt::format("expected at most {} pulleys with friction", most_rubbing_rims));
@@ -192,7 +193,8 @@ class CouplingReader {
   // In the frame of the strand, which begins at the centre of sprocket a: along it and over the rims, across it, and
   // its straight length.
   std::vector<Stop> read_chain(const CouplingKind& kind, const TomlTable& table, int strand) const {
-    table.allow_keys({"name", "a", "b", "radius_a", "radius_b", "turn", "crossed", "length", "slack"});
+    table.allow_keys({"name", "a", "b", "radius_a", "radius_b", "turn", "crossed", "length", "slack", "restitution",
+                      "law"});
     const auto [b, a] = points_of(table, "b", "a");
     const bool is_crossed = table.flag("crossed", false);
     const std::optional<TomlText> turn = table.find_text("turn");
@@ -216,6 +218,7 @@ class CouplingReader {
     rows[2].min = 0.0;
     read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
     if (table.flag("slack", false)) rows[0].min = -std::numeric_limits<double>::infinity();
+    read_impact(table, rows[0]);
     return rows;
   }
 
@@ -439,7 +442,8 @@ class CouplingReader {
 
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller"});
+    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller",
+                      "restitution"});
     const auto [a, b] = names_.two_bodies(table);
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)

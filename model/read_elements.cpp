@@ -364,7 +364,7 @@ class ElementReader {
 
   Stop read_stop(const TomlTable& table) const {
     Stop stop;
-    stop.on = measures_.read(table, all_measures(), {"min", "max"});
+    stop.on = measures_.read(table, all_measures(), {"min", "max", "restitution", "law"});
     const double unit = table.unit(stop.on.dimension());
     stop.min = table.find_number("min", unit, stop.on.range()).value_or(stop.min);
     stop.max = table.find_number("max", unit, stop.on.range()).value_or(stop.max);
@@ -372,6 +372,8 @@ class ElementReader {
       table.place().fail("expected the key min, max or both; add max = NUMBER");
     }
     if (!(stop.min <= stop.max)) table.place_of("max").fail("expected max >= min; exchange them");
+    read_numbers(table, std::span(Stop::limits).subspan(2), &stop, &stop.on);
+    read_impact(table, stop);
     return stop;
   }
 
@@ -397,6 +399,22 @@ void read_numbers(const TomlTable& table, std::span<const Number> numbers, void*
     const std::optional<double> value =
         number.needed_on(on) ? table.number(key, unit, range) : table.find_number(key, unit, range);
     if (value) located(table.place_of(key), [&] { number.set(item, *value); });
+  }
+}
+
+void read_impact(const TomlTable& table, Stop& stop) {
+  // A value that is not known yet is that of both limits.
+  const bool holds = stop.holds() || (std::isnan(stop.min) && std::isnan(stop.max));
+  for (const std::string_view key : {"restitution", "law"}) {
+    if (stop.table == "cam" && key == "law") continue;  // it is that of its lift
+    if (holds && table.has(key)) {
+      table.place_of(key).fail("expected no " + std::string(key) +
+                               " of what holds its measure on both sides, so that nothing hits; leave it out");
+    }
+  }
+  if (stop.table == "cam") return;
+  if (const std::optional<TomlText> law = table.find_text("law")) {
+    stop.impact_law = static_cast<ImpactLaw>(choose(*law, {"energetic", "newton", "poisson"}));
   }
 }
 

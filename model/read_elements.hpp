@@ -21,6 +21,10 @@ std::vector<std::string> numbered(std::string_view what, std::size_t count);
 /// keys. Fails if a required one is absent.
 void read_numbers(const TomlTable& table, std::span<const Number> numbers, void* item, const Measure* on);
 
+/// Reads what a stop, or a coupling that acts on one side, does in an impact besides its restitution: the key "law".
+/// Throws InputError where the stop holds its measure and has these keys.
+void read_impact(const TomlTable& table, Stop& stop);
+
 /// The tables of force elements, "spring", "torsion_spring", ..., in the order in which they are read.
 std::vector<std::string_view> element_tables();
 

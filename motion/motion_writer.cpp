@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 namespace poise {
 
 MotionWriter::MotionWriter(const MotionModel& model, const MotionOptions& options, const SensitivityColumns& columns,
@@ -17,8 +15,7 @@ MotionWriter::MotionWriter(const MotionModel& model, const MotionOptions& option
       out_(out),
       n_(unit_.size()),
       reach_(n_, 0.0),
-      speed_(n_, 0.0),
-      overrun_(model.scene().stops.size(), 0) {
+      speed_(n_, 0.0) {
   out_.trajectory.coordinates = static_cast<int>(n_);
   out_.trajectory.columns = columns.count();
   out_.drive_force.resize(model.scene().drives.size());
@@ -37,7 +34,6 @@ void MotionWriter::add(double t, const ReducedMotion<double>& reduced, const Mot
   pivot_.push_back(reduced.pivot());
   add_energies(reduced, step);
   if (columns_.count() > 0) add_sensitivities(reduced, step);
-  watch_stops(t, reduced);
 }
 
 void MotionWriter::add_energies(const ReducedMotion<double>& reduced, const MotionStep& step) {
@@ -93,18 +89,6 @@ void MotionWriter::add_sensitivities(const ReducedMotion<double>& reduced, const
       path.v_p[at] = unit_[i] * per * dv;
       path.a_p[at] = unit_[i] * per * da;
     }
-  }
-}
-
-void MotionWriter::watch_stops(double t, const ReducedMotion<double>& reduced) {
-  const Mechanism<double>& mechanism = model_.mechanism();
-  if (mechanism.stops() == 0) return;
-  const std::vector<double> g = reduced.stop_values();
-  for (std::size_t s = 0; s < g.size(); ++s) {
-    const double slack = 1e-9;
-    if (overrun_[s] != 0 || (g[s] >= mechanism.lower()[s] - slack && g[s] <= mechanism.upper()[s] + slack)) continue;
-    overrun_[s] = 1;
-    out_.overrun.push_back(fmt::format("{} at t = {:.4g} s", model_.scene().stops[s].name, t));
   }
 }
 

@@ -50,7 +50,6 @@ class MotionWriter {
  private:
   void add_energies(const ReducedMotion<double>& reduced, const MotionStep& step);
   void add_sensitivities(const ReducedMotion<double>& reduced, const MotionStep& step);
-  void watch_stops(double t, const ReducedMotion<double>& reduced);
   void read(const std::vector<double>& by, std::size_t column, std::vector<double>& out) const;
 
   const MotionModel& model_;
@@ -62,7 +61,6 @@ class MotionWriter {
   std::size_t n_;
   std::vector<double> reach_, speed_;
   std::vector<double> pivot_;
-  std::vector<char> overrun_;  // stops that were passed
   double energy_ = 0.0, exchanged_ = 0.0;
   std::size_t smooth_from_ = 0, piece_from_ = 0;
 };

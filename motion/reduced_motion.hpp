@@ -14,6 +14,7 @@
 #include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/small_lu.hpp"
+#include "motion/touch.hpp"
 #include "motion/variation.hpp"
 
 namespace poise {
@@ -123,7 +124,7 @@ class ReducedMotion {
   const Layout& layout() const { return mechanism_.layout(); }
   int coordinates() const { return n_; }
   int freedoms() const { return static_cast<int>(independent_.size()); }
-  /// Drives, stops whose limits are equal, and rows of friction that is held.
+  /// Drives, stops whose limits are equal, limits of stops that are touched, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
   const std::vector<int>& independent() const { return independent_; }
   /// The rows of J, rank() of them, from which the other coordinates follow.
@@ -138,6 +139,17 @@ class ReducedMotion {
   /// (TimeFunction); NaN: at the time of each pose, as without a call.
   void set_near(double time) { near_ = time; }
   double near() const { return near_; }
+  /// Holds the measures of stops at these limits, by one more row each after those of the drives and of stops whose
+  /// limits are equal; friction is held by none any more. `scene` is the one given to the constructor. Call
+  /// set_sliding() thereafter where some friction sticks, and choose().
+  void set_touching(const Scene& scene, std::vector<Touch> touching);
+  const std::vector<Touch>& touching() const { return touching_; }
+  /// Force of the k-th of these limits on its measure, positive where it pushes the measure back between the limits;
+  /// after jump() its impulse.
+  T pushing_force(std::size_t k) const {
+    const T& multiplier = drive_multipliers_[prescribed_ + k];
+    return touching_[k].upper ? multiplier : T(-multiplier);
+  }
   /// How friction that sticks (DryFriction of width 0) moves: per element of the scene, which is the one given to the
   /// constructor, the direction 1 or -1 in which it slides, or 0 where it is held: its measure keeps the value that it
   /// has at q, by one more row after those of the drives. Without a call the signs of the rates are the directions.
@@ -241,6 +253,18 @@ class ReducedMotion {
   const T* alpha_z(int k) const { return alpha_z_.data() + static_cast<std::size_t>(k) * freedoms(); }
   const T* alpha_w(int k) const { return alpha_w_.data() + static_cast<std::size_t>(k) * freedoms(); }
 
+  /// The jump of rates by impulses, at the pose that place() was called for: the rates of the measures that are touched
+  /// change by `steps`, in the order of touching(), all other rows of J v stay. a() is the jump,
+  ///   M a + J^T P = 0,   J a = steps,
+  /// the multipliers are the impulses P, v() is zero. Forces are finite and have no part in it. linearize() and
+  /// jump_change() are then those of the jump, until move().
+  void jump(const T* steps);
+  /// After jump() and linearize(): the derivative of the jump where the pose moves along dq, the steps change by
+  /// `steps`, and, unless null, a number of the scene by `influence`; n values.
+  void jump_change(const T* dq, const T* steps, const Influence* influence, T* change);
+  /// After evaluate(), f values: the jump of w by a unit impulse along the slope (n values) of a measure.
+  void respond(const T* slope, T* dw) const;
+
   /// Gives the size c |R| by which the bound of friction that sticks exceeds that of its law, of an element of the
   /// scene. Call it after accelerate().
   T load_bound(int element) const;
@@ -270,6 +294,8 @@ class ReducedMotion {
   /// Power of everything without a potential: resistances (negative), follower loads, inputs less the constant loads in
   /// whose place they are, drives. After accelerate().
   T power() const;
+  /// That of the drives alone; after jump(), times the impulses of the drives, the work of these.
+  T drive_power() const;
   /// Values of the measures that the stops limit, in the pose placed; the mechanism's stops() values.
   std::vector<T> stop_values() const;
   /// Force (torque, N m or N in the scene's units) of drive k. After accelerate().
@@ -331,6 +357,8 @@ class ReducedMotion {
   void fill_jacobian();
   void solve_rows(const T* rows, T* full) const;  // full[dependent] = -Jd^-1 rows, full[independent] = 0
   void place_accelerations();
+  void find_forces();
+  Status solve_accelerations();
   void find_multipliers();
   void add_accelerations(const T* alpha);
   bool leaves_open();
@@ -374,7 +402,10 @@ class ReducedMotion {
   const Inertia<T>& inertia_;
   int n_, rows_;
   std::vector<DriveRow> drives_;
-  std::size_t prescribed_ = 0;  // rows of drives and stops, before those of friction
+  std::size_t prescribed_ = 0;   // rows of drives and stops, before those of limits touched and of friction
+  std::vector<Touch> touching_;  // see set_touching()
+  std::vector<T> steps_;         // of jump()
+  bool jumps_ = false;           // the state is that of jump()
   std::vector<MotionInput> inputs_;
   InputForces<T> input_forces_;
   int first_rank_ = -1;
@@ -391,7 +422,7 @@ class ReducedMotion {
       multipliers_;
   std::vector<int> sliding_, held_;  // see set_sliding()
   std::vector<T> resistances_;       // at q, v
-  std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_;
+  std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_, tangent_of_loads_;
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;
   std::vector<Planar<T>> second_, weight_;

@@ -50,9 +50,12 @@ void ReducedMotion<T>::place_accelerations() {
   mechanism_.phasors().second(pose_.data(), v_.data(), v_.data(), second_.data());
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(second_.data(), rows_work_.data());
-  for (int k = 0; k < drives(); ++k) {
+  for (int k = 0; k < drives() && !jumps_; ++k) {
     rows_work_[mechanism_.equalities() + k] =
         drives_[k].on.second(here(), v_.data(), v_.data()) - drives_[k].target(t_, 2, near_at(t_));
+  }
+  for (std::size_t k = 0; k < touching_.size() && jumps_; ++k) {
+    rows_work_[static_cast<std::size_t>(mechanism_.equalities()) + prescribed_ + k] = -steps_[k];
   }
   solve_rows(rows_work_.data(), a_.data());
   mechanism_.phasors().first(pose_.data(), a_.data(), work_.data());
@@ -61,17 +64,36 @@ void ReducedMotion<T>::place_accelerations() {
 
 template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector<double>* sizes) {
-  using std::sqrt;
-  const int f = freedoms();
   place_accelerations();
+  find_forces();
+  const Status solved = solve_accelerations();
+  if (solved != Status::ok) return solved;
+  const Status added = gripping_ ? add_gripping_friction(sizes) : Status::ok;
+  if (drives() > 0) find_multipliers();
+  return added;
+}
+
+// G at the accelerations a0; of a jump only its part of inertia.
+template <class T>
+void ReducedMotion<T>::find_forces() {
   inertia_.weigh(second_.data(), weight_.data());
-  mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-  mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data());
-  mechanism_.add_resistance(resistances_.data(), full_force_.data());
-  input_forces_.add(pose_.data(), full_force_.data());
+  if (jumps_) {
+    std::fill(full_force_.begin(), full_force_.end(), T(0));
+  } else {
+    mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
+    mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data());
+    mechanism_.add_resistance(resistances_.data(), full_force_.data());
+    input_forces_.add(pose_.data(), full_force_.data());
+  }
   mechanism_.phasors().add_projection(pose_.data(), weight_.data(), full_force_.data());
   for (int i = 0; i < n_; ++i) full_force_[i] += inertia_.moment(i) * a_[i];
+}
 
+// (B^T M B) alpha = -B^T G(a0), with accelerations and G at this alpha.
+template <class T>
+typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
+  using std::sqrt;
+  const int f = freedoms();
   for (int k = 0; k < f; ++k) {
     Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
@@ -102,9 +124,40 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector
   for (T& x : alpha_) x = -x;
   divide_by_mass(alpha_.data());
   add_accelerations(alpha_.data());
-  const Status added = gripping_ ? add_gripping_friction(sizes) : Status::ok;
-  if (drives() > 0) find_multipliers();
-  return added;
+  return Status::ok;
+}
+
+template <class T>
+void ReducedMotion<T>::jump(const T* steps) {
+  jumps_ = true;
+  steps_.assign(steps, steps + touching_.size());
+  std::fill(v_.begin(), v_.end(), T(0));
+  place_accelerations();
+  find_forces();
+  solve_accelerations();
+  find_multipliers();
+}
+
+template <class T>
+void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence* influence, T* change) {
+  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound}) {
+    std::fill(part->begin(), part->end(), T(0));
+  }
+  if (influence != nullptr && influence->variation >= 0) add_direct(static_cast<std::size_t>(influence->variation));
+  if (influence != nullptr && influence->body >= 0) {
+    add_influence(*influence, a_.data(), second_.data(), direct_.force.data());
+  }
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    direct_.acceleration[static_cast<std::size_t>(mechanism_.equalities()) + prescribed_ + k] -= steps[k];
+  }
+  std::vector<T> rates(static_cast<std::size_t>(n_)), alpha(static_cast<std::size_t>(freedoms()));
+  linearize_pose(dq, &direct_, rates.data(), change, alpha.data());
+}
+
+template <class T>
+void ReducedMotion<T>::respond(const T* slope, T* dw) const {
+  project(slope, dw);
+  divide_by_mass(dw);
 }
 
 // B alpha to the accelerations, and what belongs to it to forces.
@@ -170,22 +223,24 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       if (!full && row[e] != column[e]) force_[column[e]] += tangent_[e] * dq[row[e]];
     }
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
-    for (std::size_t c = 0; c < contact_efforts_.size(); ++c) {
+    for (std::size_t c = 0; c < contact_efforts_.size() && !jumps_; ++c) {
       const T& effort = contact_efforts_[c];
       drives_[stop_row(static_cast<int>(c))].on.add_bend(here(), dq, effort, force_.data());
       bearing_loads_.add_change(bearing_loads_.contacts()[c], effort, abs(effort), pose_.data(), dq, force_.data());
     }
-    input_forces_.add_change(pose_.data(), dq, force_.data());
+    if (!jumps_) input_forces_.add_change(pose_.data(), dq, force_.data());
   }
-  mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(), dv,
-                                   force_.data());
+  if (!jumps_) {
+    mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(),
+                                     dv, force_.data());
+  }
   if (direct != nullptr) {
     for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];
   }
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
   divide_change_by_mass(dalpha);
-  if (gripping_) let_friction_follow(dq, direct, force_.data(), dalpha);
+  if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
   for (int k = 0; k < freedoms(); ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
@@ -227,6 +282,12 @@ void ReducedMotion<T>::linearize() {
   find_multipliers();
   if (variations_) state_for_variations();
   mechanism_.tangent(pose_.data(), multipliers_.data(), tangent_.data());
+  if (jumps_) {
+    std::fill(rows_work_.begin(), rows_work_.end(), T(0));
+    tangent_of_loads_.resize(tangent_.size());
+    mechanism_.tangent(pose_.data(), rows_work_.data(), tangent_of_loads_.data());
+    for (std::size_t e = 0; e < tangent_.size(); ++e) tangent_[e] -= tangent_of_loads_[e];
+  }
   for (int k = 0; k < freedoms(); ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
     const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
@@ -248,7 +309,7 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
   }
   inertia_.add_body(influence.body,
                     {static_cast<T>(influence.mass), planar_cast<T>(influence.first), static_cast<T>(influence.moment)},
-                    pose_.data(), a, second, g, input_forces_.frame());
+                    pose_.data(), a, second, g, jumps_ ? Planar<T>{} : input_forces_.frame());
 }
 
 template <class T>
@@ -260,7 +321,7 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
   for (std::size_t i = 0; i < first_teeth_; ++i) joints.push_back(grips_[i].joint);
   std::size_t pose = 0;
   for (const Variation& variation : variations) {
-    variations_->terms.emplace_back(variation, inputs_, held_, joints, growing(grips_));
+    variations_->terms.emplace_back(variation, inputs_, touching_, held_, joints, growing(grips_));
     pose = std::max(pose, variations_->terms.back().pose_size());
   }
   variations_->state.pose.resize(pose);
@@ -283,6 +344,7 @@ void ReducedMotion<T>::state_for_variations() {
   state.t = static_cast<double>(t_);
   state.near = near_at(t_);
   state.sliding = sliding();
+  state.jumps = jumps_;
   take(state.q, q_);
   take(state.v, v_);
   take(state.a, a_);
@@ -299,7 +361,7 @@ void ReducedMotion<T>::add_direct(std::size_t variation) {
   VariationTerms& terms = variations_->terms[variation];
   terms.add(variations_->state, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(),
             direct_.force.data());
-  for (std::size_t i = 0; gripping_ && i < first_teeth_; ++i) {
+  for (std::size_t i = 0; gripping_ && !jumps_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
     if (grip.is_pin()) continue;
@@ -439,8 +501,15 @@ T ReducedMotion<T>::power() const {
   input_forces_.add(pose_.data(), full_.data());
   T power = mechanism_.has_follower_loads() ? mechanism_.follower_power(pose_.data(), v_.data()) : T(0);
   for (int i = 0; i < n_; ++i) power -= v_[i] * full_[i];
-  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
+  power += drive_power();
   for (std::size_t i = 0; i < first_teeth_; ++i) power -= efforts_[i] * grips_[i].on.along(here(), v_.data());
+  return power;
+}
+
+template <class T>
+T ReducedMotion<T>::drive_power() const {
+  T power(0);
+  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
   return power;
 }
 

@@ -141,12 +141,30 @@ void ReducedMotion<T>::make_rows() {
 }
 
 template <class T>
+void ReducedMotion<T>::set_touching(const Scene& scene, std::vector<Touch> touching) {
+  known_ = false;
+  first_rank_ = -1;
+  held_.clear();
+  touching_ = std::move(touching);
+  drives_.resize(prescribed_);
+  for (const Touch& touch : touching_) {
+    const Stop& stop = scene.stops[static_cast<std::size_t>(touch.stop)];
+    Drive still;
+    still.start = touch.upper ? stop.max : stop.min;
+    drives_.push_back(
+        {still, {scene, mechanism_.layout(), mechanism_.phasors(), stop.on}, static_cast<T>(*still.start)});
+  }
+  make_rows();
+}
+
+template <class T>
 void ReducedMotion<T>::set_sliding(const Scene& scene, std::vector<int> sliding, const T* q) {
   known_ = false;
   first_rank_ = -1;
   sliding_ = std::move(sliding);
   held_.clear();
-  drives_.resize(prescribed_);
+  const std::size_t first = prescribed_ + touching_.size();
+  drives_.resize(first);
   for (std::size_t e = 0; e < sliding_.size(); ++e) {
     if (sliding_[e] != 0) continue;
     held_.push_back(static_cast<int>(e));
@@ -154,7 +172,7 @@ void ReducedMotion<T>::set_sliding(const Scene& scene, std::vector<int> sliding,
   }
   make_rows();
   mechanism_.place(q, pose_.data());
-  for (std::size_t row = prescribed_; row < drives_.size(); ++row) {
+  for (std::size_t row = first; row < drives_.size(); ++row) {
     drives_[row].start = drives_[row].on.value(here());
   }
 }
@@ -458,6 +476,7 @@ typename ReducedMotion<T>::Opening ReducedMotion<T>::fastest_opening() {
 
 template <class T>
 void ReducedMotion<T>::move(const T* w) {
+  jumps_ = false;
   if (drives() > 0) {
     std::fill(rows_work_.begin(), rows_work_.end(), T(0));
     for (int k = 0; k < drives(); ++k) rows_work_[mechanism_.equalities() + k] = -drives_[k].target(t_, 1, near_at(t_));

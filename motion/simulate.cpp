@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/joint_friction.hpp"
+#include "motion/contacts.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/motion_step.hpp"
 #include "motion/motion_writer.hpp"
@@ -35,6 +36,10 @@ constexpr double comfortable_pivot = 1e-3;
 constexpr double nearly_singular = 1e-2;
 /// Part of the duration within which a dead centre is looked for where no step succeeds.
 constexpr double looked_ahead = 0.01;
+/// Bounces that rise less, in sizes of the mechanism or rad, are over.
+constexpr double least_bounce = 1e-13;
+/// A gap that comes so near to zero, in accuracies of the motion, or would only just pass it, may close or not.
+constexpr double grazing = 10.0;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
 
@@ -76,6 +81,7 @@ class Simulation {
         options_(options),
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
         friction_(model, options.variations, reduced_),
+        contacts_(model, options.variations),
         borders_(model, options.variations),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
         breaks_(inputs_, options.duration),
@@ -84,7 +90,7 @@ class Simulation {
         step_(model, options, reduced_, columns_.count()),
         nodes_(model, options, columns_, q_start_, out_),
         error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts()),
-        ends_(reduced_, step_, friction_, borders_) {
+        ends_(reduced_, step_, friction_, contacts_, borders_) {
     out_.freedoms = columns_.freedoms();
     out_.independent = columns_.independent();
     const std::vector<double> v = model.from_si(start.v);
@@ -116,6 +122,7 @@ class Simulation {
   std::vector<int> first_choice() {
     reduced_.set_inputs(model_.scaled_scene(), scaled(inputs_, model_.scene(), model_.scales()));
     refuse_unknown_derivatives();
+    contacts_.refuse_start(q_start_.data());
     reduced_.begin(0.0, q_start_.data(), options_.independent.empty() ? nullptr : &options_.independent);
     return reduced_.independent();
   }
@@ -171,17 +178,22 @@ class Simulation {
       }
       const StepEnds::Border border = borders_.act() ? ends_.meets_border(t) : StepEnds::Border{};
       const double to_border = step_.length;
-      const bool event = friction_.acts() && ends_.meets_event(t);
-      if (event) friction_.meet(reduced_);
+      Event event;
+      event.hits = contacts_.act() && ends_.meets_hit(t);
+      const double to_hit = step_.length;
+      const bool switches = can_switch() && ends_.meets_event(t);
+      if (switches) meet(event, to_hit);
+      if (contacts_.act() && !event.hits) note_grazing(t);
+      const bool changes = switches || event.hits;
       t = last && step_.length == left ? end : t + step_.length;
       ++out_.steps;
       step_.accept();
       add_node(t);
       if (is_torn(t)) return;
       if (t == end && !cross_break(t)) return;
-      if (event && !change_friction(t)) return;
-      if (event) ends_.forget_approach();
-      const bool crosses = border.is_reached && !event && step_.length == to_border;
+      if (changes && !change_mode(t, event)) return;
+      if (changes) ends_.forget_approach();
+      const bool crosses = border.is_reached && !changes && step_.length == to_border;
       h = length_near_border(h, border, crosses);
       if (crosses && !cross_border(t)) return;
       if (options_.progress) options_.progress(t);
@@ -204,8 +216,36 @@ class Simulation {
     refuse_contradicting_drives(model_, reduced_);
     h = ahead_ = first_step();
     add_node(0.0);
-    return !is_torn(0.0) && (!friction_.acts() || change_friction(0.0));
+    if (is_torn(0.0)) return false;
+    const bool touches = contacts_.act() && contacts_.is_near();
+    return (!friction_.acts() && !touches) || change_mode(0.0, {.hits = touches});
   }
+
+  /// What happens at the end of a step besides breaks and borders.
+  struct Event {
+    bool hits = false;            ///< the gap of a stop closes
+    bool of_friction = false;     ///< something begins to slide or is held
+    std::optional<Touch> left{};  ///< the force at a limit of a stop that is touched falls to zero
+  };
+
+  bool can_switch() const { return friction_.acts() || !reduced_.touching().empty(); }
+
+  /// Notes what the event is that ends the step just made, which passed a length `to_hit` at which a gap closes.
+  void meet(Event& event, double to_hit) {
+    event.hits = event.hits && step_.length == to_hit;
+    event.of_friction = friction_.acts() && ends_.is_of_friction();
+    if (event.of_friction)
+      friction_.meet(reduced_);
+    else
+      event.left = contacts_.least();
+  }
+
+  void note_grazing(double t) {
+    const std::optional<Touch> near = contacts_.grazed(reduced_, step_.length, grazing * options_.accuracy);
+    if (near) add_event({.t = t + step_.length, .kind = ContactEvent::Kind::graze, .at = *near, .unique = false});
+  }
+
+  void add_event(ContactEvent event) { out_.events.push_back(event); }
 
   bool may_go_on(double t) {
     if (options_.interrupt != nullptr && options_.interrupt->load()) {
@@ -255,7 +295,9 @@ class Simulation {
       h = std::min(steered_step(nodes_.times(), nodes_.pivots(), h), breaks_.next(t) - t);
     }
     // Forces of what is held follow loads and drives, whatever moves.
-    if (friction_.acts() && StickSlip::holds(reduced_)) h = std::min(h, shortest_period_ / 4);
+    if (can_switch() && (StickSlip::holds(reduced_) || !reduced_.touching().empty())) {
+      h = std::min(h, shortest_period_ / 4);
+    }
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
@@ -320,7 +362,7 @@ class Simulation {
     if (gap.row < 0) return false;
     if (gap.size > out_.gap || out_.gap_of.empty()) {
       out_.gap = gap.size;
-      out_.gap_of = name_of_row(model_, gap.row);
+      out_.gap_of = name_of_row(model_, gap.row, reduced_.touching());
     }
     if (gap.size <= joints_closed_within + 2e3 * eps / (reduced_.pivot() + eps)) return false;
     nodes_.drop();
@@ -338,7 +380,7 @@ class Simulation {
   bool passes_singular_pose(double& t, double& h) {
     constexpr double wider = 2.0, stays_within = 0.05;
     const std::vector<double>& pivots = nodes_.pivots();
-    if (reduced_.freedoms() > 0 || reduced_.rank() == 0 || friction_.acts() || columns_.count() > 0) return false;
+    if (reduced_.freedoms() > 0 || reduced_.rank() == 0 || can_switch() || columns_.count() > 0) return false;
     std::size_t from = nodes_.nodes() - 1;
     while (from > nodes_.piece_from() && pivots[from] < wider * pivots.back()) --from;
     const double since = t - nodes_.times()[from];
@@ -387,7 +429,7 @@ class Simulation {
       return false;
     }
     // What rests may begin to move where a drive or a load begins to change.
-    if (friction_.acts()) return change_friction(t, false);
+    if (can_switch()) return change_mode(t, {});
     if (!breaks_.jumps(t)) return true;
     if (columns_.count() > 0) {
       follow_jumps(t);
@@ -475,19 +517,30 @@ class Simulation {
     return true;
   }
 
-  /// Goes on from the last node with other friction sliding or held. Rates stay and accelerations jump, so that with
-  /// the time T(p) of the event the derivatives of the rates jump by  (accelerations before - after) dT/dp.
-  /// The time of an event that is not `of_friction` does not depend on numbers.
-  bool change_friction(double t, bool of_friction = true) {
-    const double work = step_.work();
-    const bool started = nodes_.nodes() > 1 && of_friction;
-    const StickSlip::Choice choice = friction_.choose(reduced_, t, ahead_);
-    if (choice != StickSlip::Choice::made) {
-      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, words_of(choice)));
-      return false;
+  /// Goes on from the last node in another mode: with other friction sliding or held, other limits touched, and other
+  /// rates where gaps close. With the time T(p) of the event, accelerations a, and the jump j of the rates,
+  ///   q_p after = q_p - j T_p,   v_p after = v_p + a_before T_p + d(j) - a_after T_p,
+  /// d(j) along the changes of places and rates at the event.
+  bool change_mode(double t, const Event& event) {
+    const std::size_t n = q_start_.size();
+    const std::vector<double> q(reduced_.q(), reduced_.q() + n), before(reduced_.v(), reduced_.v() + n);
+    std::vector<double> v = before;
+    double work = step_.work();
+    read_changes();
+    if (event.of_friction && nodes_.nodes() > 1) {
+      for (Change& one : changes_) one.later = friction_.event_time_by(one.dq.data(), one.dv.data(), one.variation);
     }
+    if (event.left && !event.hits) add_event({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
+    if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t, q, v, event.left))) return false;
+    friction_.forget_event();
     set_state(reduced_.q(), reduced_.v(), work);
-    carry_sensitivities(started);
+    for (Change& one : changes_) {
+      for (std::size_t i = 0; i < n; ++i) {
+        one.dq[i] += (before[i] - v[i]) * one.later;
+        one.dv[i] += one.jump[i] + (nodes_.acceleration(i) - reduced_.a()[i]) * one.later;
+      }
+    }
+    write_changes();
     step_.remake();
     if (!step_.evaluate(t)) {
       give_up(t);
@@ -496,30 +549,139 @@ class Simulation {
     avoid_singular_poses();
     add_node(t);
     nodes_.begin_piece();
+    if (out_.touched.empty() ? !reduced_.touching().empty() : out_.touched.back().touching != reduced_.touching()) {
+      out_.touched.push_back({t, reduced_.touching()});
+    }
     return true;
   }
 
-  /// Sets the sensitivities behind an event of friction from those at the last node; `shifts`: its time depends on
-  /// numbers.
-  void carry_sensitivities(bool shifts) {
+  bool choose_mode(double t, const std::vector<double>& q, const std::vector<double>& v, std::optional<Touch> left) {
+    const StickSlip::Choice choice = contacts_.choose(reduced_, friction_, t, ahead_, q, v, left);
+    if (choice == StickSlip::Choice::made) return true;
+    stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s {}", t, words_of(choice, friction_.acts())));
+    return false;
+  }
+
+  /// Lets the gaps rebound that close at the coordinates q and rates v, which become those after it, and chooses the
+  /// mode there.
+  bool rebound(double t, const std::vector<double>& q, std::vector<double>& v, double& work, std::optional<Touch> left) {
+    const std::size_t n = q.size();
+    const std::vector<double> before = v;
+    std::vector<char> plastic(contacts_.sides().size(), 0);
+    std::vector<double> rests(contacts_.sides().size(), -1.0);  // times at which bounces end
+    // Each side may turn out to have bounced for the last time.
+    for (;;) {
+      const Contacts::Hit hit = contacts_.hit(reduced_, t, q, before, plastic);
+      if (hit.outcome == Contacts::Hit::Outcome::none) return choose_mode(t, q, v, left);
+      if (hit.outcome != Contacts::Hit::Outcome::done) {
+        const std::string name = contacts_.name_of(contacts_.sides()[hit.first].at);
+        stop(MotionStatus::jammed, fmt::format("at t = {:.9g} s {}", t,
+                                               hit.outcome == Contacts::Hit::Outcome::gains
+                                                   ? gaining_impact(name)
+                                                   : pushing_drive(name)));
+        return false;
+      }
+      for (std::size_t i = 0; i < n; ++i) v[i] = before[i] + hit.jump[i];
+      if (t > 0.0) differentiate(hit, before);
+      if (!choose_mode(t, q, v, {})) return false;
+      bool again = false;
+      for (std::size_t i = 0; i < hit.sides.size(); ++i) {
+        const std::size_t k = hit.sides[i];
+        const double rate = hit.impact.rate[i], falls = contacts_.acceleration(k, reduced_);
+        const double loss = 1 - contacts_.rebound(k);
+        if (!(hit.before[i] < 0.0 && rate > 0.0 && falls < 0.0 && loss > 0.0) || plastic[k] != 0) continue;
+        if (!(rate * rate < -2 * falls * least_bounce)) continue;
+        plastic[k] = 1;
+        rests[k] = t + 2 * rate / (-falls * loss);
+        again = true;
+      }
+      if (again) continue;
+      work += hit.work;
+      write_events(t, hit, rests);
+      return true;
+    }
+  }
+
+  void write_events(double t, const Contacts::Hit& hit, const std::vector<double>& rests) {
+    for (std::size_t i = 0; i < hit.sides.size(); ++i) {
+      if (!(hit.impact.impulse[i] > 0.0)) continue;
+      const Contacts::Side& side = contacts_.sides()[hit.sides[i]];
+      const Scales& scales = model_.scales();
+      const bool turns = model_.scene().stops[static_cast<std::size_t>(side.at.stop)].on.is_angle();
+      const double unit = turns ? 1.0 : scales.length;
+      const double impulse = hit.impact.impulse[i], before = hit.before[i], after = hit.impact.rate[i];
+      // It would have turned round just behind the limit, or not have come so far.
+      const bool grazes = side.acceleration > 0.0 &&
+                          before * before < 2 * side.acceleration * grazing * options_.accuracy;
+      add_event({.t = t,
+                 .kind = ContactEvent::Kind::impact,
+                 .at = side.at,
+                 .rate_before = before * unit,
+                 .rate_after = after * unit,
+                 .impulse = impulse * (turns ? scales.energy() : scales.force),
+                 .energy_lost = -impulse * (before + after) / 2 * scales.energy(),
+                 .unique = hit.impact.unique && !grazes});
+      if (rests[hit.sides[i]] >= 0.0) {
+        add_event({.t = rests[hit.sides[i]], .kind = ContactEvent::Kind::rest, .at = side.at});
+      }
+    }
+  }
+
+  /// What becomes of the derivatives by one column at an event.
+  struct Change {
+    int variation = -1;
+    const Influence* influence = nullptr;
+    std::vector<double> dq, dv;  // at the time of the event
+    std::vector<double> jump;    // derivative of the jump of the rates
+    double later = 0.0;          // T_p
+  };
+
+  void read_changes() {
     const std::size_t n = q_start_.size();
-    const int f = reduced_.freedoms();
-    const auto width = static_cast<std::size_t>(columns_.count());
-    step_.held_by.assign(reduced_.held().size() * width, 0.0);
+    changes_.resize(static_cast<std::size_t>(columns_.count()));
+    for (std::size_t c = 0; c < changes_.size(); ++c) {
+      Change& one = changes_[c];
+      one.variation = columns_.variation_of(c);
+      const int influence = columns_.influence_of(static_cast<int>(c));
+      one.influence = influence < 0 ? nullptr : &options_.influences[static_cast<std::size_t>(influence)];
+      for (std::vector<double>* part : {&one.dq, &one.dv, &one.jump}) part->assign(n, 0.0);
+      one.later = 0.0;
+      nodes_.read_places_by(c, one.dq);
+      nodes_.read_rates_by(c, one.dv);
+    }
+  }
+
+  /// Finds the derivatives of the jump that the equations have just made from the rates v, and of its time.
+  void differentiate(const Contacts::Hit& hit, const std::vector<double>& v) {
+    if (changes_.empty()) return;
+    const std::size_t n = v.size();
+    reduced_.set_variations(options_.variations);
+    reduced_.linearize();
     std::vector<double> dq(n), dv(n);
+    for (Change& one : changes_) {
+      one.later = contacts_.hit_time_by(reduced_, hit.first, v.data(), one.dq.data(), one.variation);
+      for (std::size_t i = 0; i < n; ++i) {
+        dq[i] = one.dq[i] + v[i] * one.later;
+        dv[i] = one.dv[i] + nodes_.acceleration(i) * one.later;
+      }
+      contacts_.jump_by(reduced_, hit, v, dq.data(), dv.data(), one.influence, one.jump.data());
+    }
+  }
+
+  /// Sets the sensitivities behind an event.
+  void write_changes() {
+    const int f = reduced_.freedoms();
+    const std::size_t width = changes_.size();
+    step_.held_by.assign(reduced_.held().size() * width, 0.0);
     for (std::size_t c = 0; c < width; ++c) {
-      const int variation = columns_.variation_of(c);
-      nodes_.read_places_by(c, dq);
-      nodes_.read_rates_by(c, dv);
-      const double later = shifts ? friction_.event_time_by(dq.data(), dv.data(), variation) : 0.0;
-      for (std::size_t i = 0; i < n; ++i) dv[i] += (nodes_.acceleration(i) - reduced_.a()[i]) * later;
+      const Change& one = changes_[c];
       for (int k = 0; k < f; ++k) {
         const auto i = static_cast<std::size_t>(reduced_.independent()[k]);
-        step_.y[step_.sensitivity(k, static_cast<int>(c))] = dq[i];
-        step_.y[step_.sensitivity(f + k, static_cast<int>(c))] = dv[i];
+        step_.y[step_.sensitivity(k, static_cast<int>(c))] = one.dq[i];
+        step_.y[step_.sensitivity(f + k, static_cast<int>(c))] = one.dv[i];
       }
       for (std::size_t h = 0; h < reduced_.held().size(); ++h) {
-        step_.held_by[h * width + c] = friction_.held_value_by(reduced_, h, dq.data(), variation);
+        step_.held_by[h * width + c] = friction_.held_value_by(reduced_, h, one.dq.data(), one.variation);
       }
     }
   }
@@ -596,6 +758,7 @@ class Simulation {
   Motion out_;
   Reduced reduced_;
   StickSlip friction_;
+  Contacts contacts_;
   ProfileBorders borders_;
   std::vector<MotionInput> inputs_;  // of the options and the scene
   InputBreaks breaks_;
@@ -608,7 +771,8 @@ class Simulation {
   struct Passed {
     double time, length;
   };
-  std::vector<Passed> passed_;  // singular poses that were stepped over, and by what length
+  std::vector<Change> changes_;  // by column, at the last event
+  std::vector<Passed> passed_;   // singular poses that were stepped over, and by what length
   double limit_ = 0.0;          // of pivots: steps avoid those below
   double ahead_ = 0.0;          // time in which choices of friction are told apart
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
@@ -634,8 +798,15 @@ std::string to_string(MotionStatus status) {
       return "no inertia";
     case MotionStatus::step_limit:
       return "step limit";
+    case MotionStatus::jammed:
+      return "jammed";
   }
   return "";
+}
+
+std::string to_string(ContactEvent::Kind kind) {
+  constexpr const char* words[] = {"impact", "rest", "lift-off", "graze"};
+  return words[static_cast<std::size_t>(kind)];
 }
 
 namespace {

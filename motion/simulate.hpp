@@ -8,6 +8,7 @@
 
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion.hpp"
+#include "motion/touch.hpp"
 #include "motion/trajectory.hpp"
 
 namespace poise {
@@ -58,7 +59,8 @@ enum class MotionStatus {
   stuck,       ///< no step succeeds: a dead centre, or loops that open
   torn,        ///< a joint or drive opened whose equation repeated others at the start
   no_inertia,  ///< a degree of freedom has no inertia
-  step_limit
+  step_limit,
+  jammed,      ///< a drive pushes against a stop, or a law of impact would add energy
 };
 
 std::string to_string(MotionStatus status);
@@ -71,14 +73,44 @@ struct SingularPlace {
   std::string branch{};  ///< of one that is passed: how it goes on, "crank at 12.6 rad/s"
 };
 
+/// What happens at a limit of a stop at an instant of a motion; SI.
+struct ContactEvent {
+  enum class Kind {
+    impact,    ///< the gap closes: an impulse
+    rest,      ///< bounces that become ever shorter have ended: the limit is touched from here on
+    lift_off,  ///< the force that keeps it touched has fallen to zero
+    graze      ///< the gap nearly closes, so nearly that whether it does is not known
+  };
+  double t = 0.0;
+  Kind kind = Kind::impact;
+  Touch at{};
+  double rate_before = 0.0, rate_after = 0.0;  ///< of the gap: negative where it closes
+  double impulse = 0.0;                        ///< N s or N m s
+  double energy_lost = 0.0;                    ///< J
+  /// False where the motion that follows is one of several: several limits are hit at once and what happens depends on
+  /// the order, or it grazes.
+  bool unique = true;
+};
+
+std::string to_string(ContactEvent::Kind kind);
+
+/// What is touched from a time on.
+struct TouchedFrom {
+  double t = 0.0;
+  std::vector<Touch> touching;
+};
+
 /// A motion up to the time reached.
 struct Motion {
   MotionStatus status = MotionStatus::not_started;
   std::string why;  ///< one sentence if it did not complete
   Trajectory trajectory;
   std::vector<int> independent;                  ///< coordinates whose start values the sensitivities refer to
-  std::vector<double> kinetic, potential, work;  ///< per node, J; work: done by drives, follower loads, resistances
+  /// Per node, J; work: done by drives, follower loads, resistances, and (negative) impacts.
+  std::vector<double> kinetic, potential, work;
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N
+  std::vector<ContactEvent> events;              ///< of stops, in their order
+  std::vector<TouchedFrom> touched;              ///< changes of what is touched
   double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged; 0 at rest
   /// Largest gap of a joint, coupling or drive at any node, over the mechanism's size (of angles rad), and what it is
   /// of: 'pin "C"'. Those count too whose equations repeated others at the start.
@@ -89,13 +121,14 @@ struct Motion {
   double microseconds = 0.0;
   std::vector<double> singular;              ///< times of passing singular poses, to about a hundredth of a step
   std::optional<SingularPlace> dead_centre;  ///< at which it ends: beyond it the drives cannot take the mechanism
-  std::vector<std::string> overrun;          ///< stops that were passed: stops do not act in motion
 
   bool completed() const { return status == MotionStatus::completed; }
 };
 
 /// Integrates the motion from `start` under all forces and drives: the reduced equations of ReducedMotion by
 /// RungeKutta78, loops closed at every stage, independent coordinates chosen anew where they are ill-conditioned.
+/// Stops act (Contacts): impacts, contact that lasts, and lift-off are events; throws InputError where it would begin
+/// beyond one.
 /// The friction of joints acts in a scene that is resisted_by_joints(); throws InputError for other scenes that have
 /// some, where the forces that it depends on are not determined, and where drives ask for rates at the start that
 /// contradict each other or the joints.

@@ -19,7 +19,7 @@ constexpr const char* locked_words =
 
 }  // namespace
 
-std::string name_of_row(const MotionModel& model, int row) {
+std::string name_of_row(const MotionModel& model, int row, const std::vector<Touch>& touching) {
   const Scene& scene = model.scene();
   for (const ConstraintBlock& block : model.mechanism().blocks()) {
     if (row < block.first_row || row >= block.first_row + block.rows) continue;
@@ -32,10 +32,30 @@ std::string name_of_row(const MotionModel& model, int row) {
   for (const Stop& stop : scene.stops) {
     if (stop.holds() && drive-- == 0) return fmt::format("{} \"{}\"", stop.family(), stop.name);
   }
+  if (drive < touching.size()) {
+    const Stop& stop = scene.stops[static_cast<std::size_t>(touching[drive].stop)];
+    return fmt::format("{} \"{}\"", stop.family(), stop.name);
+  }
   return "friction that holds";
 }
 
-std::string words_of(StickSlip::Choice choice) {
+std::string gaining_impact(const std::string& stop) {
+  return fmt::format(
+      "the impact at {} would add energy: with several impulses at a time the restitutions of this law contradict each "
+      "other; give law = \"energetic\"",
+      stop);
+}
+
+std::string pushing_drive(const std::string& stop) {
+  return fmt::format("drives push against {}, which no freedom of the mechanism can yield to", stop);
+}
+
+std::string words_of(StickSlip::Choice choice, bool rubs) {
+  if (!rubs) {
+    return choice == StickSlip::Choice::none
+               ? "no forces at its stops that only push keep it from passing them"
+               : "more stops are touched at once than can be told apart, or in a singular position";
+  }
   switch (choice) {
     case StickSlip::Choice::locked:
       return locked_words;

@@ -12,11 +12,15 @@ namespace poise {
 
 // Words about a motion that does not go on. Private to simulate().
 
-/// What a row of the closures, drives and stops that hold is of: 'pin "C"'.
-std::string name_of_row(const MotionModel& model, int row);
+/// What a row of the closures, drives, stops that hold and limits that are touched is of: 'pin "C"'.
+std::string name_of_row(const MotionModel& model, int row, const std::vector<Touch>& touching = {});
 
-/// Why no friction could be chosen.
-std::string words_of(StickSlip::Choice choice);
+/// Why nothing could be chosen that friction holds and that touches its stop; `rubs`: some friction sticks.
+std::string words_of(StickSlip::Choice choice, bool rubs);
+
+/// Of a stop so named, whose impact would add energy, or which a drive pushes.
+std::string gaining_impact(const std::string& stop);
+std::string pushing_drive(const std::string& stop);
 
 /// Throws InputError where no rates of the coordinates, as `reduced` has them, are those that drives ask for and keep
 /// the joints closed.

@@ -20,25 +20,57 @@ constexpr double just_before = 1e-13;
 void StepEnds::watch() {
   // At the start nothing is known of what is at rest, which has no friction there; the same node is added again with
   // it.
-  if (reduced_.sliding() != nullptr) margin_ = friction_.watch(reduced_);
+  if (reduced_.sliding() != nullptr) friction_.watch(reduced_);
+  if (contacts_.act()) contacts_.watch(reduced_);
+  if (reduced_.sliding() != nullptr || contacts_.act()) margin_ = margin();
   if (!borders_.act()) return;
   borders_.watch(reduced_);
   border_margin_ = borders_.margin(reduced_);
 }
 
+bool StepEnds::meets_hit(double t) {
+  constexpr int most_repeats = 6;
+  const double whole = step_.length;
+  double at = contacts_.first_hit(reduced_, whole);
+  if (at == 0.0) return false;
+  const auto gap = [this] { return contacts_.miss(reduced_).gap; };
+  double last = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most_repeats; ++k) {
+    const double off = step_.repeat(t, at, gap);
+    const Contacts::Miss miss = contacts_.miss(reduced_);
+    // Rounding of the place, or no better than before.
+    if (std::abs(off) <= 4 * stepping::eps || !(std::abs(off) < 0.5 * last)) break;
+    const double next = at + miss.time;
+    if (!(next > 0.0 && next <= whole) || next == at) break;
+    last = std::abs(off);
+    at = next;
+  }
+  constexpr double near = 1e-12;
+  if (contacts_.miss(reduced_).gap < near) return true;
+  // It only comes near zero.
+  step_.repeat(t, whole, gap);
+  return false;
+}
+
+bool StepEnds::is_of_friction() {
+  const double of_friction = friction_.margin(reduced_);
+  return of_friction <= contacts_.force_margin(reduced_);
+}
+
 bool StepEnds::meets_event(double t) {
-  const auto margin = [this] { return friction_.margin(reduced_); };
+  const auto margin = [this] { return this->margin(); };
   bool met = false;
   // Before an event there may be another one.
   for (int k = 0; k < most_events_of_step; ++k) {
     const double margin_at_end = margin();
-    double after = StickSlip::holds(reduced_) ? first_passing(t, margin_at_end) : 0.0;
+    const bool holds = StickSlip::holds(reduced_) || !reduced_.touching().empty();
+    double after = holds ? first_passing(t, margin_at_end) : 0.0;
     if (after == 0.0 && margin_at_end < -past) {
       step_.shorten_to_zero(t, margin_, step_.length, margin_at_end, margin);
       met = true;
       continue;
     }
-    if (after == 0.0) after = friction_.dip(reduced_, step_.length);
+    if (after == 0.0 && friction_.acts()) after = friction_.dip(reduced_, step_.length);
     if (after == 0.0) break;
     const double whole = step_.length;
     const double margin_after = step_.repeat(t, after, margin);
@@ -72,7 +104,7 @@ double StepEnds::margin_within(double t, double x) {
   if (reduced_.evaluate(t + x * h, within_.data(), within_.data() + f) != ReducedMotion<double>::Status::ok) {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  return friction_.margin(reduced_);
+  return margin();
 }
 
 // Finds the time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does

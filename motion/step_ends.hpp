@@ -1,31 +1,41 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
+#include "motion/contacts.hpp"
 #include "motion/motion_step.hpp"
 #include "motion/profile_borders.hpp"
 #include "motion/stick_slip.hpp"
 
 namespace poise {
 
-/// Finds where a step that was made passes an event of friction or a border of a profile, and repeats it up to there.
+/// Finds where a step that was made passes an event of friction or contact or a border of a profile, and repeats it up
+/// to there.
 /// Private to simulate().
 class StepEnds {
  public:
   /// All must outlive this.
-  StepEnds(ReducedMotion<double>& reduced, MotionStep& step, StickSlip& friction, ProfileBorders& borders)
+  StepEnds(ReducedMotion<double>& reduced, MotionStep& step, StickSlip& friction, Contacts& contacts,
+           ProfileBorders& borders)
       : reduced_(reduced),
         step_(step),
         friction_(friction),
+        contacts_(contacts),
         borders_(borders),
         n_(static_cast<std::size_t>(reduced.coordinates())) {}
 
   /// Notes the margins at a node.
   void watch();
 
-  /// Shortens the step just made from t to the first event of friction in it. False if there is none.
+  /// Shortens the step just made from t to where the gap of a stop falls to zero. False if none does.
+  bool meets_hit(double t);
+  /// Shortens the step just made from t to the first event in it at which the force of something held or touched
+  /// passes its bound, or the rate of something that slides zero. False if there is none.
   bool meets_event(double t);
+  /// Whether the event just met is that of this margin: of friction, or else of a contact.
+  bool is_of_friction();
 
   struct Border {
     bool is_reached = false;
@@ -37,15 +47,17 @@ class StepEnds {
   void forget_approach() { approaches_ = 0; }
 
  private:
+  double margin() { return std::min(friction_.margin(reduced_), contacts_.force_margin(reduced_)); }
   double margin_within(double t, double x);
   double first_passing(double t, double margin_at_end);
 
   ReducedMotion<double>& reduced_;
   MotionStep& step_;
   StickSlip& friction_;
+  Contacts& contacts_;
   ProfileBorders& borders_;
   std::size_t n_;
-  double margin_ = 0.0;         // of friction at the last node
+  double margin_ = 0.0;         // of friction and contacts at the last node
   double border_margin_ = 0.0;  // of the borders of profiles, there
   int approaches_ = 0;          // steps that ended short of the border ahead
   std::vector<double> end_;     // coordinates at the end of the step just made

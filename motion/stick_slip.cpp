@@ -382,7 +382,6 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   motion.follow_branches();
   // At the turn itself both branches agree but for rounding.
   if (turned_ != none) motion.turn_branch(branched_[turned_].element, before);
-  met_ = turned_ = none;
   return Choice::made;
 }
 

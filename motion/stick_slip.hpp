@@ -55,9 +55,13 @@ class StickSlip {
     several,  ///< choices with different accelerations are consistent
     none      ///< none is
   };
+  /// Makes one step by Runge and Kutta's formula of order 4, as the motion is set.
+  static ReducedMotion<double>::Status advance(ReducedMotion<double>& motion, double t, double h);
   /// Chooses who slides and who is held from t on, and sets and accelerates `motion` so. Choices that agree at t are
-  /// told apart by what they do up to `ahead` later.
+  /// told apart by what they do up to `ahead` later. Call forget_event() when all is chosen.
   Choice choose(ReducedMotion<double>& motion, double t, double ahead);
+  /// The event that was met lies behind.
+  void forget_event() { met_ = turned_ = none; }
   /// The derivative of the value at which held element h, in the order of ReducedMotion::held(), stays.
   double held_value_by(const ReducedMotion<double>& motion, std::size_t h, const double* dq, int variation);
 
@@ -103,8 +107,6 @@ class StickSlip {
     std::vector<double> rate, largest;  // rates of these, and the largest of their accelerations
     double fastest = 0.0;               // rate of a coordinate
   };
-  /// Makes one step by Runge and Kutta's formula of order 4, as the motion is set.
-  ReducedMotion<double>::Status advance(ReducedMotion<double>& motion, double t, double h);
   double gain(const Contact& contact, const ReducedMotion<double>& motion, const Node& node, std::size_t k);
   double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& sliding, double h);
   const Trial* tell_apart(ReducedMotion<double>& motion, const Node& node, std::vector<const Trial*> trials,

@@ -10,8 +10,8 @@
 namespace poise {
 
 VariationTerms::VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs,
-                               const std::vector<int>& held, const std::vector<int>& grips,
-                               const std::vector<int>& growing)
+                               const std::vector<Touch>& touching, const std::vector<int>& held,
+                               const std::vector<int>& grips, const std::vector<int>& growing)
     : variation_(variation),
       input_forces_(variation.compiled().mechanism()),
       bearing_loads_(variation.compiled().numbers(), variation.compiled().mechanism(), growing) {
@@ -29,6 +29,9 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const int stop = static_cast<int>(s);
     if (scene.stops[s].holds()) add_row(scene.stops[s].on, stop, numbers.limit(stop, true));
+  }
+  for (const Touch& touch : touching) {
+    add_row(scene.stops[static_cast<std::size_t>(touch.stop)].on, touch.stop, numbers.limit(touch.stop, touch.upper));
   }
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
   input_forces_.set_inputs(numbers, inputs);
@@ -58,11 +61,15 @@ void VariationTerms::add_forces(VariedState& state) {
   const Inertia<Dual>& inertia = variation_.compiled().inertia();
   Planar<Dual>* pose = state.pose.data();
   Dual* g = force_.data();
-  m.negative_force(state.q.data(), pose, g);
-  m.resist(pose, state.v.data(), state.sliding, resistances_.data());
-  m.add_resistance(resistances_.data(), g);
-  input_forces_.set(state.t, state.near);
-  input_forces_.add(pose, g);
+  if (state.jumps) {
+    std::fill(force_.begin(), force_.end(), Dual(0.0));
+  } else {
+    m.negative_force(state.q.data(), pose, g);
+    m.resist(pose, state.v.data(), state.sliding, resistances_.data());
+    m.add_resistance(resistances_.data(), g);
+    input_forces_.set(state.t, state.near);
+    input_forces_.add(pose, g);
+  }
   inertia.weigh(state.second.data(), work_.data());
   m.phasors().add_projection(pose, work_.data(), g);
   for (std::size_t i = 0; i < force_.size(); ++i) g[i] += inertia.moment(static_cast<int>(i)) * state.a[i];

@@ -7,6 +7,7 @@
 
 #include "motion/bearing_loads.hpp"
 #include "motion/motion_input.hpp"
+#include "motion/touch.hpp"
 #include "motion/variation.hpp"
 #include "motion/varied_model.hpp"
 
@@ -18,6 +19,7 @@ struct VariedState {
 
   double t = 0.0, near = std::numeric_limits<double>::quiet_NaN();  ///< s; `near` as of TimeFunction
   const int* sliding = nullptr;                                     ///< as of Mechanism::resist()
+  bool jumps = false;                                               ///< `a` is a jump of rates: loads have no part in G
   std::vector<Dual> q, v, a;                                        ///< n values each
   std::vector<Planar<Dual>> pose, second;  ///< phasors with room behind them, and their second time derivatives
   std::vector<Dual> multipliers;           ///< of the closures' rows
@@ -33,10 +35,11 @@ class VariationTerms {
  public:
   using Dual = VariedModel::Dual;
 
-  /// Rows of drives are those of the scene, stops whose limits are equal, and the elements `held`. `grips` are joints
-  /// whose friction grows with their forces, `growing` those of them where it does. All must outlive this.
-  VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs, const std::vector<int>& held,
-                 const std::vector<int>& grips, const std::vector<int>& growing);
+  /// Rows of drives are those of the scene, stops whose limits are equal, limits that are touched, and the elements
+  /// `held`. `grips` are joints whose friction grows with their forces, `growing` those of them where it does. All must
+  /// outlive this.
+  VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs, const std::vector<Touch>& touching,
+                 const std::vector<int>& held, const std::vector<int>& grips, const std::vector<int>& growing);
 
   /// Room that VariedState::pose must have.
   std::size_t pose_size() const { return pose_size_; }

@@ -14,6 +14,10 @@
 
 namespace poise {
 
+/// What an impact gives back of a motion: a coefficient of energy (W. J. Stronge), of rates (I. Newton) or of impulses
+/// (S. D. Poisson). They agree at a single place without friction; see motion/impact.hpp.
+enum class ImpactLaw { energetic, newton, poisson };
+
 /// A stop keeps min <= g <= max of the measure g: rad or m. An absent limit is infinite. One whose limits are equal
 /// holds its measure: gears, belts, racks and other couplings are such stops on sums of measures, a cam is one on the
 /// lift of its follower less its profile, and a rope that does not stretch one on its length
@@ -36,9 +40,14 @@ struct Stop {
   std::optional<PointRef> roller{};
   /// Of a gear or rack whose scene gives a pressure angle: the tangent of that.
   std::optional<double> pressure_tangent{};
+  /// Coefficient of restitution of impacts at its limits, 0 where the scene gives none.
+  std::optional<double> restitution{};
+  ImpactLaw impact_law = ImpactLaw::energetic;
 
   /// It holds its measure at one value.
   bool holds() const { return min == max; }
+  /// How impacts at one of its limits end: the rate with which the measure leaves over that with which it came.
+  double rebound() const { return restitution.value_or(0.0); }
   /// It is a coupling that holds: a part of the mechanism, which takes a degree of freedom from it.
   bool couples() const { return holds() && table != "stop"; }
   /// "stop", "gear", for messages.
@@ -46,7 +55,19 @@ struct Stop {
   /// Its numbers, which depend on its table; those of a plain stop are its limits.
   std::span<const Number> numbers() const;
 
-  static const std::array<Number, 2> limits;
+  /// min, max and restitution.
+  static const std::array<Number, 3> limits;
+  /// The last of these, for couplings that act on one side.
+  static constexpr Number restitution_number() {
+    Number number{"restitution", {}, Range::not_negative};
+    number.get = [](const void* item) { return static_cast<const Stop*>(item)->restitution; };
+    number.set = [](void* item, double value) {
+      if (!(value <= 1.0)) throw InputError("expected a coefficient of restitution from 0 to 1; 1 loses no energy");
+      static_cast<Stop*>(item)->restitution = value;
+    };
+    number.scale = [](void*, double) {};
+    return number;
+  }
 
  private:
   template <bool is_max>
@@ -74,6 +95,6 @@ struct Stop {
   }
 };
 
-inline constexpr std::array<Number, 2> Stop::limits{limit<false>("min"), limit<true>("max")};
+inline constexpr std::array<Number, 3> Stop::limits{limit<false>("min"), limit<true>("max"), restitution_number()};
 
 }  // namespace poise

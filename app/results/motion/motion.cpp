@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
+#include "app/results/motion/contact_events.hpp"
 #include "app/results/motion/forces_in_time.hpp"
 #include "app/results/parts.hpp"
 #include "model/meshing.hpp"
@@ -277,7 +278,6 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("largest_gap", motion.gap);
   group.data("largest_gap_of", motion.gap_of);
   group.data("singular", motion.singular);
-  group.data("overrun", motion.overrun);
 }
 
 }  // namespace
@@ -287,19 +287,14 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   const Motion& motion = answer.found.motion;
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(model, answer);
-  for (const std::string& stop : motion.overrun) {
-    out.warnings.push_back(doubtful(fmt::format("It ran through {}: stops do not act in motion.", stop)));
-  }
-  if (const Stop* const cam = cam_that_may_lift(model.scene()); cam != nullptr && !motion.overrun.empty()) {
-    out.warnings.push_back(
-        doubtful(fmt::format("Cam \"{}\" may lift off, and acts in statics alone: give it guided = true.", cam->name)));
-  }
+  warn_of_contacts(out, model.scene(), motion);
   warn_of_unloaded_bearings(out, model.scene());
   Group& content = out.content;
   add_data(content, answer);
   content.fact("start", answer.start);
   content.fact("mobility", fmt::format("{}, of {}", count(motion.freedoms, "degree of freedom", "degrees of freedom"),
                                        count(model.layout().kept, "coordinate that moves", "coordinates that move")));
+  add_contact_events(content, model, motion);
   add_singular(content, model, motion);
   add_dead_centre(content, motion);
   add_moving_data(content, model, answer);

@@ -1,0 +1,101 @@
+#include "app/results/motion/contact_events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/result/numbers.hpp"
+#include "app/results/parts.hpp"
+
+namespace poise::app {
+namespace {
+
+/// So many events are shown in text.
+constexpr std::size_t shown_events = 12;
+
+const Stop& stop_of(const Scene& scene, const ContactEvent& event) {
+  return scene.stops[static_cast<std::size_t>(event.at.stop)];
+}
+
+std::string what(const ContactEvent& event, const Stop& stop) {
+  const bool pulls = stop.table == "rope" || stop.table == "chain";
+  if (!pulls) return to_string(event.kind);
+  if (event.kind == ContactEvent::Kind::impact) return "taut";
+  return event.kind == ContactEvent::Kind::lift_off ? "slack" : to_string(event.kind);
+}
+
+Quantity measured(const Stop& stop) { return stop.on.is_angle() ? Quantity::angle : Quantity::length; }
+
+std::string with_units(double si, Quantity quantity, const Units& units, const char* per) {
+  return fmt::format("{} {}{}", significant(si / unit_value(quantity, units), 6), unit_name(quantity, units), per);
+}
+
+}  // namespace
+
+void add_contact_events(Group& group, const MotionModel& model, const Motion& motion) {
+  const Scene& scene = model.scene();
+  const Units& units = scene.units;
+  Branch& events = group.array("events");
+  std::vector<double> times;
+  std::vector<std::string> whats, names, before, after, impulses, losses;
+  double lost = 0.0;
+  for (const ContactEvent& event : motion.events) {
+    const Stop& stop = stop_of(scene, event);
+    const Quantity of = measured(stop);
+    // Of a force or a torque over time.
+    const Quantity effort = effort_of(stop.on);
+    Group& one = events.parts.emplace_back();
+    one.data("t", event.t);
+    one.data("what", to_string(event.kind));
+    one.data("name", stop.name);
+    one.data("side", event.at.upper ? "max" : "min");
+    one.data("rate_before", event.rate_before / unit_value(of, units));
+    one.data("rate_after", event.rate_after / unit_value(of, units));
+    one.data("impulse", event.impulse / unit_value(effort, units));
+    one.data("energy_lost", event.energy_lost / unit_value(Quantity::energy, units));
+    one.data("unique", event.unique);
+    lost += event.energy_lost;
+    if (times.size() >= shown_events) continue;
+    const bool hits = event.kind == ContactEvent::Kind::impact;
+    times.push_back(event.t);
+    whats.push_back(what(event, stop) + (event.unique ? "" : " (one of several)"));
+    names.push_back(fmt::format("{} ({})", stop.name, event.at.upper ? "max" : "min"));
+    before.push_back(hits ? with_units(event.rate_before, of, units, "/s") : "");
+    after.push_back(hits ? with_units(event.rate_after, of, units, "/s") : "");
+    impulses.push_back(hits ? with_units(event.impulse, effort, units, " s") : "");
+    losses.push_back(hits ? with_units(event.energy_lost, Quantity::energy, units, "") : "");
+  }
+  if (motion.events.empty()) return;
+  const std::size_t more = motion.events.size() - times.size();
+  Table& table = group.table("", "Contacts", Rows::list);
+  table.numbers("", "at", "s", std::move(times), {.style = Format::Style::significant});
+  table.words("", "what", std::move(whats));
+  table.words("", "of", std::move(names));
+  table.words("", "gap's rate before", std::move(before));
+  table.words("", "after", std::move(after));
+  table.words("", "impulse", std::move(impulses));
+  table.words("", "energy lost", std::move(losses));
+  group.fact("impacts", fmt::format("{} in all take {}{}", count(motion.events.size(), "event", "events"),
+                                    with_units(lost, Quantity::energy, units, ""),
+                                    more > 0 ? fmt::format("; {} more are in the JSON", more) : ""));
+}
+
+void warn_of_contacts(Result& out, const Scene& scene, const Motion& motion) {
+  const auto first = std::find_if(motion.events.begin(), motion.events.end(),
+                                  [](const ContactEvent& event) { return !event.unique; });
+  if (first == motion.events.end()) return;
+  const std::string name = stop_of(scene, *first).name;
+  const std::string when = fmt::format("From t = {} s on the motion is one of several", significant(first->t, 6));
+  const bool grazes = first->kind == ContactEvent::Kind::graze || std::abs(first->impulse) == 0.0;
+  out.warnings.push_back(doubtful(
+      grazes ? fmt::format("{}: \"{}\" is touched so gently that whether it is is not known.", when, name)
+             : fmt::format("{}: at \"{}\" several stops are hit at once, or one that is only just reached, and what "
+                           "follows depends on their order, which rigid bodies do not tell.",
+                           when, name)));
+}
+
+}  // namespace poise::app

@@ -1,0 +1,500 @@
+#include "motion/contacts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/input_error.hpp"
+#include "model/mechanism_impl.hpp"
+
+namespace poise {
+namespace {
+
+using Reduced = ReducedMotion<double>;
+using Dual = VariedModel::Dual;
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double tiny = std::numeric_limits<double>::min();
+/// Gaps below this, in sizes of the mechanism or rad, are zero: events are located more closely, and what rests against
+/// a stop at the start less.
+constexpr double no_gap = 1e-11, no_gap_at_start = 1e-9;
+/// Rates below this part of the largest yet are zero.
+constexpr double no_rate_of_gap = 1e-11;
+/// Forces and accelerations below this part of the largest, or of their terms, may have either sign.
+constexpr double sure = 1e-6;
+/// Nothing moves a gap where freedoms change it by less than this part of the terms.
+constexpr double unmoved = 1e-9;
+/// So many sides may have no gap and no rate at a time.
+constexpr std::size_t most_sides = 10;
+/// Choices that agree are told apart after these parts of the time ahead.
+constexpr double parts_of_time_ahead[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
+
+/// The polynomial of degree 5 on 0 <= x <= 1 through values, rates and accelerations at both ends.
+struct Quintic {
+  double c[6];
+
+  Quintic(double h, double g0, double v0, double a0, double g1, double v1, double a1) {
+    v0 *= h;
+    v1 *= h;
+    a0 *= h * h / 2;
+    a1 *= h * h / 2;
+    const double far = g1 - g0 - v0 - a0, fast = v1 - v0 - 2 * a0, bends = a1 - a0;
+    c[0] = g0;
+    c[1] = v0;
+    c[2] = a0;
+    c[3] = 10 * far - 4 * fast + bends;
+    c[4] = -15 * far + 7 * fast - 2 * bends;
+    c[5] = 6 * far - 3 * fast + bends;
+  }
+  double at(double x) const { return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))); }
+  double slope(double x) const {
+    return c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
+  }
+  /// Whether it is positive everywhere: all its coefficients in Bernstein's basis are.
+  bool is_positive() const {
+    constexpr double choose[6][6] = {{1, 0, 0, 0, 0, 0},      {1, 0.2, 0, 0, 0, 0},       {1, 0.4, 0.1, 0, 0, 0},
+                                     {1, 0.6, 0.3, 0.1, 0, 0}, {1, 0.8, 0.6, 0.4, 0.2, 0}, {1, 1, 1, 1, 1, 1}};
+    for (const auto& row : choose) {
+      double b = 0.0;
+      for (int k = 0; k < 6; ++k) b += row[k] * c[k];
+      if (!(b > 0.0)) return false;
+    }
+    return true;
+  }
+  /// Where the slope, of opposite signs at both ends, or else the value, is zero.
+  template <class F>
+  static double zero(F f, double low, double high) {
+    const bool falls = f(low) > 0;
+    for (int k = 0; k < 60 && high - low > eps; ++k) {
+      const double middle = (low + high) / 2;
+      ((f(middle) > 0) == falls ? low : high) = middle;
+    }
+    return (low + high) / 2;
+  }
+};
+
+constexpr int looked_at = 16;
+
+/// The first x at which it falls through zero by more than `past`; 0 if it does not.
+double first_fall(const Quintic& p, double past) {
+  if (p.is_positive()) return 0.0;
+  const auto slope = [&](double x) { return p.slope(x); };
+  double left = 0.0;
+  for (int k = 1; k <= looked_at; ++k) {
+    const double right = static_cast<double>(k) / looked_at;
+    // Its lowest place between both may be the one that is below.
+    double low = right;
+    if (p.slope(left) < 0 && p.slope(right) > 0) low = Quintic::zero(slope, left, right);
+    if (p.at(low) < -past) {
+      double from = left;
+      if (p.at(left) <= past && p.slope(left) > 0) from = Quintic::zero(slope, left, low);
+      if (p.at(from) <= 0) return std::max(from, tiny);
+      return Quintic::zero([&](double x) { return p.at(x); }, from, low);
+    }
+    left = right;
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& variations)
+    : model_(model), variations_(variations) {
+  const Scene& scene = model.scaled_scene();
+  const Phasors<double>& phasors = model.mechanism().phasors();
+  int scratch = 0;
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (stop.holds()) continue;
+    for (const bool upper : {false, true}) {
+      const double limit = upper ? stop.max : stop.min;
+      if (!std::isfinite(limit)) continue;
+      Side side{.at = {static_cast<int>(s), upper}, .on = {}, .varied = {}, .limit = limit};
+      side.on = {scene, model.layout(), phasors, stop.on};
+      scratch = std::max(scratch, side.on.scratch_size());
+      for (const Variation& variation : variations) {
+        side.varied.push_back(variation.compiled().measure(variation.compiled().scene().stops[s].on, side.at.stop));
+      }
+      sides_.push_back(std::move(side));
+      if (stop.impact_law != ImpactLaw::energetic) law_ = stop.impact_law;
+    }
+  }
+  pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
+}
+
+const Stop& Contacts::stop_of(const Side& side) const {
+  return model_.scaled_scene().stops[static_cast<std::size_t>(side.at.stop)];
+}
+
+std::string Contacts::name_of(const Touch& at) const {
+  const Stop& stop = model_.scene().stops[static_cast<std::size_t>(at.stop)];
+  const bool has_two = std::isfinite(stop.min) && std::isfinite(stop.max);
+  return fmt::format("{} \"{}\"{}", stop.family(), stop.name, !has_two ? "" : at.upper ? " (max)" : " (min)");
+}
+
+Configuration<double> Contacts::place(const double* q) {
+  const Phasors<double>& phasors = model_.mechanism().phasors();
+  phasors.place(q, pose_.data());
+  return {phasors, pose_.data(), pose_.data() + phasors.pose_size()};
+}
+
+Contacts::Gap Contacts::gap_of(const Side& side, const Reduced& motion) {
+  const Configuration<double> here = place(motion.q());
+  const double s = sign(side);
+  return {s * (side.on.value(here) - side.limit), s * side.on.along(here, motion.v()),
+          s * (side.on.along(here, motion.a()) + side.on.second(here, motion.v(), motion.v()))};
+}
+
+void Contacts::refuse_start(const double* q) {
+  const Configuration<double> here = place(q);
+  for (Side& side : sides_) {
+    side.gap = sign(side) * (side.on.value(here) - side.limit);
+    if (side.gap >= -no_gap_at_start) continue;
+    const Stop& stop = model_.scene().stops[static_cast<std::size_t>(side.at.stop)];
+    const double unit = stop.on.is_angle() ? 1.0 : model_.scales().length;
+    throw InputError(fmt::format("{}:{}: {}: the motion would begin {:.3g} {} beyond its {}; expected a start within "
+                                 "its limits, give another start or limit",
+                                 model_.scene().file, stop.line, name_of(side.at), -side.gap * unit,
+                                 stop.on.is_angle() ? "rad" : "m", side.at.upper ? "max" : "min"));
+  }
+}
+
+void Contacts::watch(const Reduced& motion) {
+  for (Side& side : sides_) {
+    const Gap gap = gap_of(side, motion);
+    side.gap = gap.value;
+    side.rate = gap.rate;
+    side.acceleration = gap.acceleration;
+    side.speed = std::max(side.speed, std::abs(gap.rate));
+  }
+  for (std::size_t k = 0; k < motion.touching().size(); ++k) {
+    strongest_ = std::max(strongest_, std::abs(motion.pushing_force(k)));
+  }
+}
+
+double Contacts::force_margin(const Reduced& motion) {
+  double least = std::numeric_limits<double>::infinity();
+  least_ = none;
+  for (std::size_t k = 0; k < motion.touching().size(); ++k) {
+    const double force = motion.pushing_force(k);
+    const double own = force / (std::max(strongest_, std::abs(force)) + tiny);
+    if (!(own < least)) continue;
+    least = own;
+    least_ = static_cast<std::size_t>(
+        std::find_if(sides_.begin(), sides_.end(), [&](const Side& side) { return side.at == motion.touching()[k]; }) -
+        sides_.begin());
+  }
+  return least;
+}
+
+std::optional<Touch> Contacts::least() const {
+  if (least_ == none) return std::nullopt;
+  return sides_[least_].at;
+}
+
+double Contacts::first_hit(const Reduced& motion, double h) {
+  double first = std::numeric_limits<double>::infinity();
+  hit_ = none;
+  constexpr double past = 1e-14;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const Side& side = sides_[k];
+    if (side.touched || side.idle) continue;
+    const Gap end = gap_of(side, motion);
+    const double x =
+        first_fall({h, side.gap, side.rate, side.acceleration, end.value, end.rate, end.acceleration}, past);
+    if (x == 0.0 || !(x < first)) continue;
+    first = x;
+    hit_ = k;
+  }
+  return hit_ == none ? 0.0 : first * h;
+}
+
+Contacts::Miss Contacts::miss(const Reduced& motion) {
+  const Gap gap = gap_of(sides_[hit_], motion);
+  return {gap.value, -gap.value / gap.rate};
+}
+
+std::optional<Touch> Contacts::grazed(const Reduced& motion, double h, double within) {
+  for (const Side& side : sides_) {
+    if (side.touched || side.idle) continue;
+    const Gap end = gap_of(side, motion);
+    if (!(side.rate < 0 && end.rate > 0)) continue;
+    const Quintic p{h, side.gap, side.rate, side.acceleration, end.value, end.rate, end.acceleration};
+    const double low = Quintic::zero([&](double x) { return p.slope(x); }, 0.0, 1.0);
+    if (p.at(low) < within) return side.at;
+  }
+  return std::nullopt;
+}
+
+bool Contacts::is_moved(const Side& side, const Reduced& motion) {
+  std::vector<double> slope(static_cast<std::size_t>(motion.coordinates()), 0.0);
+  side.on.add_gradient(place(motion.q()), 1.0, slope.data());
+  for (int k = 0; k < motion.freedoms(); ++k) {
+    double change = 0.0, terms = 0.0;
+    for (std::size_t i = 0; i < slope.size(); ++i) {
+      change += slope[i] * motion.B(k)[i];
+      terms += std::abs(slope[i] * motion.B(k)[i]);
+    }
+    if (std::abs(change) > unmoved * terms) return true;
+  }
+  return false;
+}
+
+/// Touches these sides, with nothing held by friction, at the coordinates q and rates v.
+Reduced::Status Contacts::set(Reduced& motion, StickSlip* friction, double t, const std::vector<double>& q,
+                              const std::vector<double>& v, const std::vector<std::size_t>& touched) {
+  std::vector<Touch> touching;
+  for (const std::size_t k : touched) touching.push_back(sides_[k].at);
+  motion.set_touching(model_.scaled_scene(), std::move(touching));
+  if (motion.sliding() != nullptr || (friction != nullptr && friction->acts())) {
+    motion.set_sliding(model_.scaled_scene(), std::vector<int>(model_.scaled_scene().elements.size(), 1), q.data());
+    motion.free_branches();
+  }
+  motion.choose(t, q.data(), false);
+  motion.expect(q.data());
+  std::vector<double> z, w;
+  for (const int i : motion.independent()) {
+    z.push_back(q[static_cast<std::size_t>(i)]);
+    w.push_back(v[static_cast<std::size_t>(i)]);
+  }
+  return motion.evaluate(t, z.data(), w.data());
+}
+
+Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
+                            const std::vector<char>& plastic) {
+  Hit out;
+  set(motion, nullptr, t, q, v, {});
+  const Configuration<double> here = place(motion.q());
+  bool closes = false;
+  double fastest = 0.0;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const Side& side = sides_[k];
+    const double gap = sign(side) * (side.on.value(here) - side.limit);
+    if (!(gap < (t > 0.0 ? no_gap : no_gap_at_start))) continue;
+    const double rate = sign(side) * side.on.along(here, v.data());
+    if (rate < -no_rate_of_gap * std::max(side.speed, std::abs(rate)) && (!closes || rate < fastest)) {
+      closes = true;
+      fastest = rate;
+      out.first = k;
+    }
+    out.sides.push_back(k);
+    out.before.push_back(rate);
+  }
+  if (!closes) return out;
+  const std::size_t m = out.sides.size(), n = static_cast<std::size_t>(motion.coordinates());
+  const auto f = static_cast<std::size_t>(motion.freedoms());
+  Eigen::MatrixXd D(m, m);
+  std::vector<double> slope(n), dw(f), along(m * f), response(m * f);
+  std::vector<ImpactSide> sides;
+  for (std::size_t i = 0; i < m; ++i) {
+    const std::size_t k = out.sides[i];
+    const Side& side = sides_[k];
+    std::fill(slope.begin(), slope.end(), 0.0);
+    side.on.add_gradient(place(motion.q()), sign(side), slope.data());
+    for (std::size_t j = 0; j < f; ++j) {
+      along[i * f + j] = std::inner_product(slope.begin(), slope.end(), motion.B(static_cast<int>(j)), 0.0);
+    }
+    motion.respond(slope.data(), &response[i * f]);
+    if (out.before[i] < 0.0 && !is_moved(side, motion)) {
+      out.first = k;
+      out.outcome = Hit::Outcome::pushed;
+      return out;
+    }
+    const bool is_plastic = !plastic.empty() && plastic[k] != 0;
+    sides.push_back({out.before[i], is_plastic ? 0.0 : stop_of(side).rebound()});
+  }
+  for (std::size_t i = 0; i < m; ++i) {
+    for (std::size_t j = 0; j < m; ++j) {
+      D(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = std::inner_product(
+          &along[i * f], &along[i * f] + f, &response[j * f], 0.0);
+    }
+  }
+  D = (D + D.transpose().eval()) / 2;
+  out.impact = impact(D, sides, law_);
+  if (!out.impact.found) {
+    out.outcome = Hit::Outcome::pushed;
+    return out;
+  }
+  if (out.impact.gains()) {
+    out.outcome = Hit::Outcome::gains;
+    return out;
+  }
+  // The same jump with the gaps that are pushed as rows, which gives all impulses.
+  std::vector<std::size_t> active;
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < m; ++i) {
+    if (!(out.impact.impulse[i] > 0.0)) continue;
+    active.push_back(out.sides[i]);
+    steps.push_back(sign(sides_[out.sides[i]]) * (out.impact.rate[i] - out.before[i]));
+  }
+  set(motion, nullptr, t, q, v, active);
+  motion.jump(steps.data());
+  out.jump.assign(motion.a(), motion.a() + n);
+  out.work = -out.impact.energy_lost + motion.drive_power();
+  out.outcome = Hit::Outcome::done;
+  return out;
+}
+
+void Contacts::jump_by(Reduced& motion, const Hit& hit, const std::vector<double>& v, const double* dq,
+                       const double* dv, const Influence* influence, double* change) {
+  std::vector<double> steps;
+  const Configuration<double> here = place(motion.q());
+  const int variation = influence != nullptr ? influence->variation : -1;
+  std::vector<double> bend(static_cast<std::size_t>(motion.coordinates()));
+  for (std::size_t i = 0; i < hit.sides.size(); ++i) {
+    if (!(hit.impact.impulse[i] > 0.0)) continue;
+    const Side& side = sides_[hit.sides[i]];
+    std::fill(bend.begin(), bend.end(), 0.0);
+    side.on.add_bend(here, v.data(), 1.0, bend.data());
+    double by = side.on.along(here, dv) + std::inner_product(bend.begin(), bend.end(), dq, 0.0);
+    double rebound_by = 0.0;
+    if (variation >= 0) {
+      const auto which = static_cast<std::size_t>(variation);
+      const VariedModel& compiled = variations_[which].compiled();
+      const CompiledMeasure<Dual>& on = side.varied[which];
+      const std::vector<Dual> rates(v.begin(), v.end());
+      by += compiled.derivative(on, motion.q(), [&](const auto& at) { return on.along(at, rates.data()); });
+      rebound_by = compiled.numbers().restitution(side.at.stop).v[0];
+    }
+    const double before = hit.before[i], after = hit.impact.rate[i];
+    const double rebound = before < 0.0 ? -after / before : 0.0;
+    steps.push_back(-(1 + rebound) * by - (after > 0.0 ? sign(side) * rebound_by * before : 0.0));
+  }
+  motion.jump_change(dq, steps.data(), influence, change);
+}
+
+bool Contacts::is_near() const {
+  return std::any_of(sides_.begin(), sides_.end(), [](const Side& side) { return side.gap < no_gap_at_start; });
+}
+
+double Contacts::hit_time_by(const Reduced& motion, std::size_t side_index, const double* v, const double* dq,
+                             int variation) {
+  const Side& side = sides_[side_index];
+  const Configuration<double> here = place(motion.q());
+  double change = side.on.along(here, dq);
+  const double rate = side.on.along(here, v);
+  if (variation >= 0) {
+    const auto which = static_cast<std::size_t>(variation);
+    const VariedModel& compiled = variations_[which].compiled();
+    const CompiledMeasure<Dual>& on = side.varied[which];
+    change += compiled.derivative(on, motion.q(), [&](const auto& at) { return on.value(at); });
+    change -= compiled.numbers().limit(side.at.stop, side.at.upper).v[0];
+  }
+  return rate == 0.0 ? 0.0 : -change / rate;
+}
+
+/// By how much forces of the touched ones, and accelerations of the gaps of the others, have the wrong sign, over the
+/// largest force and the terms of these; negative where all are right.
+double Contacts::violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
+                              const Reduced& motion) {
+  double strongest = strongest_;
+  for (std::size_t k = 0; k < touched.size(); ++k) strongest = std::max(strongest, std::abs(motion.pushing_force(k)));
+  double worst = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < touched.size(); ++k) {
+    worst = std::max(worst, -motion.pushing_force(k) / (strongest + tiny));
+  }
+  const Configuration<double> here = place(motion.q());
+  for (const std::size_t k : candidates) {
+    if (std::find(touched.begin(), touched.end(), k) != touched.end()) continue;
+    const Side& side = sides_[k];
+    double sum = side.on.second(here, motion.v(), motion.v()), terms = std::abs(sum);
+    side.on.gradient(here, [&](int i, double by) {
+      const double term = by * motion.a()[side.on.support()[static_cast<std::size_t>(i)]];
+      sum += term;
+      terms += std::abs(term);
+    });
+    worst = std::max(worst, -sign(side) * sum / (terms + tiny));
+  }
+  return worst;
+}
+
+StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double t, double ahead,
+                                   const std::vector<double>& q, const std::vector<double>& v,
+                                   std::optional<Touch> left) {
+  std::vector<std::size_t> candidates;
+  const Configuration<double> at = place(q.data());
+  std::uint32_t first = 0;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    Side& side = sides_[k];
+    const double gap = sign(side) * (side.on.value(at) - side.limit);
+    const double rate = sign(side) * side.on.along(at, v.data());
+    const bool near = gap < (t > 0.0 ? no_gap : no_gap_at_start) && std::abs(rate) <= no_rate_of_gap * side.speed;
+    side.idle = false;
+    if (!near && !side.touched) continue;
+    if (!(left && *left == side.at)) first |= std::uint32_t{1} << candidates.size();
+    candidates.push_back(k);
+    if (candidates.size() > most_sides) return StickSlip::Choice::failed;
+  }
+  struct Trial {
+    std::vector<std::size_t> touched;
+    double violation;
+  };
+  const auto touched_of = [&](std::uint32_t mask) {
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if ((mask >> i & 1U) != 0) out.push_back(candidates[i]);
+    }
+    return out;
+  };
+  StickSlip::Choice failure = StickSlip::Choice::none;
+  const auto attempt = [&](const std::vector<std::size_t>& touched) {
+    const Reduced::Status status = set(motion, &friction, t, q, v, touched);
+    if (!friction.acts()) return status == Reduced::Status::ok ? StickSlip::Choice::made : StickSlip::Choice::failed;
+    return friction.choose(motion, t, ahead);
+  };
+  std::vector<Trial> trials;
+  const Trial* best = nullptr;
+  const std::uint32_t count = std::uint32_t{1} << candidates.size();
+  for (std::uint32_t k = 0; k < count && best == nullptr; ++k) {
+    const std::uint32_t mask = k == 0 ? first : (k <= first ? k - 1 : k);
+    std::vector<std::size_t> touched = touched_of(mask);
+    const StickSlip::Choice made = attempt(touched);
+    if (made != StickSlip::Choice::made) {
+      failure = made;
+      continue;
+    }
+    const double violation = candidates.empty() ? -1.0 : violation_of(candidates, touched, motion);
+    if (!(violation < sure)) continue;
+    trials.push_back({std::move(touched), violation});
+    if (violation < -sure) best = &trials.back();
+  }
+  if (trials.empty()) return failure;
+  if (best == nullptr) {
+    // Where several agree the one is taken that goes on agreeing.
+    std::vector<const Trial*> agreeing;
+    for (const Trial& trial : trials) agreeing.push_back(&trial);
+    for (const double part : parts_of_time_ahead) {
+      if (agreeing.size() == 1) break;
+      std::vector<const Trial*> next;
+      const Trial* least_wrong = agreeing.front();
+      double least = std::numeric_limits<double>::infinity();
+      for (const Trial* trial : agreeing) {
+        if (attempt(trial->touched) != StickSlip::Choice::made) continue;
+        if (friction.advance(motion, t, part * ahead) != Reduced::Status::ok) continue;
+        const double worst = violation_of(candidates, trial->touched, motion);
+        if (worst < no_rate_of_gap) next.push_back(trial);
+        if (worst < least) {
+          least = worst;
+          least_wrong = trial;
+        }
+      }
+      if (next.empty()) next.push_back(least_wrong);
+      agreeing = std::move(next);
+    }
+    best = agreeing.front();
+  }
+  if (attempt(best->touched) != StickSlip::Choice::made) return StickSlip::Choice::failed;
+  for (Side& side : sides_) side.touched = false;
+  for (const std::size_t k : best->touched) sides_[k].touched = true;
+  for (const std::size_t k : candidates) {
+    sides_[k].idle = !sides_[k].touched && !is_moved(sides_[k], motion);
+  }
+  return StickSlip::Choice::made;
+}
+
+}  // namespace poise

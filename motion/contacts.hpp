@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "motion/impact.hpp"
+#include "motion/motion_model.hpp"
+#include "motion/reduced_motion.hpp"
+#include "motion/stick_slip.hpp"
+#include "motion/varied_model.hpp"
+
+namespace poise {
+
+/// The stops of a scene in motion: each limit of one that does not hold its measure is a side with a gap
+///   max - g  or  g - min,  >= 0.
+/// A side is open, or touched: then its measure is held at the limit (ReducedMotion::set_touching()) by a force that
+/// only pushes. An event is where the gap of an open side, or the force of a touched one, falls to zero. Where gaps
+/// close, impulses keep them from it (impact()); then of all sides whose gap and rate are zero those are touched whose
+/// forces push while the gaps of the others do not close:
+///   0 <= force  complementary to  second derivative of the gap >= 0.
+/// Where several choices do, because a force or an acceleration is zero as it is where a force passes zero, it is the
+/// one that goes on doing so shortly after.
+class Contacts {
+ public:
+  /// The model must outlive this.
+  Contacts(const MotionModel& model, const std::vector<Variation>& variations);
+
+  /// Whether the scene has such stops.
+  bool act() const { return !sides_.empty(); }
+  /// Throws InputError where a gap is negative at the coordinates q: the motion would begin inside a stop.
+  void refuse_start(const double* q);
+  /// Notes gaps, their rates and accelerations at a node of the motion.
+  void watch(const ReducedMotion<double>& motion);
+  /// Least force of the sides that are touched, over the largest force yet: negative where one would have to pull.
+  /// After accelerate().
+  double force_margin(const ReducedMotion<double>& motion);
+  /// After force_margin(): the side of the least, none where nothing is touched.
+  std::optional<Touch> least() const;
+  /// The first time after the last node, up to h where `motion` is, at which the gap of an open side falls to zero by
+  /// the polynomials through gaps, rates and accelerations at both ends; 0 if none does.
+  double first_hit(const ReducedMotion<double>& motion, double h);
+  /// The change of time by which the gap of the side found by first_hit() is zero, from where `motion` is, and its gap.
+  struct Miss {
+    double gap = 0.0, time = 0.0;
+  };
+  Miss miss(const ReducedMotion<double>& motion);
+  /// The least distance by which a gap passed zero since the last node without touching: its polynomial comes nearer to
+  /// zero than `within` and rises again. None if none does.
+  std::optional<Touch> grazed(const ReducedMotion<double>& motion, double h, double within);
+
+  /// An impact where `motion` is.
+  struct Hit {
+    enum class Outcome { none, done, pushed, gains } outcome = Outcome::none;
+    std::vector<std::size_t> sides;  ///< whose gaps are zero
+    Impact impact;
+    std::vector<double> before;  ///< rates of their gaps
+    double work = 0.0;           ///< of drives, and of the sides (negative)
+    std::vector<double> jump;    ///< of the rates of all coordinates
+    std::size_t first = none;    ///< the side that the event is of
+  };
+  /// Lets gaps that close at the coordinates q and rates v rebound, those of the sides `plastic` without restitution.
+  Hit hit(ReducedMotion<double>& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
+          const std::vector<char>& plastic = {});
+  /// After hit(), while `motion` is in that state: the derivative of the jump where the pose moves by dq and the rates
+  /// before by dv, and by an influence of the scene unless null.
+  void jump_by(ReducedMotion<double>& motion, const Hit& hit, const std::vector<double>& v, const double* dq,
+               const double* dv, const Influence* influence, double* change);
+  /// The derivative of the time at which the gap of a side falls to zero, at the rates v of all coordinates, along a change of q and by a
+  /// number if `variation` is not negative.
+  double hit_time_by(const ReducedMotion<double>& motion, std::size_t side, const double* v, const double* dq,
+                     int variation);
+  /// After watch(): whether a gap is zero.
+  bool is_near() const;
+  /// The acceleration of the gap of a side where `motion` is.
+  double acceleration(std::size_t side, const ReducedMotion<double>& motion) {
+    return gap_of(sides_[side], motion).acceleration;
+  }
+  double rebound(std::size_t side) const { return stop_of(sides_[side]).rebound(); }
+
+  /// Chooses what is touched, and friction, from t on at the coordinates q and rates v; sets and accelerates `motion`
+  /// so. `left` is a side whose force has just fallen to zero.
+  StickSlip::Choice choose(ReducedMotion<double>& motion, StickSlip& friction, double t, double ahead,
+                           const std::vector<double>& q, const std::vector<double>& v, std::optional<Touch> left);
+
+  /// What is known of a side at the last choice.
+  struct Side {
+    Touch at;
+    CompiledMeasure<double> on;
+    std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
+    double limit = 0.0;
+    double gap = 0.0, rate = 0.0, acceleration = 0.0;  // at the last node
+    double speed = 0.0;                                // largest rate yet
+    bool touched = false;
+    bool idle = false;  // nothing changes its gap, which is zero
+  };
+  const std::vector<Side>& sides() const { return sides_; }
+  /// "stop \"end\" (max)".
+  std::string name_of(const Touch& at) const;
+
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+ private:
+  struct Gap {
+    double value, rate, acceleration;
+  };
+  Configuration<double> place(const double* q);
+  double sign(const Side& side) const { return side.at.upper ? -1.0 : 1.0; }
+  Gap gap_of(const Side& side, const ReducedMotion<double>& motion);
+  const Stop& stop_of(const Side& side) const;
+  bool is_moved(const Side& side, const ReducedMotion<double>& motion);
+  ReducedMotion<double>::Status set(ReducedMotion<double>& motion, StickSlip* friction, double t,
+                                    const std::vector<double>& q, const std::vector<double>& v,
+                                    const std::vector<std::size_t>& touched);
+  double violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
+                      const ReducedMotion<double>& motion);
+
+  const MotionModel& model_;
+  std::vector<Variation> variations_;
+  std::vector<Side> sides_;
+  ImpactLaw law_ = ImpactLaw::energetic;
+  std::vector<Planar<double>> pose_;
+  std::size_t least_ = none, hit_ = none;
+  double strongest_ = 0.0;  // force yet
+};
+
+}  // namespace poise

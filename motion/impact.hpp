@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "model/laws/stop.hpp"
+
+namespace poise {
+
+/// A limit of a stop that is touched at an impact.
+struct ImpactSide {
+  double rate = 0.0;  ///< of its gap before: negative where it closes
+  double restitution = 0.0;
+};
+
+/// What an impact does; one value for each side.
+struct Impact {
+  bool found = false;           ///< false where no impulses keep the gaps from closing: what is driven pushes
+  std::vector<double> impulse;  ///< >= 0
+  std::vector<double> rate;     ///< of the gap after it, >= 0 but for rounding
+  /// The energy that it takes,  - sum P (rate before + rate after) / 2;  negative where the law would add some.
+  double energy_lost = 0.0;
+  /// The sum of the sizes of these terms.
+  double terms = 0.0;
+  /// False where several sides touch and what happens depends on the order in which they act, which rigid bodies do not
+  /// tell.
+  bool unique = true;
+
+  bool gains() const { return energy_lost < -1e-12 * terms; }
+};
+
+/// Frictionless impact at several sides at once. With the impulses P their gaps' rates are  u = u_before + D P;  D is
+/// symmetric and positive semidefinite, D_ij the rate that a unit impulse at side j gives to the gap of side i.
+///   newton     0 <= P  complementary to  u + e u_before >= 0, in which e is the restitution of a side that closes
+///   others     compression  0 <= P_c  complementary to  u_c = u_before + D P_c >= 0,  then expansion  P_e = s e P_c:
+///     poisson    s = 1
+///     energetic  s such that  P_e^T D P_e = sum e^2 P_c (D P_c), the energy that Stronge's coefficients give
+///              back (at most that of the compression),
+///              and a last compression where a gap would close by that.
+/// At a single side all three give  P = -(1 + e) u_before / D.  The energetic law never adds energy.
+/// Sources: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988; F. Pfeiffer, C. Glocker,
+/// Multibody Dynamics with Unilateral Contacts, 1996; W. J. Stronge, Impact Mechanics, 2000.
+Impact impact(const Eigen::MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw law);
+
+}  // namespace poise
