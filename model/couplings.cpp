@@ -134,9 +134,9 @@ constexpr int cam_numbers_before = 4;
 constexpr auto cam_numbers = []<std::size_t... Point>(std::index_sequence<Point...>) {
   Number lift = needed(factor_number<1>("lift", {}, Range::finite));
   lift.measure_power = 1;
-  return std::array<Number, cam_numbers_before + most_curve_points>{
-      lift, shift_number<1>("phase", dimension::angle), value_number("base"), Stop::restitution_number(),
-      point_number<Point, true, true>()...};
+  return std::array<Number, cam_numbers_before + most_curve_points>{lift, shift_number<1>("phase", dimension::angle),
+                                                                    value_number("base"), Stop::restitution_number(),
+                                                                    point_number<Point, true, true>()...};
 }
 (std::make_index_sequence<most_curve_points>());
 constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1, 0, 1.0, true},
@@ -210,8 +210,8 @@ constexpr Number rim_number() {
 // Of a rope, behind its own those of friction on its pulleys.
 constexpr std::size_t rope_numbers_before = 2;
 constexpr auto rubbing_rope_numbers = []<std::size_t... Rim>(std::index_sequence<Rim...>) {
-  return std::array<Number, rope_numbers_before + most_rubbing_rims>{
-      positive_value("length"), Stop::restitution_number(), rim_number<Rim>()...};
+  return std::array<Number, rope_numbers_before + most_rubbing_rims>{positive_value("length"),
+                                                                     Stop::restitution_number(), rim_number<Rim>()...};
 }
 (std::make_index_sequence<most_rubbing_rims>());
 
@@ -565,6 +565,12 @@ std::span<const Number> Stop::numbers() const {
   if (kind == nullptr) return limits;
   const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;
   return is_full_circle ? kind->numbers.first(1) : kind->numbers;
+}
+
+std::optional<Measure> Stop::tangent() const {
+  if (on.kind == Measure::Kind::x) return Measure::y_of(on.b);
+  if (on.kind == Measure::Kind::y) return Measure::x_of(on.b);
+  return std::nullopt;
 }
 
 std::string Stop::family() const { return words_of_key(table); }

@@ -16,6 +16,33 @@ int friction_element(const Scene& scene, int joint) {
   return -1;
 }
 
+namespace {
+
+bool is_friction_of(const Element& element, const Stop& stop) {
+  return element.table == stop.table && element.name == stop.name;
+}
+
+}  // namespace
+
+int stop_friction_element(const Scene& scene, int stop) {
+  const Stop& of = scene.stops[static_cast<std::size_t>(stop)];
+  if (!of.friction) return -1;
+  for (std::size_t e = scene.elements.size(); e-- > 0;) {
+    if (is_friction_of(scene.elements[e], of)) return static_cast<int>(e);
+  }
+  return -1;
+}
+
+int stop_rubbed_by(const Scene& scene, int element) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const bool rubs = scene.stops[s].friction.has_value();
+    if (rubs && is_friction_of(scene.elements[static_cast<std::size_t>(element)], scene.stops[s])) {
+      return static_cast<int>(s);
+    }
+  }
+  return -1;
+}
+
 double grip_factor(const Joint& joint) {
   return joint.has_travel() ? joint.friction->coefficient : joint.friction->circle();
 }
@@ -35,6 +62,17 @@ Scene resisted_by_joints(Scene scene) {
     element.on = joint.has_travel() ? Measure::travel_of(index) : Measure::angle_between(joint.a.body, joint.b.body);
     element.law = DryFriction{.force = 0.0, .width = 0.0};
     element.line = joint.line;
+    scene.elements.push_back(std::move(element));
+  }
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (!stop.friction || stop_friction_element(scene, static_cast<int>(s)) >= 0) continue;
+    Element element;
+    element.table = stop.table;
+    element.name = stop.name;
+    element.on = *stop.tangent();
+    element.law = DryFriction{.force = 0.0, .width = 0.0};
+    element.line = stop.line;
     scene.elements.push_back(std::move(element));
   }
   let_friction_follow(scene);

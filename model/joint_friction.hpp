@@ -11,7 +11,8 @@
 namespace poise {
 
 /// For motion: the scene with a force element for every joint with friction, on its angle or travel, that has the
-/// constant part of its bound: friction that sticks (DryFriction of width 0), with the table and the name of the joint.
+/// constant part of its bound: friction that sticks (DryFriction of width 0), with the table and the name of the joint;
+/// and one for every stop with friction, on its tangent.
 /// Elements that the scene has keep their places. The rest of the bound, which grows with the force in the joint, is
 /// added by ReducedMotion; for it lay_out() leaves such joints out of its tree, so that their forces are multipliers of
 /// closures. A scene that has been resisted already is returned as it is.
@@ -20,6 +21,12 @@ Scene resisted_by_joints(Scene scene);
 /// Lets these elements of a scene follow the numbers of its joints, which may have changed. Without effect on other
 /// scenes.
 void let_friction_follow(Scene& scene);
+
+/// Index of the element of a stop with friction, on its tangent(), in a scene that is resisted_by_joints(), else -1. It
+/// has no constant part.
+int stop_friction_element(const Scene& scene, int stop);
+/// The stop of such an element, else -1.
+int stop_rubbed_by(const Scene& scene, int element);
 
 /// Index of the element of a joint with friction in a scene that is resisted_by_joints(), else -1.
 int friction_element(const Scene& scene, int joint);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -105,15 +106,9 @@ class Numbers {
   /// what its kind says where it is finite.
   T limit(int stop, bool upper) const;
 
-  /// The coefficient of restitution of a stop or coupling; 0 of those without.
-  T restitution(int stop) const {
-    if (list_->strut(stop) >= 0) return T(0);
-    const std::span<const Number> all = stop_of(list_->first_row(stop)).numbers();
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (all[k].key == "restitution") return p_[list_->stop(stop) + static_cast<int>(k)];
-    }
-    return T(0);
-  }
+  /// The coefficient of restitution of a stop or coupling, and that of its friction; 0 of those without.
+  T restitution(int stop) const { return number_of_stop(stop, "restitution"); }
+  T stop_friction(int stop) const { return number_of_stop(stop, "friction"); }
 
   /// The tangent of the pressure angle of a gear or rack.
   T pressure_tangent(int stop) const {
@@ -145,6 +140,15 @@ class Numbers {
     } else {
       return vector == Vec2{} ? Planar<T>{T(0), T(0)} : planar_cast<T>(direction<PlainOf<T>>(vector));
     }
+  }
+
+  T number_of_stop(int stop, std::string_view key) const {
+    if (list_->strut(stop) >= 0) return T(0);
+    const std::span<const Number> all = stop_of(list_->first_row(stop)).numbers();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (all[k].key == key) return p_[list_->stop(stop) + static_cast<int>(k)];
+    }
+    return T(0);
   }
 
   bool has_points_as_given(int first) const {

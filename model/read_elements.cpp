@@ -364,7 +364,7 @@ class ElementReader {
 
   Stop read_stop(const TomlTable& table) const {
     Stop stop;
-    stop.on = measures_.read(table, all_measures(), {"min", "max", "restitution", "law"});
+    stop.on = measures_.read(table, all_measures(), {"min", "max", "restitution", "law", "friction"});
     const double unit = table.unit(stop.on.dimension());
     stop.min = table.find_number("min", unit, stop.on.range()).value_or(stop.min);
     stop.max = table.find_number("max", unit, stop.on.range()).value_or(stop.max);
@@ -374,6 +374,12 @@ class ElementReader {
     if (!(stop.min <= stop.max)) table.place_of("max").fail("expected max >= min; exchange them");
     read_numbers(table, std::span(Stop::limits).subspan(2), &stop, &stop.on);
     read_impact(table, stop);
+    if (stop.friction && !stop.tangent()) {
+      table.place_of("friction")
+          .fail(
+              "expected a stop on x or y of a point, which has a direction to slide in; give the friction of its "
+              "joints");
+    }
     return stop;
   }
 

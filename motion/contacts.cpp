@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "model/joint_friction.hpp"
 #include "model/mechanism_impl.hpp"
 
 namespace poise {
@@ -52,12 +53,10 @@ struct Quintic {
     c[5] = 6 * far - 3 * fast + bends;
   }
   double at(double x) const { return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))); }
-  double slope(double x) const {
-    return c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
-  }
+  double slope(double x) const { return c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5]))); }
   /// Whether it is positive everywhere: all its coefficients in Bernstein's basis are.
   bool is_positive() const {
-    constexpr double choose[6][6] = {{1, 0, 0, 0, 0, 0},      {1, 0.2, 0, 0, 0, 0},       {1, 0.4, 0.1, 0, 0, 0},
+    constexpr double choose[6][6] = {{1, 0, 0, 0, 0, 0},       {1, 0.2, 0, 0, 0, 0},       {1, 0.4, 0.1, 0, 0, 0},
                                      {1, 0.6, 0.3, 0.1, 0, 0}, {1, 0.8, 0.6, 0.4, 0.2, 0}, {1, 1, 1, 1, 1, 1}};
     for (const auto& row : choose) {
       double b = 0.0;
@@ -117,6 +116,11 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
       Side side{.at = {static_cast<int>(s), upper}, .on = {}, .varied = {}, .limit = limit};
       side.on = {scene, model.layout(), phasors, stop.on};
       scratch = std::max(scratch, side.on.scratch_size());
+      if (const int element = stop_friction_element(scene, side.at.stop); element >= 0) {
+        side.slip = {scene, model.layout(), phasors, scene.elements[static_cast<std::size_t>(element)].on};
+        scratch = std::max(scratch, side.slip->scratch_size());
+        rubs_ = true;
+      }
       for (const Variation& variation : variations) {
         side.varied.push_back(variation.compiled().measure(variation.compiled().scene().stops[s].on, side.at.stop));
       }
@@ -157,10 +161,11 @@ void Contacts::refuse_start(const double* q) {
     if (side.gap >= -no_gap_at_start) continue;
     const Stop& stop = model_.scene().stops[static_cast<std::size_t>(side.at.stop)];
     const double unit = stop.on.is_angle() ? 1.0 : model_.scales().length;
-    throw InputError(fmt::format("{}:{}: {}: the motion would begin {:.3g} {} beyond its {}; expected a start within "
-                                 "its limits, give another start or limit",
-                                 model_.scene().file, stop.line, name_of(side.at), -side.gap * unit,
-                                 stop.on.is_angle() ? "rad" : "m", side.at.upper ? "max" : "min"));
+    throw InputError(
+        fmt::format("{}:{}: {}: the motion would begin {:.3g} {} beyond its {}; expected a start within "
+                    "its limits, give another start or limit",
+                    model_.scene().file, stop.line, name_of(side.at), -side.gap * unit,
+                    stop.on.is_angle() ? "rad" : "m", side.at.upper ? "max" : "min"));
   }
 }
 
@@ -288,18 +293,12 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
   if (!closes) return out;
   const std::size_t m = out.sides.size(), n = static_cast<std::size_t>(motion.coordinates());
   const auto f = static_cast<std::size_t>(motion.freedoms());
-  Eigen::MatrixXd D(m, m);
-  std::vector<double> slope(n), dw(f), along(m * f), response(m * f);
+  const std::size_t rows = rubs_ ? 2 * m : m;
+  std::vector<double> slopes(rows * n, 0.0), along(rows * f), response(rows * f);
   std::vector<ImpactSide> sides;
   for (std::size_t i = 0; i < m; ++i) {
     const std::size_t k = out.sides[i];
     const Side& side = sides_[k];
-    std::fill(slope.begin(), slope.end(), 0.0);
-    side.on.add_gradient(place(motion.q()), sign(side), slope.data());
-    for (std::size_t j = 0; j < f; ++j) {
-      along[i * f + j] = std::inner_product(slope.begin(), slope.end(), motion.B(static_cast<int>(j)), 0.0);
-    }
-    motion.respond(slope.data(), &response[i * f]);
     if (out.before[i] < 0.0 && !is_moved(side, motion)) {
       out.first = k;
       out.outcome = Hit::Outcome::pushed;
@@ -307,11 +306,24 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     }
     const bool is_plastic = !plastic.empty() && plastic[k] != 0;
     sides.push_back({out.before[i], is_plastic ? 0.0 : stop_of(side).rebound()});
+    const Configuration<double> there = place(motion.q());
+    side.on.add_gradient(there, sign(side), &slopes[i * n]);
+    if (!side.slip) continue;
+    sides.back().friction = *stop_of(side).friction;
+    sides.back().slip = side.slip->along(there, v.data());
+    side.slip->add_gradient(there, 1.0, &slopes[(m + i) * n]);
   }
-  for (std::size_t i = 0; i < m; ++i) {
-    for (std::size_t j = 0; j < m; ++j) {
-      D(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = std::inner_product(
-          &along[i * f], &along[i * f] + f, &response[j * f], 0.0);
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t j = 0; j < f; ++j) {
+      along[i * f + j] = std::inner_product(&slopes[i * n], &slopes[i * n] + n, motion.B(static_cast<int>(j)), 0.0);
+    }
+    motion.respond(&slopes[i * n], &response[i * f]);
+  }
+  Eigen::MatrixXd D(rows, rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t j = 0; j < rows; ++j) {
+      D(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          std::inner_product(&along[i * f], &along[i * f] + f, &response[j * f], 0.0);
     }
   }
   D = (D + D.transpose().eval()) / 2;
@@ -326,14 +338,15 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
   }
   // The same jump with the gaps that are pushed as rows, which gives all impulses.
   std::vector<std::size_t> active;
-  std::vector<double> steps;
+  std::vector<double> steps, rubbing(n, 0.0);
   for (std::size_t i = 0; i < m; ++i) {
+    for (std::size_t j = 0; rubs_ && j < n; ++j) rubbing[j] += out.impact.rub[i] * slopes[(m + i) * n + j];
     if (!(out.impact.impulse[i] > 0.0)) continue;
     active.push_back(out.sides[i]);
     steps.push_back(sign(sides_[out.sides[i]]) * (out.impact.rate[i] - out.before[i]));
   }
   set(motion, nullptr, t, q, v, active);
-  motion.jump(steps.data());
+  motion.jump(steps.data(), rubbing.data());
   out.jump.assign(motion.a(), motion.a() + n);
   out.work = -out.impact.energy_lost + motion.drive_power();
   out.outcome = Hit::Outcome::done;
@@ -433,6 +446,7 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
   struct Trial {
     std::vector<std::size_t> touched;
     double violation;
+    std::vector<double> acceleration;
   };
   const auto touched_of = [&](std::uint32_t mask) {
     std::vector<std::size_t> out;
@@ -440,6 +454,21 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
       if ((mask >> i & 1U) != 0) out.push_back(candidates[i]);
     }
     return out;
+  };
+  // Whether those that surely agree have different accelerations.
+  const auto differ = [](const std::vector<Trial>& all) {
+    const Trial* one = nullptr;
+    for (const Trial& trial : all) {
+      if (!(trial.violation < -sure)) continue;
+      if (one == nullptr) one = &trial;
+      double apart = 0.0, largest = 0.0;
+      for (std::size_t i = 0; i < trial.acceleration.size(); ++i) {
+        apart = std::max(apart, std::abs(trial.acceleration[i] - one->acceleration[i]));
+        largest = std::max({largest, std::abs(trial.acceleration[i]), std::abs(one->acceleration[i])});
+      }
+      if (apart > sure * largest) return true;
+    }
+    return false;
   };
   StickSlip::Choice failure = StickSlip::Choice::none;
   const auto attempt = [&](const std::vector<std::size_t>& touched) {
@@ -450,7 +479,8 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
   std::vector<Trial> trials;
   const Trial* best = nullptr;
   const std::uint32_t count = std::uint32_t{1} << candidates.size();
-  for (std::uint32_t k = 0; k < count && best == nullptr; ++k) {
+  // With friction that grows with the forces of stops accelerations need not be unique: all choices are looked at.
+  for (std::uint32_t k = 0; k < count && (best == nullptr || rubs_); ++k) {
     const std::uint32_t mask = k == 0 ? first : (k <= first ? k - 1 : k);
     std::vector<std::size_t> touched = touched_of(mask);
     const StickSlip::Choice made = attempt(touched);
@@ -460,10 +490,11 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     }
     const double violation = candidates.empty() ? -1.0 : violation_of(candidates, touched, motion);
     if (!(violation < sure)) continue;
-    trials.push_back({std::move(touched), violation});
-    if (violation < -sure) best = &trials.back();
+    trials.push_back({std::move(touched), violation, {motion.a(), motion.a() + motion.coordinates()}});
+    if (violation < -sure && !rubs_) best = &trials.back();
   }
   if (trials.empty()) return failure;
+  if (rubs_ && differ(trials)) return StickSlip::Choice::several;
   if (best == nullptr) {
     // Where several agree the one is taken that goes on agreeing.
     std::vector<const Trial*> agreeing;

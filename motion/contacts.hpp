@@ -68,8 +68,8 @@ class Contacts {
   /// before by dv, and by an influence of the scene unless null.
   void jump_by(ReducedMotion<double>& motion, const Hit& hit, const std::vector<double>& v, const double* dq,
                const double* dv, const Influence* influence, double* change);
-  /// The derivative of the time at which the gap of a side falls to zero, at the rates v of all coordinates, along a change of q and by a
-  /// number if `variation` is not negative.
+  /// The derivative of the time at which the gap of a side falls to zero, at the rates v of all coordinates, along a
+  /// change of q and by a number if `variation` is not negative.
   double hit_time_by(const ReducedMotion<double>& motion, std::size_t side, const double* v, const double* dq,
                      int variation);
   /// After watch(): whether a gap is zero.
@@ -79,6 +79,8 @@ class Contacts {
     return gap_of(sides_[side], motion).acceleration;
   }
   double rebound(std::size_t side) const { return stop_of(sides_[side]).rebound(); }
+  /// Whether some side has friction.
+  bool rub() const { return rubs_; }
 
   /// Chooses what is touched, and friction, from t on at the coordinates q and rates v; sets and accelerates `motion`
   /// so. `left` is a side whose force has just fallen to zero.
@@ -90,6 +92,7 @@ class Contacts {
     Touch at;
     CompiledMeasure<double> on;
     std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
+    std::optional<CompiledMeasure<double>> slip{};           // along which it rubs
     double limit = 0.0;
     double gap = 0.0, rate = 0.0, acceleration = 0.0;  // at the last node
     double speed = 0.0;                                // largest rate yet
@@ -121,6 +124,7 @@ class Contacts {
   std::vector<Variation> variations_;
   std::vector<Side> sides_;
   ImpactLaw law_ = ImpactLaw::energetic;
+  bool rubs_ = false;
   std::vector<Planar<double>> pose_;
   std::size_t least_ = none, hit_ = none;
   double strongest_ = 0.0;  // force yet

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "solvers/complementarity.hpp"
@@ -60,10 +61,173 @@ bool is_unique(const MatrixXd& D, const VectorXd& impulse, const VectorXd& after
   return true;
 }
 
+/// Impulses at the gaps and along the slips.
+struct Impulses {
+  VectorXd at, along;
+};
+
+/// A single side as the impulse at it grows.
+class GrowingImpulse {
+ public:
+  GrowingImpulse(double nn, double nt, double tt, const ImpactSide& side)
+      : nn_(nn), nt_(nt), tt_(tt), mu_(side.friction), u_(side.rate), v_(side.slip) {}
+
+  /// False where the gap never stops closing.
+  bool run(double restitution, ImpactLaw law) {
+    const double before = u_;
+    double taken = 0.0;
+    while (u_ < 0.0 || (u_ == 0.0 && by_impulse() < 0.0 && at_ == 0.0)) {
+      const double to_end = by_impulse() > 0.0 ? -u_ / by_impulse() : std::numeric_limits<double>::infinity();
+      const double part = std::min(to_end, to_stop());
+      if (!std::isfinite(part)) return false;
+      taken -= work(part);
+      advance(part, part == to_stop());
+      if (part == to_end || std::abs(u_) <= no_rate_left * std::abs(before)) {
+        u_ = 0.0;
+        break;
+      }
+    }
+    double left = law == ImpactLaw::poisson ? restitution * at_ : restitution * restitution * taken;
+    while (left > 0.0) {
+      // u x + u' x^2 / 2 = left
+      const double k = by_impulse();
+      const double root = u_ * u_ + 2 * k * left;
+      const double by_work = root >= 0.0 && u_ + std::sqrt(root) > 0.0 ? 2 * left / (u_ + std::sqrt(root))
+                                                                       : std::numeric_limits<double>::infinity();
+      const double to_end = law == ImpactLaw::poisson ? left : by_work;
+      const double part = std::min(to_end, to_stop());
+      if (!std::isfinite(part)) return false;
+      left -= law == ImpactLaw::poisson ? part : work(part);
+      advance(part, part == to_stop());
+      if (part == to_end) break;
+    }
+    return true;
+  }
+
+  double at() const { return at_; }
+  double along() const { return along_; }
+
+ private:
+  /// The friction for a unit of the impulse.
+  double rubbed() const {
+    if (v_ != 0.0) return v_ > 0.0 ? -mu_ : mu_;
+    const double sticking = -nt_ / tt_;
+    return std::clamp(sticking, -mu_, mu_);
+  }
+  double by_impulse() const { return nn_ + nt_ * rubbed(); }
+  double slip_by_impulse() const { return nt_ + tt_ * rubbed(); }
+  double to_stop() const {
+    const double by = slip_by_impulse();
+    return v_ != 0.0 && by * v_ < 0.0 ? -v_ / by : std::numeric_limits<double>::infinity();
+  }
+  double work(double part) const { return part * (u_ + by_impulse() * part / 2); }
+  void advance(double part, bool stops) {
+    const double c = rubbed(), u = by_impulse(), v = slip_by_impulse();
+    at_ += part;
+    along_ += c * part;
+    u_ += u * part;
+    v_ = stops ? 0.0 : v_ + v * part;
+  }
+
+  double nn_, nt_, tt_, mu_, u_, v_;
+  double at_ = 0.0, along_ = 0.0;
+};
+
+/// With P_R = P_T + mu P_N and P_L = mu P_N - P_T, both >= 0, and the final slip w_R - w_L.
+std::optional<Impulses> rubbing_newton(const MatrixXd& D, const std::vector<ImpactSide>& sides, double share) {
+  const auto m = static_cast<Eigen::Index>(sides.size());
+  MatrixXd M = MatrixXd::Zero(3 * m, 3 * m);
+  VectorXd q = VectorXd::Zero(3 * m);
+  for (Eigen::Index j = 0; j < m; ++j) {
+    const double mu = sides[static_cast<std::size_t>(j)].friction;
+    for (Eigen::Index i = 0; i < 2 * m; ++i) {
+      M(i, j) = D(i, j) - mu * D(i, m + j);
+      M(i, m + j) = D(i, m + j);
+    }
+    M(m + j, 2 * m + j) = 1.0;
+    M(2 * m + j, j) = 2 * mu;
+    M(2 * m + j, m + j) = -1.0;
+    const ImpactSide& side = sides[static_cast<std::size_t>(j)];
+    q[j] = side.rate < 0.0 ? (1.0 + share * side.restitution) * side.rate : side.rate;
+    q[m + j] = side.slip;
+  }
+  const std::optional<VectorXd> z = solvers::solve_complementarity(M, q);
+  if (!z) return std::nullopt;
+  Impulses out{z->head(m), z->segment(m, m)};
+  for (Eigen::Index j = 0; j < m; ++j) out.along[j] -= sides[static_cast<std::size_t>(j)].friction * out.at[j];
+  return out;
+}
+
+void state(const MatrixXd& D, const std::vector<ImpactSide>& sides, const Impulses& by, Impact& out) {
+  const auto m = static_cast<Eigen::Index>(sides.size());
+  VectorXd all(D.rows());
+  all.head(m) = by.at;
+  if (D.rows() > m) all.tail(m) = by.along;
+  const VectorXd change = D * all;
+  out.impulse.assign(by.at.begin(), by.at.end());
+  out.rub.assign(by.along.begin(), by.along.end());
+  out.rate.clear();
+  out.energy_lost = out.terms = 0.0;
+  double fastest = 0.0, lowest = 0.0;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const ImpactSide& side = sides[static_cast<std::size_t>(i)];
+    const double after = side.rate + change[i];
+    out.rate.push_back(after);
+    fastest = std::max({fastest, std::abs(side.rate), std::abs(change[i])});
+    lowest = std::min(lowest, after);
+    const auto take = [&](double impulse, double before, double then) {
+      out.energy_lost -= impulse * (before + then) / 2;
+      out.terms += std::abs(impulse) * (std::abs(before) + std::abs(then)) / 2;
+    };
+    take(by.at[i], side.rate, after);
+    if (D.rows() > m) take(by.along[i], side.slip, side.slip + change[m + i]);
+  }
+  out.found = lowest >= -1e-9 * fastest;
+}
+
+Impact rubbing_impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw law) {
+  const auto m = static_cast<Eigen::Index>(sides.size());
+  Impact out;
+  Eigen::Index closing = -1;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    if (sides[static_cast<std::size_t>(i)].rate < 0.0 &&
+        (closing < 0 || sides[static_cast<std::size_t>(i)].rate < sides[static_cast<std::size_t>(closing)].rate)) {
+      closing = i;
+    }
+  }
+  if (closing >= 0 && law != ImpactLaw::newton) {
+    const ImpactSide& side = sides[static_cast<std::size_t>(closing)];
+    GrowingImpulse one(D(closing, closing), D(closing, m + closing), D(m + closing, m + closing), side);
+    if (one.run(side.restitution, law)) {
+      Impulses by{VectorXd::Zero(m), VectorXd::Zero(m)};
+      by.at[closing] = one.at();
+      by.along[closing] = one.along();
+      state(D, sides, by, out);
+      if (out.found) return out;
+    }
+  }
+  const auto with_share = [&](double share) {
+    const std::optional<Impulses> by = rubbing_newton(D, sides, share);
+    if (by) state(D, sides, *by, out);
+    return by.has_value() && out.found;
+  };
+  out.unique = m == 1;
+  if (!with_share(1.0)) return out;
+  if (law != ImpactLaw::energetic || !out.gains()) return out;
+  double low = 0.0, high = 1.0;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = (low + high) / 2;
+    (with_share(middle) && !out.gains() ? low : high) = middle;
+  }
+  with_share(low);
+  return out;
+}
+
 }  // namespace
 
 Impact impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw law) {
   const auto m = static_cast<Eigen::Index>(sides.size());
+  if (D.rows() > m) return rubbing_impact(D, sides, law);
   VectorXd before(m), e(m);
   for (Eigen::Index i = 0; i < m; ++i) {
     before[i] = sides[static_cast<std::size_t>(i)].rate;
@@ -73,17 +237,8 @@ Impact impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw
   const std::optional<VectorXd> impulse =
       law == ImpactLaw::newton ? newton(D, before, e) : in_two_phases(D, before, e, law == ImpactLaw::energetic);
   if (!impulse) return out;
-  const VectorXd after = before + D * *impulse;
-  const double fastest = before.cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const double work = (*impulse)[i] * (before[i] + after[i]) / 2;
-    out.energy_lost -= work;
-    out.terms += std::abs((*impulse)[i]) * (std::abs(before[i]) + std::abs(after[i])) / 2;
-    out.impulse.push_back((*impulse)[i]);
-    out.rate.push_back(after[i]);
-  }
-  out.found = after.minCoeff() >= -1e-9 * fastest;
-  out.unique = is_unique(D, *impulse, after, e, fastest);
+  state(D, sides, {*impulse, VectorXd::Zero(m)}, out);
+  out.unique = is_unique(D, *impulse, before + D * *impulse, e, before.cwiseAbs().maxCoeff());
   return out;
 }
 

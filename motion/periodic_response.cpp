@@ -50,6 +50,11 @@ struct Shot {
   bool is_whole() const { return why.empty(); }
 };
 
+std::string name_of_stop(const MotionModel& model, const ContactEvent& event) {
+  const Stop& stop = model.scene().stops[static_cast<std::size_t>(event.at.stop)];
+  return fmt::format("{} \"{}\" at t = {:.4g} s", stop.family(), stop.name, event.t);
+}
+
 /// Period after period under the load that swings.
 class Shooting {
  public:
@@ -113,9 +118,9 @@ class Shooting {
     if (!out.motion.completed()) {
       out.end = out.motion.status == MotionStatus::interrupted ? End::interrupted : End::failed;
       out.why = out.motion.why;
-    } else if (!out.motion.overrun.empty()) {
+    } else if (!out.motion.events.empty()) {
       out.end = End::stop;
-      out.why = "it meets " + out.motion.overrun.front();
+      out.why = "it meets " + name_of_stop(*out.model, out.motion.events.front());
     } else {
       read_end(frequency, out);
     }

@@ -258,7 +258,8 @@ class ReducedMotion {
   ///   M a + J^T P = 0,   J a = steps,
   /// the multipliers are the impulses P, v() is zero. Forces are finite and have no part in it. linearize() and
   /// jump_change() are then those of the jump, until move().
-  void jump(const T* steps);
+  /// `impulse`, unless null, is a generalized impulse beside these (n values).
+  void jump(const T* steps, const T* impulse = nullptr);
   /// After jump() and linearize(): the derivative of the jump where the pose moves along dq, the steps change by
   /// `steps`, and, unless null, a number of the scene by `influence`; n values.
   void jump_change(const T* dq, const T* steps, const Influence* influence, T* change);
@@ -321,8 +322,8 @@ class ReducedMotion {
   struct Hold {
     Planar<T> at{}, end{};
   };
-  // Friction of a joint that grows with its force; or teeth that push their wheels apart by |Q|, whose force is (Q, 0)
-  // along the normal (1, 0).
+  // Friction of a joint or across a stop that grows with its force; or teeth that push their wheels apart by |Q|, whose
+  // force is (Q, 0) along the normal (1, 0).
   struct Grip {
     int element, joint;
     CompiledMeasure<T> on;   // the joint's angle or travel
@@ -331,9 +332,11 @@ class ReducedMotion {
     int travel = -1;         // its coordinate, whose line has the direction `axis` at zero angle
     Planar<T> axis{};
     int contact = -1;  // of teeth: index into BearingLoads::contacts()
+    int stop = -1;     // of friction across a stop: of the scene; its force is (N, 0), N that of the limit touched
 
     bool is_teeth() const { return contact >= 0; }
-    bool is_pin() const { return travel < 0 && !is_teeth(); }
+    bool is_stop() const { return stop >= 0; }
+    bool is_pin() const { return travel < 0 && !is_teeth() && !is_stop(); }
   };
   // What its size depends on: |at| of a pin; else of the normal components N = n . at and n . end, of the carriage's
   // end, by N + end or by end alone, with the sign of that.
@@ -375,6 +378,7 @@ class ReducedMotion {
   void add_grip_efforts();
   std::size_t stop_row(int contact) const;
   T effort_in(int contact) const;
+  int touched_row(const Grip& grip) const;
   Hold multipliers_of(const Grip& grip) const;
   Hold hold_of(std::size_t i) const;
   bool load_bearings();

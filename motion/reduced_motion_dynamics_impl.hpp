@@ -128,12 +128,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
 }
 
 template <class T>
-void ReducedMotion<T>::jump(const T* steps) {
+void ReducedMotion<T>::jump(const T* steps, const T* impulse) {
   jumps_ = true;
   steps_.assign(steps, steps + touching_.size());
   std::fill(v_.begin(), v_.end(), T(0));
   place_accelerations();
   find_forces();
+  for (int i = 0; i < n_ && impulse != nullptr; ++i) full_force_[i] -= impulse[i];
   solve_accelerations();
   find_multipliers();
 }
@@ -317,11 +318,11 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
   variations_.reset();
   if (variations.empty()) return;
   variations_ = std::make_shared<MotionVariations>();
-  std::vector<int> joints;
-  for (std::size_t i = 0; i < first_teeth_; ++i) joints.push_back(grips_[i].joint);
+  std::vector<GripOf> grips;
+  for (std::size_t i = 0; i < first_teeth_; ++i) grips.push_back({grips_[i].joint, grips_[i].stop});
   std::size_t pose = 0;
   for (const Variation& variation : variations) {
-    variations_->terms.emplace_back(variation, inputs_, touching_, held_, joints, growing(grips_));
+    variations_->terms.emplace_back(variation, inputs_, touching_, held_, grips, growing(grips_));
     pose = std::max(pose, variations_->terms.back().pose_size());
   }
   variations_->state.pose.resize(pose);
@@ -364,7 +365,7 @@ void ReducedMotion<T>::add_direct(std::size_t variation) {
   for (std::size_t i = 0; gripping_ && !jumps_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
-    if (grip.is_pin()) continue;
+    if (grip.is_pin() || grip.is_stop()) continue;
     const Planar<T> axis = planar_cast<T>(terms.axis_by(i));
     const Planar<T> normal = quarter_turn(axis * mechanism_.phasors().line_direction(pose_.data(), grip.travel));
     direct_.bound[i] += grip.factor * size_of(grip, branches_[i], holds_[i], normal);

@@ -29,9 +29,25 @@ T ReducedMotion<T>::effort_in(int contact) const {
   return place < 0 ? T(0) : T(-small_rows_[place]);
 }
 
+// Gives the row of the limit that is touched of the stop of a grip; -1 if none is.
+template <class T>
+int ReducedMotion<T>::touched_row(const Grip& grip) const {
+  for (std::size_t k = 0; k < touching_.size(); ++k) {
+    if (touching_[k].stop == grip.stop) return mechanism_.equalities() + static_cast<int>(prescribed_ + k);
+  }
+  return -1;
+}
+
 // Reads the multipliers of a joint's closures from these.
 template <class T>
 typename ReducedMotion<T>::Hold ReducedMotion<T>::multipliers_of(const Grip& grip) const {
+  if (grip.is_stop()) {
+    const int row = touched_row(grip);
+    if (row < 0 || place_of_row_[row] < 0) return {};
+    const T& multiplier = small_rows_[place_of_row_[row]];
+    const bool upper = touching_[static_cast<std::size_t>(row - mechanism_.equalities()) - prescribed_].upper;
+    return {{upper ? multiplier : T(-multiplier), T(0)}, {}};
+  }
   const auto multiplier = [&](int row) { return place_of_row_[row] < 0 ? T(0) : small_rows_[place_of_row_[row]]; };
   Hold out{{multiplier(grip.row), multiplier(grip.row + 1)}, {}};
   if (grip.end >= 0) out.end = {multiplier(grip.end), multiplier(grip.end + 1)};
@@ -171,6 +187,8 @@ bool ReducedMotion<T>::leaves_open() {
   const auto joint_of = [&](int row) {
     for (const Grip& grip : grips_) {
       if (grip.factor == 0) continue;
+      if (grip.is_stop() && row == touched_row(grip)) return -1;
+      if (grip.is_stop()) continue;
       for (const int first : {grip.row, grip.end}) {
         if (first >= 0 && (row == first || row == first + 1)) return grip.joint;
       }
@@ -184,8 +202,9 @@ bool ReducedMotion<T>::leaves_open() {
   };
   const int first_held = rows_ - static_cast<int>(held_.size());
   const auto needs = [&](int row) {
-    undetermined_ = std::max(joint_of(row), -1);
-    return undetermined_ >= 0 || row >= first_held;
+    const int joint = joint_of(row);
+    undetermined_ = std::max(joint, -1);
+    return joint >= -1 || row >= first_held;
   };
   for (int row = 0; row < rows_; ++row) {
     if (place_of_row_[row] >= 0) continue;
@@ -239,7 +258,8 @@ void ReducedMotion<T>::set_grip_directions() {
       const T rate = one.on.along(here(), v_.data());
       directions_[i] = rate > 0 ? T(1) : rate < 0 ? T(-1) : T(0);
     }
-    normals_[i] = one.travel >= 0 ? normal_of(one) : Planar<T>{};
+    normals_[i] = one.travel >= 0 ? normal_of(one) : one.is_stop() ? Planar<T>{T(1), T(0)} : Planar<T>{};
+    if (one.is_stop() && touched_row(one) < 0) directions_[i] = T(0);
   }
 }
 

@@ -111,6 +111,14 @@ std::vector<typename ReducedMotion<T>::Grip> ReducedMotion<T>::grips_of(const Sc
     }
     out.push_back(std::move(one));
   }
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const int element = stop_friction_element(scene, static_cast<int>(s));
+    if (element < 0) continue;
+    Grip one{
+        element, -1, {scene, layout, mechanism.phasors(), scene.elements[element].on}, T(*scene.stops[s].friction)};
+    one.stop = static_cast<int>(s);
+    out.push_back(std::move(one));
+  }
   return out;
 }
 
@@ -119,7 +127,7 @@ template <class T>
 std::vector<int> ReducedMotion<T>::growing(const std::vector<Grip>& grips) {
   std::vector<int> joints;
   for (const Grip& grip : grips) {
-    if (grip.factor != 0) joints.push_back(grip.joint);
+    if (grip.factor != 0 && !grip.is_stop()) joints.push_back(grip.joint);
   }
   return joints;
 }

@@ -564,7 +564,8 @@ class Simulation {
 
   /// Lets the gaps rebound that close at the coordinates q and rates v, which become those after it, and chooses the
   /// mode there.
-  bool rebound(double t, const std::vector<double>& q, std::vector<double>& v, double& work, std::optional<Touch> left) {
+  bool rebound(double t, const std::vector<double>& q, std::vector<double>& v, double& work,
+               std::optional<Touch> left) {
     const std::size_t n = q.size();
     const std::vector<double> before = v;
     std::vector<char> plastic(contacts_.sides().size(), 0);
@@ -575,10 +576,9 @@ class Simulation {
       if (hit.outcome == Contacts::Hit::Outcome::none) return choose_mode(t, q, v, left);
       if (hit.outcome != Contacts::Hit::Outcome::done) {
         const std::string name = contacts_.name_of(contacts_.sides()[hit.first].at);
-        stop(MotionStatus::jammed, fmt::format("at t = {:.9g} s {}", t,
-                                               hit.outcome == Contacts::Hit::Outcome::gains
-                                                   ? gaining_impact(name)
-                                                   : pushing_drive(name)));
+        stop(MotionStatus::jammed,
+             fmt::format("at t = {:.9g} s {}", t,
+                         hit.outcome == Contacts::Hit::Outcome::gains ? gaining_impact(name) : pushing_drive(name)));
         return false;
       }
       for (std::size_t i = 0; i < n; ++i) v[i] = before[i] + hit.jump[i];
@@ -611,8 +611,8 @@ class Simulation {
       const double unit = turns ? 1.0 : scales.length;
       const double impulse = hit.impact.impulse[i], before = hit.before[i], after = hit.impact.rate[i];
       // It would have turned round just behind the limit, or not have come so far.
-      const bool grazes = side.acceleration > 0.0 &&
-                          before * before < 2 * side.acceleration * grazing * options_.accuracy;
+      const bool grazes =
+          side.acceleration > 0.0 && before * before < 2 * side.acceleration * grazing * options_.accuracy;
       add_event({.t = t,
                  .kind = ContactEvent::Kind::impact,
                  .at = side.at,
@@ -654,6 +654,12 @@ class Simulation {
   /// Finds the derivatives of the jump that the equations have just made from the rates v, and of its time.
   void differentiate(const Contacts::Hit& hit, const std::vector<double>& v) {
     if (changes_.empty()) return;
+    if (contacts_.rub()) {
+      throw InputError(
+          fmt::format("{}: stop.friction: derivatives across impacts with friction are not known; expected "
+                      "stops without the key friction where motions are fitted",
+                      model_.scene().file));
+    }
     const std::size_t n = v.size();
     reduced_.set_variations(options_.variations);
     reduced_.linearize();
@@ -773,8 +779,8 @@ class Simulation {
   };
   std::vector<Change> changes_;  // by column, at the last event
   std::vector<Passed> passed_;   // singular poses that were stepped over, and by what length
-  double limit_ = 0.0;          // of pivots: steps avoid those below
-  double ahead_ = 0.0;          // time in which choices of friction are told apart
+  double limit_ = 0.0;           // of pivots: steps avoid those below
+  double ahead_ = 0.0;           // time in which choices of friction are told apart
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
   int departures_ = 0;                                                // steps that are short behind the border passed
   double onward_ = 0.0;                                               // length of steps to go on with behind a border
@@ -820,6 +826,14 @@ void expect_joint_friction(const Scene& scene) {
         "{}:{}: {} \"{}\".friction: friction of joints is not treated here; expected friction of a constant "
         "torque or force, give it in a table [[friction]] instead",
         scene.file, joint.line, joint.traits().key, joint.name));
+  }
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (!stop.friction || stop_friction_element(scene, static_cast<int>(s)) >= 0) continue;
+    throw InputError(
+        fmt::format("{}:{}: {} \"{}\".friction: friction across a stop is not treated here; expected a stop "
+                    "without it",
+                    scene.file, stop.line, stop.family(), stop.name));
   }
 }
 

@@ -42,6 +42,8 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
     const Measure& on = scene.elements[e].on;
     Contact contact{static_cast<int>(e), std::get<DryFriction>(scene.elements[e].law).force, {}, {}};
     contact.on = {scene, model.layout(), phasors, on};
+    contact.stop = stop_rubbed_by(scene, static_cast<int>(e));
+    grows_ = grows_ || contact.stop >= 0;
     scratch = std::max(scratch, contact.on.scratch_size());
     for (const Variation& variation : variations) {
       contact.varied.push_back(variation.compiled().measure(variation.compiled().scene().elements[e].on));
@@ -50,8 +52,11 @@ StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& var
   }
   bool some_grip = false;
   for (std::size_t j = 0; j < scene.joints.size(); ++j) some_grip = some_grip || grips(scene, static_cast<int>(j));
+  grows_ = grows_ || some_grip;
   if (some_grip) {
-    for (const Contact& contact : contacts_) branched_.push_back({contact.element, false});
+    for (const Contact& contact : contacts_) {
+      if (contact.stop < 0) branched_.push_back({contact.element, false});
+    }
     for (int k = 0; k < motion.separating_teeth(); ++k) {
       branched_.push_back({static_cast<int>(scene.elements.size()) + k, true});
     }
@@ -63,6 +68,11 @@ Configuration<double> StickSlip::place(const CompiledMeasure<double>& on, const 
   const Phasors<double>& phasors = model_.mechanism().phasors();
   if (!on.is_linear()) phasors.place(q, pose_.data());
   return {phasors, pose_.data(), pose_.data() + phasors.pose_size()};
+}
+
+bool StickSlip::is_open(const Contact& contact, const Reduced& motion) {
+  return contact.stop >= 0 && std::none_of(motion.touching().begin(), motion.touching().end(),
+                                           [&](const Touch& touch) { return touch.stop == contact.stop; });
 }
 
 double StickSlip::rate(const Contact& contact, const Reduced& motion) {
@@ -98,7 +108,7 @@ double StickSlip::watch(const Reduced& motion) {
 double StickSlip::dip(const Reduced& motion, double h) {
   for (const Contact& contact : contacts_) {
     const int s = motion.sliding()[contact.element];
-    if (s == 0 || contact.idle) continue;
+    if (s == 0 || contact.idle || is_open(contact, motion)) continue;
     const double from = s * contact.rate, to = s * rate(contact, motion);
     const double falls = s * contact.acceleration * h, rises = s * acceleration(contact, motion) * h;
     if (!(falls < 0 && rises > 0)) continue;
@@ -135,7 +145,7 @@ double StickSlip::margin(const Reduced& motion) {
     }
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    if (contacts_[c].idle) continue;
+    if (contacts_[c].idle || is_open(contacts_[c], motion)) continue;
     const double own = margin_of(contacts_[c], motion);
     if (!(own < least)) continue;
     least = own;
@@ -298,6 +308,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   std::size_t choices = 1;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     contacts_[c].idle = false;
+    if (is_open(contacts_[c], motion)) continue;
     const bool moves = c != met_ && std::abs(rate(contacts_[c], motion)) > no_rate_of_friction * contacts_[c].speed;
     if (moves) continue;
     still.push_back(c);
@@ -360,7 +371,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   const Trial* const best =
       agreeing.size() == 1 ? agreeing.front() : tell_apart(motion, node, std::move(agreeing), ahead);
   for (const Trial& trial : trials) {
-    if (branched_.empty() || trial.violation > no_acceleration) continue;
+    if (!grows_ || trial.violation > no_acceleration) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
       const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
       if (apart > consistent * largest[k]) return Choice::several;

@@ -76,6 +76,7 @@ class StickSlip {
     double speed = 0.0;                                      // largest rate yet
     double rate = 0.0, acceleration = 0.0;                   // at the last node
     bool idle = false;  // it slides without rate: what is held or driven holds it, too
+    int stop = -1;      // across which it acts where that is touched
   };
   // A size |R| with branches: of the force in a joint with friction, or of teeth that push their wheels apart.
   struct Branched {
@@ -92,6 +93,8 @@ class StickSlip {
   };
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   Configuration<double> place(const CompiledMeasure<double>& on, const double* q);
+  /// Whether it has no force, because what it acts across is not touched.
+  static bool is_open(const Contact& contact, const ReducedMotion<double>& motion);
   /// The derivative of the value of a contact's measure, or of its rate, by the number of a variation.
   double value_by(const Contact& contact, const ReducedMotion<double>& motion, std::size_t variation) const;
   double rate_by(const Contact& contact, const ReducedMotion<double>& motion, std::size_t variation) const;
@@ -118,7 +121,8 @@ class StickSlip {
   const MotionModel& model_;
   std::vector<Variation> variations_;
   std::vector<Contact> contacts_;
-  std::vector<Branched> branched_;  // empty if no F grows with a force
+  std::vector<Branched> branched_;
+  bool grows_ = false;  // some F grows with a force
   std::vector<Planar<double>> pose_;
   std::size_t least_ = none;          // contact of the last margin()
   std::size_t met_ = none;            // of the event

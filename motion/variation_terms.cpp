@@ -11,7 +11,7 @@ namespace poise {
 
 VariationTerms::VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs,
                                const std::vector<Touch>& touching, const std::vector<int>& held,
-                               const std::vector<int>& grips, const std::vector<int>& growing)
+                               const std::vector<GripOf>& grips, const std::vector<int>& growing)
     : variation_(variation),
       input_forces_(variation.compiled().mechanism()),
       bearing_loads_(variation.compiled().numbers(), variation.compiled().mechanism(), growing) {
@@ -35,7 +35,12 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
   }
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
   input_forces_.set_inputs(numbers, inputs);
-  for (const int joint : grips) {
+  for (const auto& [joint, stop] : grips) {
+    if (stop >= 0) {
+      factors_.push_back(numbers.stop_friction(stop).v[0]);
+      axes_.push_back({});
+      continue;
+    }
     factors_.push_back(grip_factor(numbers, joint).v[0]);
     const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
     const Planar<Dual> axis = numbers.axis(joint) * m.phasors().turned(m.layout().links[of.a.body].turn);

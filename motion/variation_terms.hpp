@@ -13,6 +13,11 @@
 
 namespace poise {
 
+/// A joint, or else a stop, whose friction grows with its force.
+struct GripOf {
+  int joint = -1, stop = -1;
+};
+
 /// A state of a ReducedMotion, for the derivatives by numbers there.
 struct VariedState {
   using Dual = VariedModel::Dual;
@@ -36,10 +41,10 @@ class VariationTerms {
   using Dual = VariedModel::Dual;
 
   /// Rows of drives are those of the scene, stops whose limits are equal, limits that are touched, and the elements
-  /// `held`. `grips` are joints whose friction grows with their forces, `growing` those of them where it does. All must
-  /// outlive this.
+  /// `held`. The friction of `grips` grows with their forces, `growing` are the joints where it does. All must outlive
+  /// this.
   VariationTerms(const Variation& variation, const std::vector<MotionInput>& inputs, const std::vector<Touch>& touching,
-                 const std::vector<int>& held, const std::vector<int>& grips, const std::vector<int>& growing);
+                 const std::vector<int>& held, const std::vector<GripOf>& grips, const std::vector<int>& growing);
 
   /// Room that VariedState::pose must have.
   std::size_t pose_size() const { return pose_size_; }
@@ -55,8 +60,8 @@ class VariationTerms {
     for (std::size_t i = 0; i < force_.size(); ++i) force[i] += T(force_[i].v[0]);
   }
 
-  /// The derivatives of grip_factor() of the joint grips[i], and of the direction of its line at zero angle of the
-  /// frame in which that is fixed.
+  /// The derivatives of grip_factor() of the joint grips[i], or of its stop's coefficient, and of the direction of its
+  /// line at zero angle of the frame in which that is fixed.
   double factor_by(std::size_t i) const { return factors_[i]; }
   const Vec2& axis_by(std::size_t i) const { return axes_[i]; }
 

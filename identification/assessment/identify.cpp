@@ -52,12 +52,11 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
   out.fit = fit(problem, out.records, shared);
   if (!out.fit.usable()) return out;
 
-  // What its starts, and stops that do not act, have to do with it.
+  // What its starts have to do with it.
   if (!experiment.is_simulated()) {
     say("moving the runs from their first readings");
     out.rms_from_readings = rms_from_first_readings(problem, out.fit, out.records);
   }
-  out.stops = stops_passed(problem, out.fit);
 
   // What is uncertain besides the readings.
   if (out.fit.identifiability.ok) {

@@ -23,10 +23,9 @@ struct Identification {
   Fit fit;                      ///< with the effects of known numbers and inputs in its standard errors
   /// Per sensor, SI: rms_from_first_readings() of measured runs; empty where not computed.
   std::vector<double> rms_from_readings;
-  std::vector<KnownEffect> known;               ///< of the experiment's known numbers
-  std::vector<KnownEffect> inputs;              ///< input_effects()
-  std::vector<std::vector<std::string>> stops;  ///< per run: stops_passed()
-  std::vector<LikelihoodProfile> profiles;      ///< of those asked for whose standard errors are finite
+  std::vector<KnownEffect> known;           ///< of the experiment's known numbers
+  std::vector<KnownEffect> inputs;          ///< input_effects()
+  std::vector<LikelihoodProfile> profiles;  ///< of those asked for whose standard errors are finite
   std::optional<Bootstrap> bootstrap;
 
   /// Finds the estimate of this name, "k" or "k (low)". Throws InputError with the nearest name where there is none, or

@@ -48,17 +48,4 @@ std::vector<std::size_t> worst_first(const Fit& fitted) {
   return order;
 }
 
-std::vector<std::vector<std::string>> stops_passed(const FitProblem& problem, const Fit& fitted) {
-  std::vector<std::vector<std::string>> out(fitted.runs.size());
-  for (std::size_t r = 0; r < fitted.runs.size(); ++r) {
-    const RunModel& run = problem.run(r);
-    if (run.scene().stops.empty() || fitted.runs[r].nuisances.size() < static_cast<std::size_t>(run.nuisances()))
-      continue;
-    out[r] = run.move(problem.unknowns_of(r, fitted.parameters).data(), fitted.runs[r].nuisances.data(), run.span(),
-                      problem.accuracy(r), false)
-                 .overrun;
-  }
-  return out;
-}
-
 }  // namespace poise

@@ -23,7 +23,4 @@ double rms_over_noise(const Fit& fitted, const RunFit& run);
 /// Indices of the runs by rms_over_noise(), the largest first; those whose motion could not be computed lead.
 std::vector<std::size_t> worst_first(const Fit& fitted);
 
-/// Per run of a fit: the stops of its scene that its motion passes, since stops do not act in motion.
-std::vector<std::vector<std::string>> stops_passed(const FitProblem& problem, const Fit& fitted);
-
 }  // namespace poise

@@ -43,6 +43,8 @@ struct Stop {
   /// Coefficient of restitution of impacts at its limits, 0 where the scene gives none.
   std::optional<double> restitution{};
   ImpactLaw impact_law = ImpactLaw::energetic;
+  /// Coefficient of the Coulomb friction across the measure, where it is x or y of a point; motion alone has it.
+  std::optional<double> friction{};
 
   /// It holds its measure at one value.
   bool holds() const { return min == max; }
@@ -55,9 +57,12 @@ struct Stop {
   /// Its numbers, which depend on its table; those of a plain stop are its limits.
   std::span<const Number> numbers() const;
 
-  /// min, max and restitution.
-  static const std::array<Number, 3> limits;
-  /// The last of these, for couplings that act on one side.
+  /// The measure along which what touches a limit slides, so that its rate is that of slip: y of a point whose x is
+  /// limited, and x where y is. None of others.
+  std::optional<Measure> tangent() const;
+  /// min, max, restitution and friction.
+  static const std::array<Number, 4> limits;
+  /// The third of these, for couplings that act on one side.
   static constexpr Number restitution_number() {
     Number number{"restitution", {}, Range::not_negative};
     number.get = [](const void* item) { return static_cast<const Stop*>(item)->restitution; };
@@ -95,6 +100,11 @@ struct Stop {
   }
 };
 
-inline constexpr std::array<Number, 3> Stop::limits{limit<false>("min"), limit<true>("max"), restitution_number()};
+inline constexpr std::array<Number, 4> Stop::limits{limit<false>("min"), limit<true>("max"), restitution_number(), [] {
+                                                      Number number = optional_number<&Stop::friction>(
+                                                          "friction", {}, Range::not_negative);
+                                                      number.scale = [](void*, double) {};
+                                                      return number;
+                                                    }()};
 
 }  // namespace poise

@@ -330,22 +330,6 @@ TEST(Simulate, IsStuckWhereADriveMeetsADeadCentre) {
   for (double q : motion.trajectory.q) EXPECT_TRUE(std::isfinite(q));
 }
 
-TEST(Simulate, NamesTheStopsItRanThrough) {
-  Scene scene = pendulum();
-  Stop stop;
-  stop.name = "buffer";
-  stop.on = Measure::angle_between(0, 1);
-  stop.max = 4.0;
-  scene.stops.push_back(stop);
-  stop.name = "far";
-  stop.max = 7.0;
-  scene.stops.push_back(stop);
-  const MotionModel model(scene);
-  const Motion motion = test::moved(model, test::released(model, {}), 3.0);
-  ASSERT_EQ(motion.overrun.size(), 1u);
-  EXPECT_EQ(motion.overrun[0].find("buffer at t = 0."), 0u) << motion.overrun[0];
-}
-
 // What the command line prints as its error: the difference to the same motion at a tenth of the tolerance.
 TEST(Difference, BoundsTheErrorOfThePendulum) {
   const MotionModel model(pendulum());

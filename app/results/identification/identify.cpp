@@ -161,18 +161,6 @@ void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& 
   }
 }
 
-/// Stops that the fitted motions pass: those of the first run that passes any, and how many others do.
-void add_stops(std::vector<Line>& out, const FitProblem& problem, const std::vector<std::vector<std::string>>& stops) {
-  const std::vector<std::size_t> passing =
-      chosen_of(places(stops.size()), [&](std::size_t r) { return !stops[r].empty(); });
-  if (passing.empty()) return;
-  const std::size_t first = passing.front();
-  const int others = static_cast<int>(passing.size()) - 1;
-  out.push_back(doubtful(fmt::format(
-      "Run \"{}\"{} moves through {}: stops do not act in motion.", one_line(problem.run(first).run().name),
-      others > 0 ? ", as " + count(others, "other run", "other runs") + "," : "", fmt::join(stops[first], ", "))));
-}
-
 std::vector<Line> warnings(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   std::vector<Line> out;
@@ -210,7 +198,6 @@ std::vector<Line> warnings(const FitProblem& problem, const Identification& answ
   for (const KnownEffect& effect : answer.inputs) {
     if (const auto words = coarse_input_in_words(fitted, effect)) out.push_back(doubtful(*words));
   }
-  add_stops(out, problem, answer.stops);
   if (!fitted.outliers.empty()) {
     std::vector<std::size_t> runs;
     for (const Outlier& outlier : fitted.outliers) {

@@ -85,8 +85,8 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
 }
 
 void warn_of_contacts(Result& out, const Scene& scene, const Motion& motion) {
-  const auto first = std::find_if(motion.events.begin(), motion.events.end(),
-                                  [](const ContactEvent& event) { return !event.unique; });
+  const auto first =
+      std::find_if(motion.events.begin(), motion.events.end(), [](const ContactEvent& event) { return !event.unique; });
   if (first == motion.events.end()) return;
   const std::string name = stop_of(scene, *first).name;
   const std::string when = fmt::format("From t = {} s on the motion is one of several", significant(first->t, 6));

@@ -1,0 +1,390 @@
+#include "motion/contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/joint_friction.hpp"
+#include "model/read_scene.hpp"
+#include "motion/confirmed_motion.hpp"
+#include "motion/simulate.hpp"
+#include "tests/support/motions.hpp"
+
+namespace poise::contacts_test {
+namespace {
+
+using Kind = ContactEvent::Kind;
+
+constexpr double g = 9.81;
+
+Motion moved(const std::string& text, double duration, const test::Release& release = {}) {
+  const MotionModel model(resisted_by_joints(parse_scene(text, "scene.toml")));
+  return test::moved(model, test::released(model, release), duration);
+}
+
+std::vector<ContactEvent> of_kind(const Motion& motion, Kind kind) {
+  std::vector<ContactEvent> out;
+  std::copy_if(motion.events.begin(), motion.events.end(), std::back_inserter(out),
+               [&](const ContactEvent& event) { return event.kind == kind; });
+  return out;
+}
+
+// A ball of 1 kg that falls by 1 m on a floor.
+std::string ball(double e) {
+  return fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.ball]
+points = {{ C = [0, 0] }}
+mass = 1
+[[slide]]
+name = "y"
+points = ["ground.O", "ball.C"]
+axis = [0, 1]
+[[stop]]
+name = "floor"
+slide = "y"
+min = 0
+restitution = {}
+[start]
+y = 1
+)",
+                     e);
+}
+
+// Times of impacts: t1, then flights of 2 v e^k / g; the end of all at t1 (1 + e) / (1 - e).
+TEST(Contacts, ABallBouncesAndComesToRestAtTheLimitOfItsTimes) {
+  constexpr double e = 0.8;
+  const double t1 = std::sqrt(2 / g), v1 = std::sqrt(2 * g);
+  const Motion motion = moved(ball(e), 5.0);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  const std::vector<ContactEvent> impacts = of_kind(motion, Kind::impact);
+  ASSERT_GE(impacts.size(), 30U);
+  double t = t1, v = v1;
+  for (std::size_t k = 0; k < 30; ++k) {
+    EXPECT_NEAR(impacts[k].t, t, 1e-12) << "impact " << k;
+    EXPECT_NEAR(impacts[k].rate_before, -v, 1e-11);
+    EXPECT_NEAR(impacts[k].rate_after, e * v, 1e-11);
+    EXPECT_NEAR(impacts[k].impulse, (1 + e) * v, 1e-11);
+    EXPECT_NEAR(impacts[k].energy_lost, (1 - e * e) * v * v / 2, 1e-11);
+    EXPECT_TRUE(impacts[k].unique);
+    v *= e;
+    t += 2 * v / g;
+  }
+  const std::vector<ContactEvent> rests = of_kind(motion, Kind::rest);
+  ASSERT_EQ(rests.size(), 1U);
+  EXPECT_NEAR(rests[0].t, t1 * (1 + e) / (1 - e), 1e-9);
+  EXPECT_LT(motion.energy_error, 1e-11);
+  EXPECT_NEAR(motion.trajectory.q.back(), 0.0, 1e-12);
+  EXPECT_EQ(motion.trajectory.v.back(), 0.0);
+}
+
+TEST(Contacts, ABounceCostsAFewSteps) {
+  const Motion motion = moved(ball(0.95), 6.0);
+  const std::size_t bounces = of_kind(motion, Kind::impact).size();
+  ASSERT_GT(bounces, 8U);
+  EXPECT_LE(motion.evaluations, 13 * 5 * static_cast<int>(bounces) + 500);
+}
+
+TEST(Contacts, WithoutRestitutionItStays) {
+  const Motion motion = moved(ball(0.0), 2.0);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  EXPECT_EQ(motion.events.size(), 1U);
+  EXPECT_NEAR(motion.trajectory.q.back(), 0.0, 1e-15);
+  EXPECT_NEAR(motion.events[0].energy_lost, g, 1e-12);
+}
+
+// With restitution 1 nothing is lost.
+TEST(Contacts, AnElasticBallRisesAsHighAgain) {
+  const double t1 = std::sqrt(2 / g);
+  const Motion motion = moved(ball(1.0), 2 * t1);
+  EXPECT_NEAR(motion.trajectory.q.back(), 1.0, 1e-11);
+  EXPECT_LT(motion.energy_error, 1e-12);
+}
+
+// A mass on a rope of length L that hangs from a point at the height of its start, thrown sideways: it falls until
+// the rope is taut, whose impulse takes the rate along it; then it swings as a pendulum, with m v^2 / L + m g cos.
+TEST(Contacts, ARopeSnapsTautAndSwings) {
+  const std::string text = R"(
+[ground]
+points = { O = [0, 0] }
+[body.mass]
+points = { C = [0, 0] }
+mass = 2
+inertia = 0.1
+[[rope]]
+name = "rope"
+over = ["ground.O", "mass.C"]
+length = 1
+[start]
+mass = { x = 0.6, y = 0 }
+)";
+  const Motion motion = moved(text, 1.5);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  ASSERT_FALSE(motion.events.empty());
+  // It falls straight down by 0.8.
+  const double t = std::sqrt(2 * 0.8 / g), v = g * t;
+  const ContactEvent& taut = motion.events[0];
+  EXPECT_NEAR(taut.t, t, 1e-13);
+  EXPECT_NEAR(taut.rate_before, -v * 0.8, 1e-12);
+  EXPECT_NEAR(taut.rate_after, 0.0, 1e-12);
+  EXPECT_NEAR(taut.impulse, 2 * v * 0.8, 1e-12);
+  EXPECT_NEAR(taut.energy_lost, 2 * v * v * 0.64 / 2, 1e-12);
+  EXPECT_LT(motion.energy_error, 1e-11);
+}
+
+// A cam at constant speed lifts its follower off where  m y'' + k y + F0 = 0  first: cycloidal rise of 10 mm in 90
+// degrees, 0.35 kg, 12 N/mm preloaded by 150 N, dwell to 120, return to 210: at 1625.77 rpm.
+std::string cam(double rpm) {
+  return fmt::format(R"(
+gravity = [0, 0]
+[units]
+length = "mm"
+angle = "deg"
+[ground]
+points = {{ O = [0, 0], F = [0, 0] }}
+[body.cam]
+points = {{ O = [0, 0], P = [10, 0] }}
+[body.follower]
+points = {{ P = [0, 0] }}
+mass = 0.35
+[[pin]]
+name = "shaft"
+points = ["ground.O", "cam.O"]
+[[slide]]
+name = "guide"
+points = ["ground.F", "follower.P"]
+axis = [0, 1]
+[[cam]]
+name = "valve"
+bodies = ["ground", "cam"]
+follower = {{ slide = "guide" }}
+law = [
+  {{ to = 90, lift = 1, law = "cycloidal" }},
+  {{ to = 120, lift = 1, law = "dwell" }},
+  {{ to = 210, lift = 0, law = "cycloidal" }},
+  {{ to = 360, lift = 0, law = "dwell" }},
+]
+lift = 10
+base = 0
+[[spring]]
+name = "return"
+slide = "guide"
+stiffness = 12
+free_length = -12.5
+[[drive]]
+name = "motor"
+bodies = ["ground", "cam"]
+rate = {}
+[start]
+cam = 0
+guide = 0
+)",
+                     rpm * 6);
+}
+
+TEST(Contacts, ACamLiftsItsFollowerOffAboveItsSpeed) {
+  const double turn = 60 / 1625.77;
+  const Motion below = moved(cam(1625.5), turn);
+  ASSERT_EQ(below.status, MotionStatus::completed) << below.why;
+  EXPECT_TRUE(of_kind(below, Kind::lift_off).empty());
+  const Motion above = moved(cam(1626.0), turn);
+  ASSERT_EQ(above.status, MotionStatus::completed) << above.why;
+  EXPECT_FALSE(of_kind(above, Kind::lift_off).empty());
+  EXPECT_FALSE(of_kind(above, Kind::impact).empty()) << "it comes back";
+  EXPECT_LT(above.energy_error, 1e-8);
+}
+
+// x'' + 2 z x' + x = F cos(W t) and a wall at x = 1 with restitution 0.8: from a state just behind the impact of the
+// periodic motion (phase and rate of ../shared/benchmarks.md 1.9) it hits once in each period, with that rate.
+TEST(Contacts, AnImpactOscillatorHitsOnceInEachPeriod) {
+  const double period = 2 * std::numbers::pi / 0.8;
+  const std::string text = fmt::format(R"(
+gravity = [0, 0]
+[ground]
+points = {{ O = [0, 0] }}
+[body.block]
+points = {{ C = [0, 0] }}
+mass = 1
+[[slide]]
+name = "x"
+points = ["ground.O", "block.C"]
+axis = [1, 0]
+[[spring]]
+name = "k"
+slide = "x"
+stiffness = 1
+free_length = 0
+[[damper]]
+name = "c"
+slide = "x"
+coefficient = 0.1
+[[force]]
+name = "F"
+at = "block.C"
+vector = [0.6, 0]
+time = {{ function = "cos(0.8*t + 0.00371112996)"
+}
+}
+[[stop]]
+name = "wall"
+slide = "x"
+max = 1
+restitution = 0.8
+[start]
+x = 1
+)");
+  const Motion motion = moved(text, 20 * period, {{}, {{"x", -0.8 * 0.698921656280}}});
+ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+const std::vector<ContactEvent> impacts = of_kind(motion, Kind::impact);
+ASSERT_GE(impacts.size(), 19U);
+for (std::size_t k = 0; k < 19; ++k) {
+  EXPECT_NEAR(impacts[k].rate_before, -0.698921656280, 1e-9);
+  EXPECT_NEAR(impacts[k].t, period * (static_cast<double>(k) + 1), 1e-8);
+}
+}
+
+// Two rods in series hit their stops: energy balances, and no stop is passed.
+TEST(Contacts, NothingPassesItsStop) {
+  const std::string text = R"(
+[ground]
+points = { O = [0, 0] }
+[body.upper]
+points = { O = [0, 0], E = [1, 0] }
+mass = 1
+inertia = 0.1
+center = [0.5, 0]
+[body.lower]
+points = { E = [0, 0], T = [1, 0] }
+mass = 1
+inertia = 0.1
+center = [0.5, 0]
+[[pin]]
+name = "O"
+points = ["ground.O", "upper.O"]
+[[pin]]
+name = "E"
+points = ["upper.E", "lower.E"]
+[[stop]]
+name = "elbow"
+bodies = ["upper", "lower"]
+min = -1
+max = 0.5
+restitution = 0.5
+[[stop]]
+name = "floor"
+y = "lower.T"
+min = -1.6
+restitution = 0.3
+[start]
+upper = 0.4
+lower = 0.3
+)";
+  const Motion motion = moved(text, 4.0);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  EXPECT_GT(motion.events.size(), 5U);
+  EXPECT_LT(motion.energy_error, 1e-9);
+  const std::size_t n = 2;
+  for (std::size_t k = 0; k < motion.trajectory.nodes(); ++k) {
+    const double a = motion.trajectory.q[k * n], b = motion.trajectory.q[k * n + 1];
+    EXPECT_GT(b - a, -1 - 1e-10);
+    EXPECT_LT(b - a, 0.5 + 1e-10);
+    EXPECT_GT(std::sin(a) + std::sin(b), -1.6 - 1e-10);
+  }
+}
+
+TEST(Contacts, AStartInsideAStopIsRefused) {
+  std::string text = ball(0.5);
+  text.replace(text.find("y = 1"), 5, "y = -0.1");
+  EXPECT_THROW(moved(text, 1.0), InputError);
+}
+
+// A drive that pushes its own slide against the stop.
+TEST(Contacts, ADriveThatPushesAgainstAStopEndsTheMotion) {
+  const Motion motion = moved(ball(0.5) + R"(
+[[drive]]
+name = "ram"
+slide = "y"
+rate = -1
+)",
+                              2.0);
+  EXPECT_EQ(motion.status, MotionStatus::jammed);
+  EXPECT_NE(motion.why.find("drives push against stop \"floor\""), std::string::npos) << motion.why;
+  EXPECT_NEAR(motion.trajectory.t.back(), 1.0, 1e-12);
+}
+
+// Derivatives across impacts, contact that lasts and lift-off are those of motions that differ a little.
+TEST(Contacts, SensitivitiesJumpWithTheMotion) {
+  const auto end = [&](double x0, double rate, double t, bool sensitive) {
+    const std::string text = R"(
+[ground]
+points = { O = [0, 0] }
+[body.upper]
+points = { O = [0, 0], E = [1, 0] }
+mass = 1
+inertia = 0.1
+center = [0.5, 0]
+[body.lower]
+points = { E = [0, 0], T = [1, 0] }
+mass = 1
+inertia = 0.1
+center = [0.5, 0]
+[[pin]]
+name = "O"
+points = ["ground.O", "upper.O"]
+[[pin]]
+name = "E"
+points = ["upper.E", "lower.E"]
+[[stop]]
+name = "elbow"
+bodies = ["upper", "lower"]
+min = -1
+max = 0.5
+restitution = 0.5
+[[stop]]
+name = "floor"
+y = "lower.T"
+min = -1.6
+[start]
+upper = 0.4
+lower = 0.3
+)";
+    const MotionModel model(parse_scene(text, "scene.toml"));
+    MotionOptions options;
+    options.duration = t;
+    options.accuracy = 1e-12;
+    options.sensitivities = sensitive;
+    const MotionState start{{x0, 0.3}, {rate, 0.0}};
+    return simulate(model, start, options);
+  };
+  for (const double t : {0.3, 0.6, 0.9, 1.2}) {
+    const Motion motion = end(0.4, 0.1, t, true);
+    ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+    constexpr double d = 1e-6;
+    const std::size_t last = motion.trajectory.q.size() - 2, columns = 4;
+    for (int column = 0; column < 3; column += 2) {
+      const Motion less = end(0.4 - (column == 0 ? d : 0), 0.1 - (column == 2 ? d : 0), t, false);
+      const Motion more = end(0.4 + (column == 0 ? d : 0), 0.1 + (column == 2 ? d : 0), t, false);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double by = (more.trajectory.q[more.trajectory.q.size() - 2 + i] -
+                           less.trajectory.q[less.trajectory.q.size() - 2 + i]) /
+                          (2 * d);
+        const double by_rate = (more.trajectory.v[more.trajectory.v.size() - 2 + i] -
+                                less.trajectory.v[less.trajectory.v.size() - 2 + i]) /
+                               (2 * d);
+        const std::size_t at = (last + i) * columns + static_cast<std::size_t>(column);
+        EXPECT_NEAR(motion.trajectory.q_p[at], by, 1e-6 * (1 + std::abs(by))) << t << " " << column << " " << i;
+        EXPECT_NEAR(motion.trajectory.v_p[at], by_rate, 1e-5 * (1 + std::abs(by_rate)))
+            << t << " " << column << " " << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace poise::contacts_test
