@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "model/couplings.hpp"
 #include "model/flexible_link.hpp"
 #include "model/nearest_name.hpp"
@@ -86,6 +88,7 @@ class SceneReader {
     read_elements(root_, names_, scene_);
     read_frame(root_, scene_);
     read_couplings(root_, names_, riders, lines, scene_);
+    expect_one_impact_law();
     add_chains();
     read_start();
     read_outputs();
@@ -95,6 +98,20 @@ class SceneReader {
   }
 
  private:
+  /// An impact may be at several stops at once.
+  void expect_one_impact_law() const {
+    const Stop* first = nullptr;
+    for (const Stop& stop : scene_.stops) {
+      if (!stop.impact_law) continue;
+      if (first == nullptr) first = &stop;
+      if (*stop.impact_law == *first->impact_law) continue;
+      throw InputError(fmt::format("{}:{}: {} \"{}\".law: expected the law of {} \"{}\" (line {}), because both may be hit "
+                                   "at once; give all stops the same",
+                                   scene_.file, stop.line, stop.family(), stop.name, first->family(), first->name,
+                                   first->line));
+    }
+  }
+
   void read_header() {
     if (const auto title = root_.find_text("title")) scene_.title = title->value;
     if (const auto source = root_.find_text("source")) scene_.source = source->value;

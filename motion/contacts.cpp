@@ -125,7 +125,7 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
         side.varied.push_back(variation.compiled().measure(variation.compiled().scene().stops[s].on, side.at.stop));
       }
       sides_.push_back(std::move(side));
-      if (stop.impact_law != ImpactLaw::energetic) law_ = stop.impact_law;
+      if (stop.impact_law) law_ = *stop.impact_law;
     }
   }
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));

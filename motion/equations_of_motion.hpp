@@ -20,7 +20,7 @@ namespace poise {
 ///
 ///   q' = B w + (rates of the drives),   J B = 0,   D = B^T M B,   c = B^T dV/dq.
 ///
-/// Stops do not act, as in simulate(). Letters are those of the lift's dynamics (docs/equations.md). SI.
+/// Stops do not act. Letters are those of the lift's dynamics (docs/equations.md). SI.
 struct EquationsOfMotion {
   Scene scene;
   Layout layout;

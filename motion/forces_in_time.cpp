@@ -56,6 +56,7 @@ Powers powers_of(const Scene& then, const Forces& forces) {
     add(-forces.element_force[e] * rate_of(then, forces.motions, then.elements[e].on));
   }
   for (const SlidingJoint& one : forces.friction.joints) add(-one.lost());
+  for (const SlidingStop& one : forces.friction.stops) add(-one.lost());
   for (const DriveEffort& drive : forces.drives) {
     out.drives.push_back(drive.power);
     out.driven += drive.power;

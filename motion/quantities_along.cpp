@@ -128,12 +128,6 @@ void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of) {
     throw InputError(fmt::format("{}: it belongs to an equilibrium, not to a motion; expected another quantity{}",
                                  of.name, of.kind == Kind::stress ? ", or poise loads --time" : ""));
   }
-  if (of.kind == Kind::stop_reaction) {
-    const Stop& stop = scene.stops[static_cast<std::size_t>(of.item)];
-    if (is_coupling(stop)) return;
-    throw InputError(fmt::format("{}: the {} \"{}\" does not act in motion; expected another quantity", of.name,
-                                 stop.table, stop.name));
-  }
   for (const SoughtQuantity& part : of.of) refuse_at_rest_only(scene, part);
 }
 
@@ -312,20 +306,33 @@ class MovingLoads {
       else
         sliding.push_back({.joint = j, .on = on, .rate = rate_of(scene, motions, on)});
     }
+    for (int k = 0; k < static_cast<int>(scene.stops.size()); ++k) {
+      const Stop& stop = scene.stops[static_cast<std::size_t>(k)];
+      sides.push_back(is_coupling(stop) ? 2 : touched(stop));
+      if (sides.back() == 0 || !stop.friction) continue;
+      const Measure on = *stop.tangent();
+      if (stands_still(on))
+        hold(on, {.stop = k});
+      else
+        rubbing.push_back({.stop = k, .on = on, .rate = rate_of(scene, motions, on)});
+    }
   }
 
   Additions additions{};
   std::vector<double> element_force{};  ///< of what resists motion
+  std::vector<int> sides{};             ///< of stops, as of balance(): couplings, and what is touched and stays
   struct Held {
-    int element = -1, joint = -1;
+    int element = -1, joint = -1, stop = -1;
   };
   std::vector<Held> held{};             ///< of the drives behind those of the scene: what friction it is
   std::vector<SlidingJoint> sliding{};  ///< joints with friction that move, without their efforts
+  std::vector<SlidingStop> rubbing{};   ///< stops with friction that are touched and along which something slides
 
-  /// All loads with these efforts of the joints that slide, positive where they tend to increase their measures.
-  Additions with(const std::vector<SlidingJoint>& rubbing) const {
+  /// All loads with these efforts of what slides, positive where they tend to increase their measures.
+  Additions with(const SlidingFriction& friction) const {
     Additions out = additions;
-    for (const SlidingJoint& one : rubbing) add_effort_on(one.on, one.effort, out);
+    for (const SlidingJoint& one : friction.joints) add_effort_on(one.on, one.effort, out);
+    for (const SlidingStop& one : friction.stops) add_effort_on(one.on, one.effort, out);
     return out;
   }
 
@@ -336,6 +343,14 @@ class MovingLoads {
       to.loads.push_back({unit.body_a, unit.a, -effort * unit.force, -effort * unit.moment});
       to.loads.push_back({unit.body_b, unit.b, effort * unit.force, effort * unit.moment});
     }
+  }
+
+  /// 1 at its max, -1 at its min, where it stays; else 0.
+  int touched(const Stop& stop) const {
+    constexpr double no_gap = 1e-9;
+    if (!stands_still(stop.on)) return 0;
+    const double value = value_of(scene_, stop.on, poses_), near = no_gap * (stop.on.is_angle() ? 1.0 : size_);
+    return std::abs(value - stop.max) < near ? 1 : std::abs(value - stop.min) < near ? -1 : 0;
   }
 
   bool stands_still(const Measure& on) const {
@@ -381,18 +396,26 @@ class MovingLoads {
 FreeBodies balance_in_motion(const Scene& then, const MovingLoads& loads, const std::vector<BodyMotion>& motions,
                              double size, SlidingFriction& friction) {
   using State = SlidingFriction::State;
-  std::vector<int> sides;
-  for (const Stop& stop : then.stops) sides.push_back(is_coupling(stop) ? 2 : 0);
+  const std::vector<int>& sides = loads.sides;
   const std::vector<BodyPose<double>> poses = poses_of(motions);
   friction.joints = loads.sliding;
-  if (friction.joints.empty()) return balance(then, poses, sides, size, loads.additions);
+  friction.stops = loads.rubbing;
+  if (friction.joints.empty() && friction.stops.empty()) return balance(then, poses, sides, size, loads.additions);
   constexpr int most = 200;
   constexpr double stays = 1e-13;
   friction.state = State::several;
   FreeBodies bodies;
   for (int step = 0; step < most && friction.state == State::several; ++step) {
-    bodies = balance(then, poses, sides, size, loads.with(friction.joints));
+    bodies = balance(then, poses, sides, size, loads.with(friction));
     double change = 0.0;
+    for (SlidingStop& one : friction.stops) {
+      const auto stop = static_cast<std::size_t>(one.stop);
+      const Reaction* const reaction = reaction_of_stop(bodies.reactions, stop);
+      const double bound = *then.stops[stop].friction * (reaction == nullptr ? 0.0 : std::abs(reaction->axial));
+      const double effort = one.rate < 0.0 ? bound : -bound;
+      change = std::max(change, std::abs(effort - one.effort));
+      one.effort = effort;
+    }
     for (SlidingJoint& one : friction.joints) {
       const Joint& joint = then.joints[static_cast<std::size_t>(one.joint)];
       const Reaction& reaction = bodies.reactions[static_cast<std::size_t>(one.joint)];
@@ -442,10 +465,12 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
       add_drive(drive, value, found.determined);
       continue;
     }
-    const auto& [element, joint] = loads.held[k - sought];
+    const auto& [element, joint, stop] = loads.held[k - sought];
     const double holding = found.determined ? value : undefined;
     if (element >= 0)
       out.element_force[static_cast<std::size_t>(element)] = -holding;
+    else if (stop >= 0)
+      out.friction.stops.push_back({.stop = stop, .on = drive.on, .effort = holding});
     else
       out.friction.joints.push_back({.joint = joint, .on = drive.on, .effort = holding});
   }

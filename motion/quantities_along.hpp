@@ -16,7 +16,7 @@
 namespace poise {
 
 /// Throws InputError "NAME: why" for a quantity that has no meaning in a motion of the scene: a load at a fold, the
-/// force of a stop that does not act in motion, a push where nothing is driven.
+/// push where nothing is driven.
 void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of);
 
 /// Whether it has one value for a whole motion: max(Q) and the like, numbers, and what is made of these.
@@ -56,7 +56,7 @@ class MovingQuantities {
 };
 
 /// The forces in a motion that was simulated, by inverse dynamics of the bodies cut free (forces_of()), with scaled
-/// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Stops do not act. `then` is the
+/// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Of stops those act that are touched and stay so. `then` is the
 /// scene of the instant, at_time(). Friction of joints that slide is their bound under the joint forces that it makes
 /// itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what the accelerations need it
 /// to be, undetermined where it shares a load with others: where rates are below 1e-9 of the fastest of v and

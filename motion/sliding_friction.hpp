@@ -31,6 +31,16 @@ struct SlidingJoint {
   double lost() const { return -effort * rate; }  ///< W, not negative
 };
 
+/// Friction across a stop that is touched.
+struct SlidingStop {
+  int stop = 0;         ///< index into Scene::stops
+  Measure on;           ///< its tangent
+  double rate = 0.0;    ///< of it, m/s
+  double effort = 0.0;  ///< N, positive where it tends to increase the tangent: against the rate
+
+  double lost() const { return -effort * rate; }  ///< W, not negative
+};
+
 struct SlidingFriction {
   enum class State {
     none,          ///< the scene has no joint with friction
@@ -43,6 +53,7 @@ struct SlidingFriction {
   };
   State state = State::none;
   std::vector<SlidingJoint> joints;  ///< those that move; efforts and bounds only where solved
+  std::vector<SlidingStop> stops{};  ///< of a motion that takes place
   /// Joints with friction that stand still in this pose: which way they resist is not known, and they are taken to have
   /// no friction.
   std::vector<int> at_rest;

@@ -90,7 +90,7 @@ StatesAlong::StatesAlong(const MotionModel& model, const Motion& motion)
       fastest_ = std::max(fastest_, std::abs(one));
     }
   }
-  if (can_stick(model.scene())) return;
+  if (can_stick(model.scene()) || !motion.touched.empty()) return;
   const std::vector<double> start(path_.q.begin(), path_.q.begin() + path_.coordinates);
   equations_ = std::make_unique<Equations>(model, model.from_si(start));
 }

@@ -42,7 +42,7 @@ struct Stop {
   std::optional<double> pressure_tangent{};
   /// Coefficient of restitution of impacts at its limits, 0 where the scene gives none.
   std::optional<double> restitution{};
-  ImpactLaw impact_law = ImpactLaw::energetic;
+  std::optional<ImpactLaw> impact_law{};  ///< where the scene gives one
   /// Coefficient of the Coulomb friction across the measure, where it is x or y of a point; motion alone has it.
   std::optional<double> friction{};
 

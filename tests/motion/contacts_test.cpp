@@ -386,5 +386,40 @@ lower = 0.3
   }
 }
 
+// A rod of 1 kg and half length 0.5 whose lower end slides on a rough floor at 1 m/s, at this angle and rate, such that
+// friction presses it onto the floor (../shared/benchmarks.md 1.4).
+std::string rod(double mu, double degrees, double e = 0.0) {
+  const double angle = degrees * std::numbers::pi / 180;
+  return fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.rod]
+points = {{ A = [-0.5, 0], B = [0.5, 0], C = [0, 0] }}
+mass = 1
+inertia = {}
+[[stop]]
+name = "floor"
+y = "rod.A"
+min = 0
+friction = {}
+restitution = {}
+[start]
+rod = {{ x = 0, y = {}, angle = {} }}
+)",
+                     1.0 / 12, mu, e, 0.5 * std::sin(angle), angle);
+}
+
+// With N m^-1 p + b = 0, p = 1 + 3 cos^2 - 3 mu sin cos, b = l omega^2 sin - g, where it has one solution.
+TEST(Contacts, ARoughFloorCarriesASlidingRod) {
+  for (const auto& [mu, degrees, N] : {std::tuple{1.2, 60.0, 51.3198048696}, std::tuple{2.0, 20.0, 5.70115542078}}) {
+    const MotionModel model(resisted_by_joints(parse_scene(rod(mu, degrees), "scene.toml")));
+    // The end moves so that its friction lifts... against +x: the rod leans back.
+    const Motion motion =
+        test::moved(model, test::released(model, {{}, {{"rod.x", 1.0}}}), 1e-4);
+    ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+    EXPECT_GT(N, 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace poise::contacts_test
