@@ -15,6 +15,8 @@ namespace {
 constexpr double apart = 1e-9;
 /// Rates below this part of the largest before are zero.
 constexpr double no_rate_left = 1e-12;
+/// An impulse that friction balances but for this part changes no rate.
+constexpr double wedged = 1e-12;
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -74,7 +76,7 @@ class GrowingImpulse {
 
   /// False where the gap never stops closing.
   bool run(double restitution, ImpactLaw law) {
-    const double before = u_;
+    const double fastest = std::abs(u_) + std::abs(v_);
     double taken = 0.0;
     while (u_ < 0.0 || (u_ == 0.0 && by_impulse() < 0.0 && at_ == 0.0)) {
       const double to_end = by_impulse() > 0.0 ? -u_ / by_impulse() : std::numeric_limits<double>::infinity();
@@ -82,7 +84,7 @@ class GrowingImpulse {
       if (!std::isfinite(part)) return false;
       taken -= work(part);
       advance(part, part == to_stop());
-      if (part == to_end || std::abs(u_) <= no_rate_left * std::abs(before)) {
+      if (part == to_end || std::abs(u_) <= no_rate_left * fastest) {
         u_ = 0.0;
         break;
       }
@@ -91,6 +93,8 @@ class GrowingImpulse {
     while (left > 0.0) {
       // u x + u' x^2 / 2 = left
       const double k = by_impulse();
+      // What wedges gives nothing back.
+      if (k <= 0.0 && u_ <= no_rate_left * fastest) break;
       const double root = u_ * u_ + 2 * k * left;
       const double by_work = root >= 0.0 && u_ + std::sqrt(root) > 0.0 ? 2 * left / (u_ + std::sqrt(root))
                                                                        : std::numeric_limits<double>::infinity();
@@ -114,8 +118,10 @@ class GrowingImpulse {
     const double sticking = -nt_ / tt_;
     return std::clamp(sticking, -mu_, mu_);
   }
-  double by_impulse() const { return nn_ + nt_ * rubbed(); }
-  double slip_by_impulse() const { return nt_ + tt_ * rubbed(); }
+  /// Rates for a unit of the impulse; rounding of what wedges is zero.
+  static double sum(double a, double b) { return std::abs(a + b) > wedged * (std::abs(a) + std::abs(b)) ? a + b : 0.0; }
+  double by_impulse() const { return sum(nn_, nt_ * rubbed()); }
+  double slip_by_impulse() const { return sum(nt_, tt_ * rubbed()); }
   double to_stop() const {
     const double by = slip_by_impulse();
     return v_ != 0.0 && by * v_ < 0.0 ? -v_ / by : std::numeric_limits<double>::infinity();
@@ -168,12 +174,13 @@ void state(const MatrixXd& D, const std::vector<ImpactSide>& sides, const Impuls
   out.rub.assign(by.along.begin(), by.along.end());
   out.rate.clear();
   out.energy_lost = out.terms = 0.0;
+  const VectorXd sizes = D.cwiseAbs() * all.cwiseAbs();
   double fastest = 0.0, lowest = 0.0;
   for (Eigen::Index i = 0; i < m; ++i) {
     const ImpactSide& side = sides[static_cast<std::size_t>(i)];
     const double after = side.rate + change[i];
     out.rate.push_back(after);
-    fastest = std::max({fastest, std::abs(side.rate), std::abs(change[i])});
+    fastest = std::max({fastest, std::abs(side.rate), 1e-5 * sizes[i]});
     lowest = std::min(lowest, after);
     const auto take = [&](double impulse, double before, double then) {
       out.energy_lost -= impulse * (before + then) / 2;
@@ -219,7 +226,7 @@ Impact rubbing_impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, I
     const double middle = (low + high) / 2;
     (with_share(middle) && !out.gains() ? low : high) = middle;
   }
-  with_share(low);
+  out.found = with_share(low) && !out.gains();
   return out;
 }
 

@@ -1,9 +1,12 @@
 #include "solvers/complementarity.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
 #include <vector>
+
+#include <Eigen/Dense>
 
 namespace poise::solvers {
 namespace {
@@ -64,12 +67,9 @@ class Tableau {
   std::vector<Eigen::Index> basis_;
 };
 
-}  // namespace
-
-std::optional<Eigen::VectorXd> solve_complementarity(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
+std::optional<Eigen::VectorXd> by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
   const Eigen::Index m = q.size();
   Eigen::VectorXd z = Eigen::VectorXd::Zero(m);
-  if (m == 0 || q.minCoeff() >= 0.0) return z;
   Tableau tableau(M, q);
   Eigen::Index row = 0;
   q.minCoeff(&row);
@@ -90,6 +90,43 @@ std::optional<Eigen::VectorXd> solve_complementarity(const Eigen::MatrixXd& M, c
     if (of >= m && of < 2 * m) z[of - m] = std::max(0.0, tableau.value(i));
   }
   return z;
+}
+
+/// How far a solution is from one, over the largest of q: a large z whose terms cancel is none.
+double residual(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& z) {
+  const Eigen::VectorXd w = M * z + q;
+  const double size = q.cwiseAbs().maxCoeff();
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < q.size(); ++i) worst = std::max(worst, z[i] > 0.0 ? std::abs(w[i]) : -w[i]);
+  return worst / size;
+}
+
+/// The choice of the z that are not zero whose solution is one.
+std::optional<Eigen::VectorXd> by_choices(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, double within) {
+  constexpr Eigen::Index most = 10;
+  const Eigen::Index m = q.size();
+  if (m > most) return std::nullopt;
+  for (std::uint32_t choice = 1; choice < std::uint32_t{1} << m; ++choice) {
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < m; ++i) {
+      if ((choice >> i & 1U) != 0) free.push_back(i);
+    }
+    const Eigen::VectorXd found = M(free, free).completeOrthogonalDecomposition().solve(-q(free));
+    if (found.minCoeff() < 0.0) continue;
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(m);
+    z(free) = found;
+    if (residual(M, q, z) <= within) return z;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Eigen::VectorXd> solve_complementarity(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
+  constexpr double within = 1e-9;
+  if (q.size() == 0 || q.minCoeff() >= 0.0) return Eigen::VectorXd::Zero(q.size());
+  if (const std::optional<Eigen::VectorXd> z = by_lemke(M, q); z && residual(M, q, *z) <= within) return z;
+  return by_choices(M, q, within);
 }
 
 }  // namespace poise::solvers
