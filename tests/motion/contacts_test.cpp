@@ -38,6 +38,7 @@ std::vector<ContactEvent> of_kind(const Motion& motion, Kind kind) {
 // A ball of 1 kg that falls by 1 m on a floor.
 std::string ball(double e) {
   return fmt::format(R"(
+gravity = [0, -9.81]
 [ground]
 points = {{ O = [0, 0] }}
 [body.ball]
@@ -112,6 +113,7 @@ TEST(Contacts, AnElasticBallRisesAsHighAgain) {
 // the rope is taut, whose impulse takes the rate along it; then it swings as a pendulum, with m v^2 / L + m g cos.
 TEST(Contacts, ARopeSnapsTautAndSwings) {
   const std::string text = R"(
+gravity = [0, -9.81]
 [ground]
 points = { O = [0, 0] }
 [body.mass]
@@ -253,6 +255,7 @@ for (std::size_t k = 0; k < 19; ++k) {
 // Two rods in series hit their stops: energy balances, and no stop is passed.
 TEST(Contacts, NothingPassesItsStop) {
   const std::string text = R"(
+gravity = [0, -9.81]
 [ground]
 points = { O = [0, 0] }
 [body.upper]
@@ -323,6 +326,7 @@ rate = -1
 TEST(Contacts, SensitivitiesJumpWithTheMotion) {
   const auto end = [&](double x0, double rate, double t, bool sensitive) {
     const std::string text = R"(
+gravity = [0, -9.81]
 [ground]
 points = { O = [0, 0] }
 [body.upper]
@@ -392,6 +396,7 @@ lower = 0.3
 std::string rod(double mu, double degrees, double e = 0.0) {
   const double angle = degrees * std::numbers::pi / 180;
   return fmt::format(R"(
+gravity = [0, -9.81]
 [ground]
 points = {{ O = [0, 0] }}
 [body.rod]
@@ -446,6 +451,7 @@ TEST(Contacts, ABlockRocks) {
   // Tipped about its right corner by `from`, clockwise.
   const double x = 0.1 - R * std::sin(alpha - from), y = R * std::cos(alpha - from);
   const std::string text = fmt::format(R"(
+gravity = [0, -9.81]
 [ground]
 points = {{ O = [0, 0] }}
 [body.block]
