@@ -125,7 +125,7 @@ name = "rope"
 over = ["ground.O", "mass.C"]
 length = 1
 [start]
-mass = { x = 0.6, y = 0 }
+position = { mass = [0.6, 0] }
 )";
   const Motion motion = moved(text, 1.5);
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
@@ -410,7 +410,8 @@ min = 0
 friction = {}
 restitution = {}
 [start]
-rod = {{ x = 0, y = {}, angle = {} }}
+position = {{ rod = [0, {}] }}
+rod = {}
 )",
                      1.0 / 12, mu, e, 0.5 * std::sin(angle), angle);
 }
@@ -469,7 +470,8 @@ y = "block.R"
 min = 0
 friction = 2
 [start]
-block = {{ x = {}, y = {}, angle = {} }}
+position = {{ block = [{}, {}] }}
+block = {}
 )",
                                        (0.01 + 0.25) / 3, x, y, -from);
   const Motion motion = moved(text, 4.0);
