@@ -138,6 +138,7 @@ void ReducedMotion<T>::make_rows() {
   rows_ = mechanism_.equalities() + drives();
   int scratch = 0;
   for (const DriveRow& row : drives_) scratch = std::max(scratch, row.on.scratch_size());
+  for (const Grip& grip : grips_) scratch = std::max(scratch, grip.on.scratch_size());
   drive_scratch_.resize(scratch);
   drive_rows_.assign(drives_.size(), T(0));
   for (auto* rows : {&direct_.gap, &direct_.rate, &direct_.acceleration}) {
