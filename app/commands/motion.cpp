@@ -166,8 +166,9 @@ std::vector<SoughtQuantity> read_asked(const MotionRequest& request, const Scene
 }
 
 /// Charts of quantities, then those of the record.
-std::vector<Panel> with_record(std::vector<Panel> panels, const Scene& scene, const MotionRecord& record) {
-  for (Panel& panel : motion_panels(scene, record)) panels.push_back(std::move(panel));
+std::vector<Panel> with_record(std::vector<Panel> panels, const Scene& scene, const MotionAnswer& answer) {
+  for (Panel& panel : motion_panels(scene, answer.record, answer.found.motion.events))
+    panels.push_back(std::move(panel));
   return panels;
 }
 
@@ -245,11 +246,11 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   Pictures pictures;
   if (files.wants_svg() && answer.found.motion.trajectory.nodes() > 0) {
     pictures.svg = stacked(motion_picture(model, answer.found.motion, result.verdict.text, answer.found.confirmed()),
-                           draw_plot(asked && !panels.empty() ? panels : with_record(panels, scene, answer.record)));
+                           draw_plot(asked && !panels.empty() ? panels : with_record(panels, scene, answer)));
   }
   if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
-    pictures.figures = {motion_figure(model, answer.found.motion, answer.record,
-                                      with_record(panels, scene, answer.record), answer.found.confirmed())};
+    pictures.figures = {motion_figure(model, answer.found.motion, answer.record, with_record(panels, scene, answer),
+                                      answer.found.confirmed())};
   }
   return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette);
 }

@@ -106,6 +106,16 @@ Panel energy_panel(const MotionRecord& record, const Units& units) {
   return panel;
 }
 
+void mark_events(Panel& panel, const std::vector<ContactEvent>& events) {
+  const Curve& sum = panel.curves.back();
+  for (std::size_t k = 0; k < std::min(events.size(), shown_contact_events); ++k) {
+    const auto at = std::lower_bound(sum.x.begin(), sum.x.end(), events[k].t);
+    if (at == sum.x.end()) return;
+    panel.marks.push_back(
+        {.x = events[k].t, .y = sum.y[static_cast<std::size_t>(at - sum.x.begin())], .label = std::to_string(k + 1)});
+  }
+}
+
 std::string label_of_drive(const Scene& scene, const KinematicsResult& found, const Course& drive) {
   return fmt::format("{} ({}){}", drive.name, unit_name(drive.quantity, scene.units), up_to_stop(found.stop, scene));
 }
@@ -187,13 +197,15 @@ std::vector<Panel> point_panels(const Scene& scene, const KinematicsResult& foun
   return panels;
 }
 
-std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record) {
+std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record,
+                                 const std::vector<ContactEvent>& events) {
   std::vector<Panel> panels;
   for (const Quantity quantity : {Quantity::angle, Quantity::length}) {
     Panel panel = panel_of(record, quantity, scene.units);
     if (!panel.curves.empty()) panels.push_back(std::move(panel));
   }
   panels.push_back(energy_panel(record, scene.units));
+  if (!events.empty()) mark_events(panels.back(), events);
   for (Panel& panel : panels) {
     char& first = panel.title.front();
     first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,13 @@ std::vector<Panel> point_panels(const Scene& scene, const KinematicsResult& foun
                                 const std::vector<DriveRange>& ranges, const std::vector<std::string>& points);
 
 /// Angles, travels and energies over time: of those that move most; where all move little for how far apart they are,
-/// counted from where they start.
-std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record);
+/// counted from where they start. The sum of the energies has marks at the first events of stops, numbered as the
+/// table of them.
+std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record,
+                                 const std::vector<ContactEvent>& events = {});
+
+/// So many events of stops are marked, and listed in text.
+inline constexpr std::size_t shown_contact_events = 12;
 
 /// Efforts of drives and sizes of joint forces over a range or time.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "app/draw/chart/motion_charts.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 
 namespace poise::app {
 namespace {
-
-/// So many events are shown in text.
-constexpr std::size_t shown_events = 12;
 
 const Stop& stop_of(const Scene& scene, const ContactEvent& event) {
   return scene.stops[static_cast<std::size_t>(event.at.stop)];
@@ -59,7 +58,7 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
     one.data("energy_lost", event.energy_lost / unit_value(Quantity::energy, units));
     one.data("unique", event.unique);
     lost += event.energy_lost;
-    if (times.size() >= shown_events) continue;
+    if (times.size() >= shown_contact_events) continue;
     const bool hits = event.kind == ContactEvent::Kind::impact;
     times.push_back(event.t);
     whats.push_back(what(event, stop) + (event.unique ? "" : " (one of several)"));
@@ -72,6 +71,9 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
   if (motion.events.empty()) return;
   const std::size_t more = motion.events.size() - times.size();
   Table& table = group.table("", "Contacts", Rows::list);
+  std::vector<std::string> numbers;
+  for (std::size_t k = 0; k < times.size(); ++k) numbers.push_back(std::to_string(k + 1));
+  table.words("", "mark", std::move(numbers));
   table.numbers("", "at", "s", std::move(times), {.style = Format::Style::significant});
   table.words("", "what", std::move(whats));
   table.words("", "of", std::move(names));

@@ -170,7 +170,7 @@ void add_energies(Group& group, const MotionModel& model, const Motion& motion) 
   }
   const Units& units = model.scene().units;
   Table& table = group.table("", fmt::format("Energies ({})", unit_name(Quantity::energy, units)), Rows::list);
-  table.words("", "energy", {"kinetic", "potential", "work of drives, followers and resistances"});
+  table.words("", "energy", {"kinetic", "potential", "work of all that has no potential"});
   for (const auto& [name, values] :
        {std::pair("at the start", &start), std::pair("at the end", &end), std::pair("most", &most)}) {
     table.numbers("", name, "", in_unit(*values, Quantity::energy, units),
