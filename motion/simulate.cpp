@@ -40,6 +40,8 @@ constexpr double looked_ahead = 0.01;
 constexpr double least_bounce = 1e-13;
 /// A gap that comes so near to zero, in accuracies of the motion, or would only just pass it, may close or not.
 constexpr double grazing = 10.0;
+/// More changes of what is touched or held at one time never end.
+constexpr int most_events_here = 100;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
 
@@ -514,7 +516,10 @@ class Simulation {
     if (width > 0 && f > 0) step_.evaluate_at(t + nudge, step_.y);
     add_node(t);
     nodes_.begin_piece();
-    return true;
+    if (!can_switch() || !ends_.is_past()) return true;
+    Event event;
+    if (!friction_.acts() || !ends_.is_of_friction()) event.left = contacts_.least();
+    return change_mode(t, event);
   }
 
   /// Goes on from the last node in another mode: with other friction sliding or held, other limits touched, and other
@@ -522,6 +527,12 @@ class Simulation {
   ///   q_p after = q_p - j T_p,   v_p after = v_p + a_before T_p + d(j) - a_after T_p,
   /// d(j) along the changes of places and rates at the event.
   bool change_mode(double t, const Event& event) {
+    events_here_ = t > last_event_ + 1e-14 * options_.duration ? 0 : events_here_ + 1;
+    last_event_ = t;
+    if (events_here_ > most_events_here) {
+      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s what is touched or held changes without end", t));
+      return false;
+    }
     const std::size_t n = q_start_.size();
     const std::vector<double> q(reduced_.q(), reduced_.q() + n), before(reduced_.v(), reduced_.v() + n);
     std::vector<double> v = before;
@@ -781,6 +792,8 @@ class Simulation {
   std::vector<Passed> passed_;   // singular poses that were stepped over, and by what length
   double limit_ = 0.0;           // of pivots: steps avoid those below
   double ahead_ = 0.0;           // time in which choices of friction are told apart
+  double last_event_ = -1.0;     // time of the last change of mode
+  int events_here_ = 0;          // and how many there were at this time
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
   int departures_ = 0;                                                // steps that are short behind the border passed
   double onward_ = 0.0;                                               // length of steps to go on with behind a border
