@@ -207,12 +207,12 @@ TEST(Contacts, ACamLiftsItsFollowerOffAboveItsSpeed) {
 // periodic motion (phase and rate of ../shared/benchmarks.md 1.9) it hits once in each period, with that rate.
 TEST(Contacts, AnImpactOscillatorHitsOnceInEachPeriod) {
   const double period = 2 * std::numbers::pi / 0.8;
-  const std::string text = fmt::format(R"(
+  const std::string text = R"toml(
 gravity = [0, 0]
 [ground]
-points = {{ O = [0, 0] }}
+points = { O = [0, 0] }
 [body.block]
-points = {{ C = [0, 0] }}
+points = { C = [0, 0] }
 mass = 1
 [[slide]]
 name = "x"
@@ -231,7 +231,7 @@ coefficient = 0.1
 name = "F"
 at = "block.C"
 vector = [0.6, 0]
-time = {{ function = "cos(0.8*t + 0.00371112996)"
+time = { function = "cos(0.8*t + 0.00371112996)"
 }
 }
 [[stop]]
@@ -241,15 +241,15 @@ max = 1
 restitution = 0.8
 [start]
 x = 1
-)");
+)toml";
   const Motion motion = moved(text, 20 * period, {{}, {{"x", -0.8 * 0.698921656280}}});
-ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
-const std::vector<ContactEvent> impacts = of_kind(motion, Kind::impact);
-ASSERT_GE(impacts.size(), 19U);
-for (std::size_t k = 0; k < 19; ++k) {
-  EXPECT_NEAR(impacts[k].rate_before, -0.698921656280, 1e-9);
-  EXPECT_NEAR(impacts[k].t, period * (static_cast<double>(k) + 1), 1e-8);
-}
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  const std::vector<ContactEvent> impacts = of_kind(motion, Kind::impact);
+  ASSERT_GE(impacts.size(), 19U);
+  for (std::size_t k = 0; k < 19; ++k) {
+    EXPECT_NEAR(impacts[k].rate_before, -0.698921656280, 1e-9);
+    EXPECT_NEAR(impacts[k].t, period * (static_cast<double>(k) + 1), 1e-8);
+  }
 }
 
 // Two rods in series hit their stops: energy balances, and no stop is passed.
