@@ -1,8 +1,10 @@
 #include "statics/paths/path.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +26,7 @@
 #include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
 #include "motion/dynamic_stability.hpp"
+#include "motion/snap_motion.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/paths/path_measures.hpp"
 
@@ -32,10 +35,11 @@ namespace {
 
 const std::vector<std::string> path_curves = {"equilibria", "fold"};
 const std::vector<std::string> ways_to_follow = {"unstable", "jump"};
+const std::vector<std::string> ways_to_snap = {"settle", "dynamic"};
 
 struct PathRequest {
   Request common;
-  std::string curve = "equilibria", from = "settle", follow = "unstable", at;
+  std::string curve = "equilibria", from = "settle", follow = "unstable", snap = "settle", at;
   std::vector<std::string> vary, measures, show, beside, variants;
   bool branches = false;
   int search = 0;
@@ -58,7 +62,7 @@ VariedPair read_pair(const PathRequest& request) {
         std::pair("--branches", request.branches), std::pair("--search", request.search != 0),
         std::pair("--beside", !request.beside.empty()), std::pair("--variant", !request.variants.empty()),
         std::pair("--proof-seconds", request.proof_seconds.has_value()),
-        std::pair("--follow", request.follow != "unstable")}) {
+        std::pair("--follow", request.follow != "unstable"), std::pair("--snap", request.snap != "settle")}) {
     if (given) throw InputError(fmt::format("{}: not with --curve fold, where it has no meaning", option));
   }
   const NamedRange first = read_vary_range(request.vary[0]), second = read_vary_range(request.vary[1]);
@@ -259,6 +263,30 @@ int run_beside(const PathRequest& request, const Palette& palette) {
   return finish(request.common, result, &files, pictures, proved, progress, palette);
 }
 
+/// The motions of all snaps, from the first pose of their courses that is off the fold.
+std::map<std::size_t, SnapMotion> motions_of_snaps(const PathRequest& request, const VariedScene& varied,
+                                                   const Path& found, Progress& progress) {
+  constexpr double off = 1e-3;  // rad, mechanism sizes
+  std::map<std::size_t, SnapMotion> out;
+  for (std::size_t e = 0; e < found.events.size(); ++e) {
+    const PathEvent& event = found.events[e];
+    if (event.kind != PathEvent::Kind::snap) continue;
+    progress.now("moving where it snaps");
+    const auto is_off = [&](const std::vector<double>& x) {
+      double most = 0.0;
+      for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(x[i] - event.at.x[i]));
+      return most > off;
+    };
+    const auto start = std::find_if(event.course.begin(), event.course.end(), is_off);
+    if (start == event.course.end()) {
+      out[e].why = "no pose off the fold is known";
+      continue;
+    }
+    out[e] = snap_motion(*varied.model_at(event.at.parameter), *start, {.interrupt = &request.common.interrupt()});
+  }
+  return out;
+}
+
 int run_path(const PathRequest& request, const Palette& palette) {
   if (chosen("--curve", request.curve, path_curves) == 1) return run_fold_curve(request, palette);
   if (!request.beside.empty() || !request.variants.empty()) return run_beside(request, palette);
@@ -279,8 +307,10 @@ int run_path(const PathRequest& request, const Palette& palette) {
   OutputFiles files(request.common);
   progress.now("following the curve of equilibria");
   options.progress = progress_of(progress, varied);
-  options.courses = files.wants_html();  // snaps are shown
+  const bool moves = chosen("--snap", request.snap, ways_to_snap) == 1;
+  options.courses = files.wants_html() || moves;  // snaps are shown
   const Path found = path(varied, options);
+  if (moves) view.motions = motions_of_snaps(request, varied, found, progress);
 
   const bool any = std::any_of(found.branches.begin(), found.branches.end(),
                                [](const PathBranch& branch) { return !branch.points.empty(); });
@@ -326,6 +356,12 @@ Command path_command() {
             "unstable: the curve through its folds (the default); jump: stable\nequilibria only, snapping at folds, "
             "there and back"})
       .choices = ways_to_follow;
+  command
+      .add(
+          {"--snap", &request->snap, "WHAT",
+           "settle: snaps land where the mechanism settles with heavy damping (the\ndefault); dynamic: show also their "
+           "motion with its inertia and dampers,\nwhat it hits, how fast, and where it comes to rest"})
+      .choices = ways_to_snap;
   command.add({"--branches", &request->branches, "", "Follow all curves that cross at branch points too"});
   command.add({"--search", &request->search, "N",
                "Search also for curves that are not connected with the start, by\ndeflation from N starts at each of "

@@ -14,6 +14,7 @@
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 #include "app/results/statics/quantities.hpp"
+#include "app/results/statics/snap_motions.hpp"
 #include "statics/model/pose_values.hpp"
 #include "statics/paths/over_path.hpp"
 #include "statics/paths/path_words.hpp"
@@ -767,6 +768,7 @@ Result path_result(const VariedScene& varied, const Path& found, const PathView&
                                            varied.driven_words(), effort_name(varied)));
   }
   add_events(out.content, report);
+  add_snap_motions(out.content, varied, found, view);
   add_wanted(out.content, report);
   add_points(out.content, report, rows);
   add_over_path(out.content, report);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "app/result/result.hpp"
+#include "motion/snap_motion.hpp"
 #include "statics/paths/path.hpp"
 #include "statics/paths/path_measures.hpp"
 
@@ -15,6 +18,8 @@ struct PathView {
   std::vector<SoughtQuantity> over_path{};  ///< shown once for each branch
   std::vector<double> at{};                 ///< SI: PathOptions::at
   PathOptions::Follow follow = PathOptions::Follow::unstable;
+  /// By index of the event: the motions of its snaps, where they were asked for.
+  std::map<std::size_t, SnapMotion> motions{};
 };
 
 /// What `poise path` shows: events, points, and the equilibria at the values asked for; everything in JSON and, of the
