@@ -498,5 +498,29 @@ block = {}
   EXPECT_LT(motion.energy_error, 1e-9);
 }
 
+Motion of_dataset(const std::string& name, double duration) {
+  const MotionModel model(read_scene(std::string(POISE_SOURCE_DIR) + "/datasets/" + name + ".toml"));
+  return test::moved(model, test::released(model, {}), duration);
+}
+
+// The clamp comes to rest where statics finds it, and where the static stop holds it.
+TEST(Contacts, TheToggleClampClosesOntoItsStop) {
+  const Motion motion = of_dataset("toggle_clamp_closing", 0.05);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  EXPECT_NEAR(motion.trajectory.q[motion.trajectory.q.size() - 3], 1.6337822873154150442, 1e-9);
+  EXPECT_NEAR(of_kind(motion, Kind::impact).front().t, 0.00375, 1e-5);
+  EXPECT_NEAR(of_kind(motion, Kind::rest).back().t, 0.00794, 1e-5);
+  EXPECT_LT(motion.energy_error, 1e-9);
+}
+
+TEST(Contacts, ALandingGearFallsIntoItsLock) {
+  const Motion motion = of_dataset("landing_gear_drop", 2.0);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  EXPECT_NEAR(of_kind(motion, Kind::impact).front().t, 0.737, 1e-3);
+  EXPECT_NEAR(of_kind(motion, Kind::rest).back().t, 0.8242, 1e-4);
+  ASSERT_FALSE(motion.touched.empty());
+  EXPECT_EQ(motion.touched.back().touching.size(), 1U);
+}
+
 }  // namespace
 }  // namespace poise::contacts_test
