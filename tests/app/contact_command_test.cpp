@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/app/run_poise.hpp"
-#include "tests/app/scenes.hpp"
+#include "tests/app/wheel_experiment.hpp"
 
 namespace poise::app_tests::contact_command_test {
 namespace {

@@ -12,6 +12,7 @@
 #include "app/draw/chart/motion_charts.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "model/joint_friction.hpp"
 
 namespace poise::app {
 namespace {
@@ -87,6 +88,14 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
 }
 
 void warn_of_contacts(Result& out, const Scene& scene, const Motion& motion) {
+  const bool hits = std::any_of(motion.events.begin(), motion.events.end(),
+                                [](const ContactEvent& event) { return event.kind == ContactEvent::Kind::impact; });
+  for (int j = 0; hits && j < static_cast<int>(scene.joints.size()); ++j) {
+    if (!grips(scene, j)) continue;
+    out.warnings.push_back(doubtful(
+        fmt::format("Friction in \"{}\" has no part in the impacts.", scene.joints[static_cast<std::size_t>(j)].name)));
+    break;
+  }
   const auto first =
       std::find_if(motion.events.begin(), motion.events.end(), [](const ContactEvent& event) { return !event.unique; });
   if (first == motion.events.end()) return;
