@@ -24,8 +24,8 @@ constexpr double tiny = std::numeric_limits<double>::min();
 /// Gaps below this, in sizes of the mechanism or rad, are zero: events are located more closely, and what rests against
 /// a stop at the start less.
 constexpr double no_gap = 1e-11, no_gap_at_start = 1e-9;
-/// Rates below this part of the largest yet are zero.
-constexpr double no_rate_of_gap = 1e-11;
+/// Rates below this part of the largest yet are zero, and below this part of the fastest coordinate's rounding.
+constexpr double no_rate_of_gap = 1e-11, rounding_of_gap_rate = 1e-13;
 /// Forces and accelerations below this part of the largest, or of their terms, may have either sign.
 constexpr double sure = 1e-6;
 /// Nothing moves a gap where freedoms change it by less than this part of the terms.
@@ -145,6 +145,12 @@ Configuration<double> Contacts::place(const double* q) {
   const Phasors<double>& phasors = model_.mechanism().phasors();
   phasors.place(q, pose_.data());
   return {phasors, pose_.data(), pose_.data() + phasors.pose_size()};
+}
+
+double Contacts::still(const Side& side, const std::vector<double>& v) {
+  double fastest = 0.0;
+  for (const double one : v) fastest = std::max(fastest, std::abs(one));
+  return std::max(no_rate_of_gap * side.speed, rounding_of_gap_rate * fastest);
 }
 
 Contacts::Gap Contacts::gap_of(const Side& side, const Reduced& motion) {
@@ -282,7 +288,7 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     const double gap = sign(side) * (side.on.value(here) - side.limit);
     if (!(gap < (t > 0.0 ? no_gap : no_gap_at_start))) continue;
     const double rate = sign(side) * side.on.along(here, v.data());
-    if (rate < -no_rate_of_gap * std::max(side.speed, std::abs(rate)) && (!closes || rate < fastest)) {
+    if (rate < -still(side, v) && (!closes || rate < fastest)) {
       closes = true;
       fastest = rate;
       out.first = k;
@@ -436,7 +442,7 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     Side& side = sides_[k];
     const double gap = sign(side) * (side.on.value(at) - side.limit);
     const double rate = sign(side) * side.on.along(at, v.data());
-    const bool near = gap < (t > 0.0 ? no_gap : no_gap_at_start) && std::abs(rate) <= no_rate_of_gap * side.speed;
+    const bool near = gap < (t > 0.0 ? no_gap : no_gap_at_start) && std::abs(rate) <= still(side, v);
     side.idle = false;
     if (!near && !side.touched) continue;
     if (!(left && *left == side.at)) first |= std::uint32_t{1} << candidates.size();

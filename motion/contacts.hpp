@@ -113,6 +113,8 @@ class Contacts {
   double sign(const Side& side) const { return side.at.upper ? -1.0 : 1.0; }
   Gap gap_of(const Side& side, const ReducedMotion<double>& motion);
   const Stop& stop_of(const Side& side) const;
+  /// The rate of a gap that is none, at these rates of all coordinates.
+  static double still(const Side& side, const std::vector<double>& v);
   bool is_moved(const Side& side, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, StickSlip* friction, double t,
                                     const std::vector<double>& q, const std::vector<double>& v,
