@@ -53,8 +53,7 @@ bool StepEnds::meets_hit(double t) {
 }
 
 bool StepEnds::is_of_friction() {
-  const double of_friction = friction_.margin(reduced_);
-  return of_friction <= contacts_.force_margin(reduced_);
+  return friction_margin() <= contacts_.force_margin(reduced_);
 }
 
 bool StepEnds::meets_event(double t) {

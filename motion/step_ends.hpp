@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <cstddef>
 #include <vector>
 
@@ -49,7 +50,11 @@ class StepEnds {
   void forget_approach() { approaches_ = 0; }
 
  private:
-  double margin() { return std::min(friction_.margin(reduced_), contacts_.force_margin(reduced_)); }
+  // Of friction nothing is known before it is decided what is at rest.
+  double friction_margin() {
+    return reduced_.sliding() == nullptr ? std::numeric_limits<double>::infinity() : friction_.margin(reduced_);
+  }
+  double margin() { return std::min(friction_margin(), contacts_.force_margin(reduced_)); }
   double margin_within(double t, double x);
   double first_passing(double t, double margin_at_end);
 
