@@ -1,8 +1,8 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "motion/contacts.hpp"
@@ -37,7 +37,8 @@ class StepEnds {
   bool meets_event(double t);
   /// Whether the event just met is that of this margin: of friction, or else of a contact.
   bool is_of_friction();
-  /// Whether something held or touched at the last node is beyond its bound already, as where accelerations have jumped.
+  /// Whether something held or touched at the last node is beyond its bound already, as where accelerations have
+  /// jumped.
   bool is_past() const { return margin_ < -stepping::past; }
 
   struct Border {
