@@ -444,7 +444,7 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     const double rate = sign(side) * side.on.along(at, v.data());
     const bool near = gap < (t > 0.0 ? no_gap : no_gap_at_start) && std::abs(rate) <= still(side, v);
     side.idle = false;
-    if (!near && !side.touched) continue;
+    if (!near) continue;
     if (!(left && *left == side.at)) first |= std::uint32_t{1} << candidates.size();
     candidates.push_back(k);
     if (candidates.size() > most_sides) return StickSlip::Choice::failed;
