@@ -483,6 +483,7 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     return friction.choose(motion, t, ahead);
   };
   std::vector<Trial> trials;
+  bool locks = false;
   const Trial* best = nullptr;
   const std::uint32_t count = std::uint32_t{1} << candidates.size();
   // With friction that grows with the forces of stops accelerations need not be unique: all choices are looked at.
@@ -492,6 +493,7 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     const StickSlip::Choice made = attempt(touched);
     if (made != StickSlip::Choice::made) {
       failure = made;
+      locks = locks || made == StickSlip::Choice::locked || made == StickSlip::Choice::several;
       continue;
     }
     const double violation = candidates.empty() ? -1.0 : violation_of(candidates, touched, motion);
@@ -500,7 +502,8 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     if (violation < -sure && !rubs_) best = &trials.back();
   }
   if (trials.empty()) return failure;
-  if (rubs_ && differ(trials)) return StickSlip::Choice::several;
+  // Forces that are not unique go on in another way than what else agrees.
+  if (rubs_ && (locks || differ(trials))) return StickSlip::Choice::several;
   if (best == nullptr) {
     // Where several agree the one is taken that goes on agreeing.
     std::vector<const Trial*> agreeing;

@@ -173,7 +173,8 @@ TEST(Impact, RandomImpactsLoseEnergy) {
       const auto at = static_cast<std::size_t>(i);
       EXPECT_GE(found.impulse[at], 0.0) << k;
       EXPECT_GE(found.rate[at], -1e-8 * (1 + u.norm())) << k;
-      if (rubs) EXPECT_LE(std::abs(found.rub[at]), sides[at].friction * found.impulse[at] * (1 + 1e-9) + 1e-12) << k;
+      if (!rubs) continue;
+      EXPECT_LE(std::abs(found.rub[at]), sides[at].friction * found.impulse[at] * (1 + 1e-9) + 1e-12) << k;
     }
   }
   EXPECT_GT(several, 100);
