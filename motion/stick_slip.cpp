@@ -17,6 +17,8 @@ using Reduced = ReducedMotion<double>;
 constexpr double no_rate_of_friction = 1e-11;
 /// Accelerations below this part of the largest of any choice are zero.
 constexpr double no_acceleration = 1e-9;
+/// And what rounding may leave of the terms of one, as many times what it may be off.
+constexpr double rounded_acceleration = 1e-8;
 /// A choice is consistent if forces and accelerations have the right sign but for this part.
 constexpr double consistent = 1e-6;
 /// What rounding may leave of a rate, as a part of the largest yet.
@@ -77,6 +79,15 @@ bool StickSlip::is_open(const Contact& contact, const Reduced& motion) {
 
 double StickSlip::rate(const Contact& contact, const Reduced& motion) {
   return contact.on.along(place(contact.on, motion.q()), motion.v());
+}
+
+double StickSlip::size_of_acceleration(const Contact& contact, const Reduced& motion) {
+  const Configuration<double> here = place(contact.on, motion.q());
+  double sum = std::abs(contact.on.second(here, motion.v(), motion.v()));
+  contact.on.gradient(here, [&](int i, double by) {
+    sum += std::abs(by * motion.a()[contact.on.support()[static_cast<std::size_t>(i)]]);
+  });
+  return sum;
 }
 
 double StickSlip::acceleration(const Contact& contact, const Reduced& motion) {
@@ -335,7 +346,10 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
       for (std::size_t k = 0; k < still.size(); ++k) {
         const Contact& contact = contacts_[still[k]];
         trial.acceleration.push_back(acceleration(contact, motion));
-        if (!is_locked) largest[k] = std::max(largest[k], std::abs(trial.acceleration.back()));
+        if (!is_locked) {
+          largest[k] = std::max({largest[k], std::abs(trial.acceleration.back()),
+                                 rounded_acceleration * size_of_acceleration(contact, motion)});
+        }
         const bool is_held = sliding[static_cast<std::size_t>(contact.element)] == 0;
         trial.force.push_back(is_held ? margin_of(contact, motion) : 0.0);
       }

@@ -100,6 +100,8 @@ class StickSlip {
   double rate_by(const Contact& contact, const ReducedMotion<double>& motion, std::size_t variation) const;
   double rate(const Contact& contact, const ReducedMotion<double>& motion);
   double acceleration(const Contact& contact, const ReducedMotion<double>& motion);
+  /// The sum of the sizes of its terms.
+  double size_of_acceleration(const Contact& contact, const ReducedMotion<double>& motion);
   double margin_of(const Contact& contact, const ReducedMotion<double>& motion);
   double turn_margin_of(const Branched& branched, const ReducedMotion<double>& motion);
   /// A state from which choices are tried.
