@@ -180,7 +180,7 @@ void state(const MatrixXd& D, const std::vector<ImpactSide>& sides, const Impuls
     const ImpactSide& side = sides[static_cast<std::size_t>(i)];
     const double after = side.rate + change[i];
     out.rate.push_back(after);
-    fastest = std::max({fastest, std::abs(side.rate), 1e-5 * sizes[i]});
+    fastest = std::max({fastest, std::abs(side.rate), 1e-5 * sizes[i], 1e-5 * std::abs(side.slip)});
     lowest = std::min(lowest, after);
     const auto take = [&](double impulse, double before, double then) {
       out.energy_lost -= impulse * (before + then) / 2;

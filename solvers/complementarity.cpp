@@ -101,6 +101,21 @@ double residual(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen:
   return worst / size;
 }
 
+/// The solution whose z are zero where these are, to the digits of its equations: those of the method are of its
+/// largest number. These z where rounding would make it none.
+Eigen::VectorXd sharpened(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& z) {
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (z[i] > 0.0) free.push_back(i);
+  }
+  if (free.empty()) return z;
+  const Eigen::VectorXd found = M(free, free).completeOrthogonalDecomposition().solve(-q(free));
+  if (found.minCoeff() < 0.0) return z;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(q.size());
+  out(free) = found;
+  return residual(M, q, out) <= residual(M, q, z) ? out : z;
+}
+
 /// The choice of the z that are not zero whose solution is one.
 std::optional<Eigen::VectorXd> by_choices(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, double within) {
   constexpr Eigen::Index most = 10;
@@ -125,7 +140,9 @@ std::optional<Eigen::VectorXd> by_choices(const Eigen::MatrixXd& M, const Eigen:
 std::optional<Eigen::VectorXd> solve_complementarity(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
   constexpr double within = 1e-9;
   if (q.size() == 0 || q.minCoeff() >= 0.0) return Eigen::VectorXd::Zero(q.size());
-  if (const std::optional<Eigen::VectorXd> z = by_lemke(M, q); z && residual(M, q, *z) <= within) return z;
+  if (const std::optional<Eigen::VectorXd> z = by_lemke(M, q); z && residual(M, q, *z) <= within) {
+    return sharpened(M, q, *z);
+  }
   return by_choices(M, q, within);
 }
 

@@ -506,6 +506,119 @@ block = {}
   EXPECT_LT(motion.energy_error, 1e-9);
 }
 
+// P. Flores, R. Leine, C. Glocker, Multibody System Dynamics 23, 2010: a slider with clearance in its guide, whose
+// upper corners hit the guide first at once (../shared/benchmarks.md 1.7).
+TEST(Contacts, ASliderWithClearanceHitsItsGuide) {
+  std::string text = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], A = [0.153, 0] }
+mass = 0.038
+center = [0.0765, 0]
+inertia = 7.4e-5
+[body.rod]
+points = { A = [0, 0], B = [0.306, 0] }
+mass = 0.038
+center = [0.153, 0]
+inertia = 5.9e-4
+[body.slider]
+points = { B = [0, 0], LU = [-0.05, 0.025], RU = [0.05, 0.025], LL = [-0.05, -0.025], RL = [0.05, -0.025] }
+mass = 0.076
+inertia = 2.7e-6
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "A"
+points = ["crank.A", "rod.A"]
+[[pin]]
+name = "B"
+points = ["rod.B", "slider.B"]
+[start]
+crank = 0
+rod = 0
+slider = 0
+)";
+  for (const char* corner : {"LU", "RU", "LL", "RL"}) {
+    text += fmt::format(
+        "[[stop]]\nname = \"{0}\"\ny = \"slider.{0}\"\nmin = -0.026\nmax = 0.026\nrestitution = 0.4\nfriction = 0.01\n",
+        corner);
+  }
+  const MotionModel model(resisted_by_joints(parse_scene(text, "scene.toml")));
+  MotionState start = test::released(model, {});
+  start.v[coordinate_named(model, "crank")] = 150.0;
+  start.v[coordinate_named(model, "rod")] = -75.0;
+  MotionOptions options;
+  options.duration = 0.1;
+  const Motion motion = simulate(model, start, options);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  ASSERT_GT(motion.events.size(), 4U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(motion.events[k].t, 0.00269250275202, 1e-12);
+    EXPECT_NEAR(motion.events[k].rate_before, -0.841612322033, 1e-9);
+    EXPECT_TRUE(motion.events[k].at.upper);
+  }
+  EXPECT_LT(motion.energy_error, 1e-9);
+}
+
+// A cart of 1 kg that hits the end stop of its crank drive: the impulse through the stop is that of the reduced mass.
+TEST(Contacts, ASliderCrankHitsItsEndStop) {
+  const std::string text = R"(
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+points = { O = [0, 0], A = [0.1, 0] }
+inertia = 0.02
+[body.rod]
+points = { A = [0, 0], B = [0.3, 0] }
+[body.ram]
+points = { B = [0, 0] }
+mass = 2
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "A"
+points = ["crank.A", "rod.A"]
+[[pin]]
+name = "B"
+points = ["rod.B", "ram.B"]
+[[slide]]
+name = "guide"
+points = ["ground.O", "ram.B"]
+axis = [1, 0]
+[[stop]]
+name = "end"
+slide = "guide"
+min = 0.25
+restitution = 0.5
+[start]
+crank = 0.6
+rod = -0.19
+guide = 0.37
+)";
+  const Motion motion = moved(text, 1.0, {{}, {{"crank", 3.0}}});
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  ASSERT_FALSE(motion.events.empty());
+  const ContactEvent& hit = motion.events[0];
+  // At x = r cos a + sqrt(l^2 - r^2 sin^2 a) = 0.25; energy gives the rate, I + m (dx/da)^2 is the mass of the angle.
+  const double r = 0.1, l = 0.3;
+  const auto place = [&](double a) { return r * std::cos(a) + std::sqrt(l * l - r * r * std::sin(a) * std::sin(a)); };
+  const double from = motion.trajectory.q[0];
+  double low = from, high = 3.0;
+  for (int k = 0; k < 100; ++k) (place((low + high) / 2) > 0.25 ? low : high) = (low + high) / 2;
+  const auto slope = [&](double a) {
+    return -r * std::sin(a) * (1 + r * std::cos(a) / std::sqrt(l * l - r * r * std::sin(a) * std::sin(a)));
+  };
+  const auto mass = [&](double a) { return 0.02 + 2 * slope(a) * slope(a); };
+  const double rate = 3.0 * std::sqrt(mass(from) / mass(low)), closing = slope(low) * rate;
+  EXPECT_NEAR(hit.rate_before, closing, 1e-10);
+  EXPECT_NEAR(hit.rate_after, -0.5 * closing, 1e-10);
+  EXPECT_NEAR(hit.impulse, -1.5 * closing * mass(low) / (slope(low) * slope(low)), 1e-9);
+}
+
 Motion of_dataset(const std::string& name, double duration) {
   const MotionModel model(read_scene(std::string(POISE_SOURCE_DIR) + "/datasets/" + name + ".toml"));
   return test::moved(model, test::released(model, {}), duration);
