@@ -385,13 +385,13 @@ start = 75
   EXPECT_NE(at_it.out.find("\"floor\" is in contact without force"), std::string::npos) << at_it.out;
 }
 
-// poise motion ignores stops.
+// The record is of the machine without its stop.
 TEST(ForcesCommand, MarksThePosesOfARecordThatAreBeyondAStop) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor_with_stop());
   const std::string record = folder.path("motion.csv").string();
-  const ProgramRun moved =
-      run_poise({"motion", scene, "--duration", "1", "--rate", "100", "--from", "start", "--csv", record});
+  const ProgramRun moved = run_poise({"motion", folder.write("free.toml", motor), "--duration", "1", "--rate", "100",
+                                      "--from", "start", "--csv", record});
   ASSERT_EQ(moved.exit_code, 0) << moved.err;
   const json r = json_of(folder, {"forces", scene, "--motion", record, "--drive", "bar"}, 0);
   const json& overrun = r["forces"]["overrun.floor"];

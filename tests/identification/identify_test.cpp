@@ -16,7 +16,6 @@ TEST(Identify, OneCallFindsTheNumbersOfALift) {
   const Identification found = identify(read_experiment(test::dataset("lift_experiment.toml")));
   EXPECT_EQ(found.fit.status, FitStatus::converged) << found.fit.why;
   EXPECT_EQ(found.records.size(), 6U);
-  EXPECT_EQ(found.stops.size(), 6U);
   for (const char* name : {"mP", "J_O", "k", "c"}) {
     const Estimate& estimate = found.estimate(name);
     EXPECT_FALSE(estimate.withheld) << name << ": " << estimate.why;
