@@ -144,6 +144,7 @@ class Mechanism {
   const LawIn<T>& law_of(int element) const { return elements_[element].law; }
   void replace_law(int element, const LawIn<T>& law) { elements_[element].law = law; }
   T measure_of(int element, Planar<T>* pose) const { return elements_[element].on.value(at(pose)); }
+  T rate_of(int element, Planar<T>* pose, const T* v) const { return elements_[element].on.along(at(pose), v); }
   /// g += the gradient of its measure, n values.
   void add_measure_gradient(int element, Planar<T>* pose, T* g) const { add_measure_gradient(element, pose, T(1), g); }
   /// g += force times that, and its change along dq where the force changes by `slope` with the measure.
@@ -165,8 +166,10 @@ class Mechanism {
   int resistances_size() const { return resistances_size_; }
   /// Evaluates dampers and friction at the rates v into `resistances`, which the next two read. `slides`, where given,
   /// has a value per element, of which those of friction that sticks are used: the direction in which it slides, 1 or
-  /// -1, in place of the sign of its rate; 0 of what is held, which has no force here.
-  void resist(Planar<T>* pose, const T* v, const int* slides, T* resistances) const;
+  /// -1, in place of the sign of its rate; 0 of what is held, which has no force here; 2 or -2 where it begins to slide
+  /// (DryFriction::sliding()). `in_time`, where given, has laws of elements to use in place of those compiled, or null.
+  void resist(Planar<T>* pose, const T* v, const int* slides, T* resistances,
+              const LawIn<T>* const* in_time = nullptr) const;
   /// g += their generalized forces; v . g is the power they dissipate.
   void add_resistance(const T* resistances, T* g) const;
   /// g += the change of these along dq and dv.

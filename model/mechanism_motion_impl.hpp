@@ -21,7 +21,8 @@ void Mechanism<T>::closures_of(const Planar<T>* f, T* c) const {
 }
 
 template <class T>
-void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* resistances) const {
+void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* resistances,
+                          const LawIn<T>* const* in_time) const {
   const Configuration<T> here = at(pose);
   for (const int r : resisting_) {
     const ForceElement& e = elements_[r];
@@ -33,8 +34,9 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* res
       slopes[i] = by;
       w += by * v[support[i]];
     });
-    if (slides != nullptr && sticks(e.law)) w = T(slides[r]);
-    const LawForce<T> force = force_of_motion(e.law, e.on.value(here), w);
+    const LawIn<T>& law = in_time != nullptr && in_time[r] != nullptr ? *in_time[r] : e.law;
+    const LawForce<T> force = slides != nullptr && sticks(law) ? force_of_sliding(law, slides[r], w)
+                                                               : force_of_motion(law, e.on.value(here), w);
     resistances[0] = force.value;
     resistances[1] = force.by_measure;
     resistances[2] = force.by_rate;
@@ -93,9 +95,11 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
   switch (number.of) {
     case ForceNumber::Of::element: {
       const ForceElement& e = elements_[number.item];
+      const T w = e.on.along(here, v);
       const bool directed = slides != nullptr && sticks(e.law);
-      const T w = directed ? T(slides[number.item]) : e.on.along(here, v);
-      e.on.add_gradient(here, by * force_by_number(e.law, number.number, e.on.value(here), w), g);
+      const T slope = directed ? force_of_sliding_by_number(e.law, number.number, slides[number.item], w)
+                               : force_by_number(e.law, number.number, e.on.value(here), w);
+      e.on.add_gradient(here, by * slope, g);
       break;
     }
     case ForceNumber::Of::force: {

@@ -71,23 +71,26 @@ const toml::node* NumberSpot::twin_node() const {
 NumberSpots::NumberSpots(const toml::table& document, const Scene& scene) : document_(document), scene_(scene) {
   std::map<std::string_view, std::size_t> count;
   for (const Element& element : scene.elements) elements_.push_back(count[element.table]++);
-  count.erase("rope");
+  // Ropes that stretch and stops that yield are elements, others stops: they take turns in one list.
+  constexpr std::array<std::string_view, 2> shared{"rope", "stop"};
+  for (const std::string_view key : shared) count.erase(key);
   for (const Stop& stop : scene.stops) stops_.push_back(count[stop.table]++);
-  // Ropes that stretch are elements, others stops: they take turns in one list.
-  std::vector<std::size_t> stretching, other;
-  const toml::array* const ropes = document.get_as<toml::array>("rope");
-  for (std::size_t k = 0; ropes != nullptr && k < ropes->size(); ++k) {
-    const toml::table* const rope = ropes->get_as<toml::table>(k);
-    if (rope != nullptr) (rope->contains("stiffness") ? stretching : other).push_back(k);
-  }
-  const auto place_in = [&](const std::vector<std::size_t>& list, std::size_t nth) {
-    return nth < list.size() ? list[nth] : ropes != nullptr ? ropes->size() : 0;
-  };
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (scene.elements[e].table == "rope") elements_[e] = place_in(stretching, elements_[e]);
-  }
-  for (std::size_t s = 0; s < stops_.size(); ++s) {
-    if (scene.stops[s].table == "rope") stops_[s] = place_in(other, stops_[s]);
+  for (const std::string_view key : shared) {
+    std::vector<std::size_t> elastic, rigid;
+    const toml::array* const list = document.get_as<toml::array>(key);
+    for (std::size_t k = 0; list != nullptr && k < list->size(); ++k) {
+      const toml::table* const one = list->get_as<toml::table>(k);
+      if (one != nullptr) (one->contains("stiffness") ? elastic : rigid).push_back(k);
+    }
+    const auto place_in = [&](const std::vector<std::size_t>& places, std::size_t nth) {
+      return nth < places.size() ? places[nth] : list != nullptr ? list->size() : 0;
+    };
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      if (scene.elements[e].table == key) elements_[e] = place_in(elastic, elements_[e]);
+    }
+    for (std::size_t s = 0; s < stops_.size(); ++s) {
+      if (scene.stops[s].table == key) stops_[s] = place_in(rigid, stops_[s]);
+    }
   }
   for (const Force& force : scene.forces) forces_.push_back(count[force.to ? "distributed_load" : "force"]++);
   for (const Joint& joint : scene.joints) joints_.push_back(count[joint.traits().key]++);
@@ -167,7 +170,8 @@ NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, 
   if (dot == std::string::npos) return {written, "", key};
   const toml::table* const part = below(written, key.substr(0, dot));
   const std::string last = key.substr(dot + 1);
-  if (!std::holds_alternative<CurveSpring>(scene_.elements[element].law)) return {part, "", last};
+  const Law& law = scene_.elements[element].law;
+  if (!std::holds_alternative<CurveSpring>(law) && !std::holds_alternative<CurveDamper>(law)) return {part, "", last};
   return {part, "", "curve", 1, std::stoi(last) - 1};
 }
 

@@ -1,5 +1,6 @@
 #include "model/read_curve.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -45,16 +46,23 @@ double checked(double written, double unit, const TomlPlace& place) {
 }
 
 constexpr PointWords spring_words{"x", "force", "an x", "[x, F]"};
+constexpr PointWords damper_words{"rate", "force", "a rate", "[rate, F]"};
 
-CurveSpring spring(CurvePoints points, bool numbered) { return {std::move(points.x), std::move(points.y), numbered}; }
-
-CurveSpring read_points(const TomlTable& table, double unit_x, double unit_force) {
+/// The points of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }.
+CurvePoints read_points(const TomlTable& table, double unit_x, double unit_force, const PointWords& words) {
+  table.allow_keys({"curve", "file", "interpolation"});
+  if (table.has("curve") == table.has("file")) {
+    table.place().fail("expected either curve = [" + std::string(words.point) +
+                       ", ...] or file = \"NAME.csv\", found " + (table.has("curve") ? "both; leave one out" : "none"));
+  }
+  if (const auto interpolation = table.find_text("interpolation")) choose(*interpolation, {"monotone"});
+  if (table.has("file")) return read_points_of_file(table.text("file"), unit_x, unit_force, words);
   const std::size_t count = table.pairs("curve", unit_x, unit_force).size();
   if (count > CurveSpring::most_points) {
     table.place_of("curve").fail("expected at most " + std::to_string(CurveSpring::most_points) + " points, found " +
                                  std::to_string(count) + "; put them into a file, file = \"NAME.csv\"");
   }
-  return spring(read_listed_points(table, "curve", unit_x, unit_force, spring_words), true);
+  return read_listed_points(table, "curve", unit_x, unit_force, words);
 }
 
 }  // namespace
@@ -88,15 +96,20 @@ CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit
 }
 
 CurveSpring read_curve(const TomlTable& table, const Measure& on) {
-  table.allow_keys({"curve", "file", "interpolation"});
-  if (table.has("curve") == table.has("file")) {
-    table.place().fail(std::string("expected either curve = [[x, F], ...] or file = \"NAME.csv\", found ") +
-                       (table.has("curve") ? "both; leave one out" : "none"));
+  CurvePoints points = read_points(table, table.unit(on.dimension()), table.unit(on.effort_dimension()), spring_words);
+  return {std::move(points.x), std::move(points.y), table.has("curve")};
+}
+
+CurveDamper read_damper_curve(const TomlTable& table, const Measure& on) {
+  const double unit_rate = table.unit(on.dimension() * dimension::time.power(-1));
+  CurvePoints points = read_points(table, unit_rate, table.unit(on.effort_dimension()), damper_words);
+  const TomlPlace place = table.place_of(table.has("curve") ? "curve" : "file");
+  if (std::find(points.x.begin(), points.x.end(), 0.0) != points.x.end()) {
+    place.fail("expected rates other than 0, where a damper has no force; leave that point out");
   }
-  if (const auto interpolation = table.find_text("interpolation")) choose(*interpolation, {"monotone"});
-  const double unit_x = table.unit(on.dimension()), unit_force = table.unit(on.effort_dimension());
-  return table.has("curve") ? read_points(table, unit_x, unit_force)
-                            : spring(read_points_of_file(table.text("file"), unit_x, unit_force, spring_words), false);
+  const CurveDamper damper(std::move(points.x), std::move(points.y), table.has("curve"));
+  located(place, [&] { damper.check(); });
+  return damper;
 }
 
 }  // namespace poise

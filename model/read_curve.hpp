@@ -1,10 +1,11 @@
 #pragma once
 
-// Reads the curve of a spring. Private to the readers of model/.
+// Reads the curve of a spring or damper. Private to the readers of model/.
 
 #include <string_view>
 #include <vector>
 
+#include "model/laws/curve_damper.hpp"
 #include "model/laws/curve_spring.hpp"
 #include "model/measure.hpp"
 #include "model/toml_reader.hpp"
@@ -27,6 +28,9 @@ struct PointWords {
 CurvePoints read_listed_points(const TomlTable& table, std::string_view key, double unit_x, double unit_y,
                                const PointWords& words);
 CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit_y, const PointWords& words);
+
+/// The same of a damper, of which x is a rate of the measure. Fails, too, where a force does not resist.
+CurveDamper read_damper_curve(const TomlTable& table, const Measure& on);
 
 /// The spring of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }, of which x is a value of the measure `on`
 /// and F a force on it. The file has a header and two columns; its name counts from the folder of the

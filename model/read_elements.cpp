@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -18,10 +19,11 @@
 namespace poise {
 namespace {
 
-/// Springs whose numbers may be multiplied by functions of time.
+/// Springs and dampers whose numbers may be multiplied by functions of time.
 template <class L>
 constexpr bool varies_in_time =
-    std::is_same_v<L, LinearSpring> || std::is_same_v<L, CubicSpring> || std::is_same_v<L, PreloadedSpring>;
+    std::is_same_v<L, LinearSpring> || std::is_same_v<L, CubicSpring> || std::is_same_v<L, PreloadedSpring> ||
+    std::is_same_v<L, Damper> || std::is_same_v<L, DragDamper> || std::is_same_v<L, CurveDamper>;
 
 class ElementReader {
  public:
@@ -38,7 +40,7 @@ class ElementReader {
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
     read_loads();
-    read_family("stop", scene_.stops, &ElementReader::read_stop);
+    read_stops();
     add_stops_of_struts();
   }
 
@@ -114,6 +116,10 @@ class ElementReader {
       allowed.push_back(is_angle && !number.angle_key.empty() ? number.angle_key : number.key);
     }
     if constexpr (std::is_same_v<L, GasStrut>) allowed.clear();  // they are in its own table
+    if constexpr (std::is_same_v<L, DryFriction>) {
+      for (const Number& number : DryFriction::numbers_of_falling) allowed.push_back(number.key);
+      allowed.push_back("stribeck");
+    }
     if constexpr (varies_in_time<L>) allowed.push_back("time");
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) allowed.push_back(choice.key);
@@ -128,7 +134,9 @@ class ElementReader {
       read_gas(table, element.on, law);
     } else {
       if constexpr (std::is_same_v<L, CurveSpring>) law = read_curve(*table.find_table(told), element.on);
+      if constexpr (std::is_same_v<L, CurveDamper>) law = read_damper_curve(*table.find_table(told), element.on);
       read_numbers(table, L::numbers, &law, &element.on);
+      if constexpr (std::is_same_v<L, DryFriction>) read_fall(table, element.on, law);
     }
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) {
@@ -139,6 +147,39 @@ class ElementReader {
     }
     element.law = law;
     return element;
+  }
+
+  /// Friction whose static force is above that of sliding.
+  static void read_fall(const TomlTable& table, const Measure& on, DryFriction& law) {
+    using Falls = DryFriction::Falls;
+    const bool with_rate = table.has("stribeck_rate");
+    if (!table.has("static")) {
+      for (const std::string_view key : {"stribeck_rate", "stribeck", "stribeck_exponent"}) {
+        if (table.has(key)) table.place_of(key).fail("expected the key static beside it, the force at rest; add it");
+      }
+      return;
+    }
+    law.falls = Falls::drop;
+    if (const auto shape = table.find_text("stribeck")) {
+      law.falls = choose(*shape, {"exponential", "hyperbolic"}) == 0 ? Falls::exponential : Falls::hyperbolic;
+    } else if (with_rate) {
+      law.falls = Falls::exponential;
+    }
+    if (law.falls != Falls::drop && !with_rate) {
+      table.place_of("stribeck").fail("expected the key stribeck_rate beside it, over which friction falls; add it");
+    }
+    if (table.has("stribeck_exponent") && law.falls != Falls::exponential) {
+      table.place_of("stribeck_exponent")
+          .fail("expected an exponent with stribeck = \"exponential\" alone; leave it out");
+    }
+    if (law.falls == Falls::drop && !law.sticks()) {
+      table.place_of("static").fail(
+          "expected width = 0 beside it, or stribeck_rate: a static force that drops at once acts where friction "
+          "sticks");
+    }
+    // Not above any static force before that is read.
+    law.static_force = law.force;
+    read_numbers(table, law.all_numbers().subspan(2), &law, &on);
   }
 
   /// Key of a number of a gas strut in the table `gas`.
@@ -153,16 +194,28 @@ class ElementReader {
           "expected a measure that is a length, for example points; a gas strut pushes along it");
     }
     Keys keys{"friction", "friction_width"};
-    std::array<Number, GasStrut::numbers.size()> numbers = GasStrut::numbers;
+    law.damps = true;
+    std::vector<Number> numbers(law.all_numbers().begin(), law.all_numbers().end());
     for (Number& number : numbers) {
       number.key = key_in_gas(number);
       keys.push_back(number.key);
     }
     table.allow_keys(keys);
+    law.damps = table.has("damping") || table.has("end_damping");
+    for (const auto& [key, other] : {std::pair{"end_damping", "end_stroke"}, std::pair{"end_stroke", "end_damping"}}) {
+      if (table.has(key) && !table.has(other)) {
+        table.place_of(key).fail("expected the key " + std::string(other) + " beside it; add it");
+      }
+    }
     read_numbers(table, numbers, &law, &on);
-    if (contains(on.range(), law.length - law.stroke)) return;
-    table.place_of("stroke").fail(
-        "expected a stroke of at most the length; a strut with its rod in is not shorter than 0");
+    if (!contains(on.range(), law.length - law.stroke)) {
+      table.place_of("stroke").fail(
+          "expected a stroke of at most the length; a strut with its rod in is not shorter than 0");
+    }
+    if (!table.has("end_stroke")) law.end_stroke = law.stroke;
+    if (law.end_stroke > law.stroke) {
+      table.place_of("end_stroke").fail("expected at most the stroke, of which it is the last part; make it shorter");
+    }
   }
 
   /// use(its table `gas`, the element) for all gas struts.
@@ -259,9 +312,12 @@ class ElementReader {
       const TomlTable time = *tables[at].find_table("time");
       const std::span<const Number> numbers = numbers_of(element.law);
       Keys keys;
-      for (const Number& number : numbers) keys.push_back(number.key_on(&element.on));
+      for (const Number& number : numbers) {
+        // Of a curve the scale alone.
+        if (number.key.find('.') == std::string_view::npos) keys.push_back(number.key_on(&element.on));
+      }
       time.allow_keys(keys);
-      for (std::size_t k = 0; k < numbers.size(); ++k) {
+      for (std::size_t k = 0; k < keys.size(); ++k) {
         if (std::optional<TimeLaw> law = read_time_law(time, keys[k], nullptr)) {
           TimeFunction function{TimeFunction::Of::element, static_cast<int>(e), std::move(*law),
                                 time.place_of(keys[k]).line};
@@ -360,6 +416,45 @@ class ElementReader {
     drive.on = measures_.read(table, all_measures(), keys);
     read_numbers(table, Drive::numbers, &drive, &drive.on);
     return drive;
+  }
+
+  /// Those with a stiffness yield: they are force elements.
+  void read_stops() {
+    const std::vector<TomlTable> tables = root_.tables("stop");
+    const std::vector<std::string> names = names_of(tables, numbered("stop", tables.size()), {});
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+      if (tables[i].has("stiffness")) {
+        add(tables[i], names[i], scene_.elements, &ElementReader::read_compliant_stop);
+        continue;
+      }
+      for (const std::string_view key : {"damping", "exponent"}) {
+        if (tables[i].has(key)) {
+          tables[i].place_of(key).fail("expected the key stiffness beside it, of a stop that yields; add it");
+        }
+      }
+      add(tables[i], names[i], scene_.stops, &ElementReader::read_stop);
+    }
+  }
+
+  Element read_compliant_stop(const TomlTable& table) const {
+    CompliantStop law;
+    law.has_min = table.has("min");
+    law.has_max = table.has("max");
+    if (!law.has_min && !law.has_max) table.place().fail("expected the key min, max or both; add max = NUMBER");
+    Element element;
+    element.table = "stop";
+    Keys keys;
+    for (const Number& number : CompliantStop::numbers) keys.push_back(number.key);
+    element.on = measures_.read(table, all_measures(), keys);
+    law.unit = table.unit(element.on.dimension());
+    constexpr double unlimited = std::numeric_limits<double>::infinity();
+    law.min = -unlimited;
+    law.max = unlimited;
+    read_numbers(table, law.all_numbers(), &law, &element.on);
+    if (!law.has_min) law.min = 0.0;
+    if (!law.has_max) law.max = 0.0;
+    element.law = law;
+    return element;
   }
 
   Stop read_stop(const TomlTable& table) const {

@@ -159,7 +159,7 @@ class SceneBuilder {
                         const std::vector<Key>& keys);
   /// A drive with its "start", "rate", "acceleration", "amplitude", "frequency", "phase".
   SceneBuilder& drive(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys = {});
-  /// A stop with its "min", "max" or both.
+  /// A stop with its "min", "max" or both; "stiffness", "damping" and "exponent" of one that yields.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
   /// Gears on two bodies. docs/gears-cams-ropes.md, docs/curved-slots.md and docs/rolling-profiles.md describe the

@@ -102,8 +102,8 @@ class InputLoad {
   mutable std::vector<Planar<T>> derivative_;  // of the path
 };
 
-/// Springs of which numbers are multiplied by functions of time: their forces, less those that the compiled mechanism
-/// has in their place.
+/// A spring or damper of which numbers are multiplied by functions of time. Of a spring its force, less that which the
+/// compiled mechanism has in its place; the mechanism takes the law of a damper itself (InputForces::laws()).
 template <class T>
 class InputSpring {
  public:
@@ -111,6 +111,8 @@ class InputSpring {
   InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions);
 
   int element() const { return functions_.front().item; }
+  /// With the numbers of the time.
+  const LawIn<T>& law() const { return law_; }
   void set(double t, double near);
   /// Sets the numbers by value(function), what each function has at the time.
   template <class Value>
@@ -119,8 +121,8 @@ class InputSpring {
   void add(Planar<T>* pose, T* g) const;
   /// g += its change along dq.
   void add_change(Planar<T>* pose, const T* dq, T* g) const;
-  /// g += by times the derivative of the whole force by a number of the spring, or of a function of it.
-  void add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, T* g) const;
+  /// g += by times the derivative of the whole force, at the rates v, by a number of the law, or of a function of it.
+  void add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const;
 
  private:
   LawForce<T> extra_force(Planar<T>* pose) const;
@@ -132,7 +134,7 @@ class InputSpring {
   double t_ = 0.0, near_ = 0.0;
 };
 
-/// All that follows functions of time but drives: loads, springs and the acceleration of the frame.
+/// All that follows functions of time but drives: loads, springs, dampers and the acceleration of the frame.
 template <class T>
 class InputForces {
  public:
@@ -146,6 +148,8 @@ class InputForces {
   void add_change(Planar<T>* pose, const T* dq, T* g) const;
   /// g += by times the derivative of -Q by a number, at the rates v; `sliding` as of Mechanism::resist().
   void add_derivative(const ForceNumber& number, T by, Planar<T>* pose, const T* v, const int* sliding, T* g) const;
+  /// For Mechanism::resist(): the laws of dampers that vary.
+  const LawIn<T>* const* laws() const;
   /// The acceleration of the frame.
   const Planar<T>& frame() const { return frame_; }
 
@@ -154,6 +158,7 @@ class InputForces {
   std::vector<InputLoad<T>> loads_;
   std::vector<InputSpring<T>> springs_;
   std::vector<MotionInput> frames_;
+  mutable std::vector<const LawIn<T>*> laws_;  // by element, empty if none varies that resists
   Planar<T> frame_{};
   double t_ = 0.0, near_ = 0.0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
@@ -75,8 +76,8 @@ void InputLoad<T>::add_change(const Planar<T>* pose, const T* dq, T* g) const {
 
 namespace detail {
 
-/// The numbers of a spring that may follow functions of time, or of the constant force on half the square of a distance
-/// that stands for one without free length.
+/// The numbers of a spring or damper that may follow functions of time, or of the constant force on half the square of
+/// a distance that stands for a spring without free length.
 template <class N>
 std::vector<N> numbers_of_spring(const LawOf<N>& law) {
   if (const auto* const linear = std::get_if<LinearSpringOf<N>>(&law)) return {linear->stiffness, linear->free_length};
@@ -86,6 +87,9 @@ std::vector<N> numbers_of_spring(const LawOf<N>& law) {
   if (const auto* const preloaded = std::get_if<PreloadedSpringOf<N>>(&law)) {
     return {preloaded->stiffness, preloaded->preload, preloaded->length};
   }
+  if (const auto* const damper = std::get_if<DamperOf<N>>(&law)) return {damper->coefficient};
+  if (const auto* const damper = std::get_if<DragDamperOf<N>>(&law)) return {damper->coefficient, damper->drag};
+  if (const auto* const damper = std::get_if<CurveDamperOf<N>>(&law)) return damper->values();
   return {std::get<ConstantForceOf<N>>(law).force};
 }
 
@@ -136,7 +140,7 @@ void InputSpring<T>::add_change(Planar<T>* pose, const T* dq, T* g) const {
 }
 
 template <class T>
-void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, T* g) const {
+void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const {
   T factor = by;
   for (const MotionInput& one : functions_) {
     if (one.function->part != number.number) continue;
@@ -146,7 +150,8 @@ void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Plan
                            ? T(written_[k]) * static_cast<T>(one.function->by(number.time_number, t_, 0, near_))
                            : T(0));
   }
-  const T slope = force_by_number(law_, number.number, mechanism_.measure_of(element(), pose), T(0));
+  const T slope = force_by_number(law_, number.number, mechanism_.measure_of(element(), pose),
+                                  mechanism_.rate_of(element(), pose, v));
   mechanism_.add_measure_gradient(element(), pose, factor * slope, g);
 }
 
@@ -163,6 +168,16 @@ void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector
     if (input.of == MotionInput::Of::element) of_springs[input.item].push_back(input);
   }
   for (auto& [element, functions] : of_springs) springs_.emplace_back(mechanism_, std::move(functions));
+  const bool some_resist = std::any_of(springs_.begin(), springs_.end(),
+                                       [](const InputSpring<T>& one) { return resists_motion(one.law()); });
+  laws_.assign(some_resist ? numbers.scene().elements.size() : 0, nullptr);
+}
+
+template <class T>
+const LawIn<T>* const* InputForces<T>::laws() const {
+  if (laws_.empty()) return nullptr;
+  for (const InputSpring<T>& one : springs_) laws_[static_cast<std::size_t>(one.element())] = &one.law();
+  return laws_.data();
 }
 
 template <class T>
@@ -205,7 +220,7 @@ void InputForces<T>::add_derivative(const ForceNumber& number, T by, Planar<T>* 
   }
   if (number.of == ForceNumber::Of::element) {
     for (const InputSpring<T>& spring : springs_) {
-      if (spring.element() == number.item) return spring.add_derivative(number, by, pose, g);
+      if (spring.element() == number.item) return spring.add_derivative(number, by, pose, v, g);
     }
   }
   for (const InputLoad<T>& load : loads_) by *= load.by(number);

@@ -81,7 +81,7 @@ void ReducedMotion<T>::find_forces() {
     std::fill(full_force_.begin(), full_force_.end(), T(0));
   } else {
     mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-    mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data());
+    mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data(), input_forces_.laws());
     mechanism_.add_resistance(resistances_.data(), full_force_.data());
     input_forces_.add(pose_.data(), full_force_.data());
   }

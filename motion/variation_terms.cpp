@@ -70,9 +70,9 @@ void VariationTerms::add_forces(VariedState& state) {
     std::fill(force_.begin(), force_.end(), Dual(0.0));
   } else {
     m.negative_force(state.q.data(), pose, g);
-    m.resist(pose, state.v.data(), state.sliding, resistances_.data());
-    m.add_resistance(resistances_.data(), g);
     input_forces_.set(state.t, state.near);
+    m.resist(pose, state.v.data(), state.sliding, resistances_.data(), input_forces_.laws());
+    m.add_resistance(resistances_.data(), g);
     input_forces_.add(pose, g);
   }
   inertia.weigh(state.second.data(), work_.data());

@@ -174,7 +174,7 @@ void draw_springs_and_dampers(Stage& stage) {
   std::vector<Vec2> pivots;
   for (std::size_t i = 0; i < elements.size() && !sketch; ++i) {
     const bool torsion = stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle;
-    if (torsion) draw_torsion_spring(stage, i, pivots);
+    if (torsion && !std::holds_alternative<CompliantStop>(elements[i].law)) draw_torsion_spring(stage, i, pivots);
   }
   stage.canvas.close();
 }

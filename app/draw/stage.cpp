@@ -29,7 +29,8 @@ std::vector<Strung> strung_of(const Scene& scene) {
   std::vector<Strung> found;
   for (std::size_t i = 0; i < scene.elements.size(); ++i) {
     const Element& element = scene.elements[i];
-    if (!stores_energy(element.law) && !std::holds_alternative<Damper>(element.law)) continue;
+    if (std::holds_alternative<DryFriction>(element.law) || std::holds_alternative<CompliantStop>(element.law))
+      continue;
     const Measure& on = element.on;
     if (on.kind == Measure::Kind::distance) found.push_back({i, on.a, on.b});
     if (on.kind == Measure::Kind::travel) found.push_back({i, scene.joints[on.joint].a, scene.joints[on.joint].b});

@@ -124,45 +124,70 @@ void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, dou
   if (std::isfinite(stop.max)) mark(stop.max, 1.0);
 }
 
+/// Draws one in the state that is named, unless it has no place of its own.
+void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* active, const std::string& state) {
+  stage.canvas.item(stop.family() + " " + stop.name, state);
+  switch (stop.on.kind) {
+    case Measure::Kind::angle:
+      draw_angle_stop(stage, stop, now, active);
+      break;
+    case Measure::Kind::distance:
+      draw_distance_stop(stage, stop, active);
+      break;
+    case Measure::Kind::travel:
+      draw_line_stop(stage, stop, guide_line(stage, stop.on.joint), now, active);
+      break;
+    case Measure::Kind::x:
+      draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {1, 0}), now, active);
+      break;
+    case Measure::Kind::y:
+      draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, active);
+      break;
+    case Measure::Kind::component:
+      draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
+      break;
+    case Measure::Kind::rope:
+      draw_rope(stage, stop, active != nullptr || may_be_taut(stage, stop, now));
+      return;
+    case Measure::Kind::sum:
+      if (stop.table != "stop") draw_coupling(stage, stop, active != nullptr);
+      return;
+  }
+  stage.signs.insert(active ? Sign::active_stop : Sign::inactive_stop);
+}
+
+/// One that yields, as one that does not.
+Stop rigid(const Element& element, const CompliantStop& law) {
+  Stop out{.name = element.name, .on = element.on};
+  if (law.has_min) out.min = law.min;
+  if (law.has_max) out.max = law.max;
+  return out;
+}
+
 }  // namespace
 
 void draw_stops(Stage& stage) {
-  if (stage.detail == Detail::sketch || stage.scene.stops.empty()) return;
+  const std::vector<Element>& elements = stage.scene.elements;
+  const bool some_yield = std::any_of(elements.begin(), elements.end(), [](const Element& element) {
+    return std::holds_alternative<CompliantStop>(element.law);
+  });
+  if (stage.detail == Detail::sketch || (stage.scene.stops.empty() && !some_yield)) return;
   stage.canvas.open("stops");
   for (std::size_t i = 0; i < stage.scene.stops.size(); ++i) {
     const Stop& stop = stage.scene.stops[i];
     if (has_track(stop)) continue;  // it is drawn behind the bodies
     const double now = stage.now.stops[i];
     const Reaction* active = stage.picture.reactions ? reaction_of_stop(*stage.picture.reactions, i) : nullptr;
-    stage.canvas.item(stop.family() + " " + stop.name, state_of(stage, stop, now, active));
-    switch (stop.on.kind) {
-      case Measure::Kind::angle:
-        draw_angle_stop(stage, stop, now, active);
-        break;
-      case Measure::Kind::distance:
-        draw_distance_stop(stage, stop, active);
-        break;
-      case Measure::Kind::travel:
-        draw_line_stop(stage, stop, guide_line(stage, stop.on.joint), now, active);
-        break;
-      case Measure::Kind::x:
-        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {1, 0}), now, active);
-        break;
-      case Measure::Kind::y:
-        draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, active);
-        break;
-      case Measure::Kind::component:
-        draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
-        break;
-      case Measure::Kind::rope:
-        draw_rope(stage, stop, active != nullptr || may_be_taut(stage, stop, now));
-        continue;
-      case Measure::Kind::sum:
-        if (stop.table == "stop") continue;  // it has no place of its own
-        draw_coupling(stage, stop, active != nullptr);
-        continue;
-    }
-    stage.signs.insert(active ? Sign::active_stop : Sign::inactive_stop);
+    draw_stop(stage, stop, now, active, state_of(stage, stop, now, active));
+  }
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto* const law = std::get_if<CompliantStop>(&elements[i].law);
+    if (law == nullptr) continue;
+    const ElementReading& reading = stage.now.elements[i];
+    std::string state = stage.reading(reading.value, quantity_of(elements[i].on));
+    const Quantity effort = elements[i].on.is_angle() ? Quantity::moment : Quantity::force;
+    if (!reading.slack) state += ", pressed by " + stage.value(std::abs(reading.force), effort, reading.radius);
+    draw_stop(stage, rigid(elements[i], *law), reading.value, nullptr, state);
   }
   stage.canvas.close();
 }

@@ -340,20 +340,23 @@ class EffectReader {
     } else if (const auto* preloaded = std::get_if<PreloadedSpring>(&element.law);
                preloaded != nullptr && preloaded->stiffness > 0.0) {
       add_spring(preloaded->stiffness, preloaded->length - preloaded->preload / preloaded->stiffness);
-    } else if (const auto* damper = std::get_if<Damper>(&element.law)) {
+    } else if (const auto* damper = std::get_if<Damper>(&element.law);
+               damper != nullptr && damper->acts == SpringActs::both) {
       add([&](CoordinateEffects& effects, double factor,
               double) { effects.damping += damper->coefficient * factor * factor; },
           [&](LineEffects& effects) { effects.damping = damper->coefficient; });
     } else if (const auto* friction = std::get_if<DryFriction>(&element.law);
-               friction != nullptr && friction->sticks()) {
+               friction != nullptr && friction->sticks() && friction->falls == DryFriction::Falls::not_at_all) {
       add([&](CoordinateEffects& effects, double factor,
               double) { effects.friction += friction->force * std::abs(factor); },
           [&](LineEffects& effects) { effects.friction = friction->force; });
     } else if (friction != nullptr) {
-      refuse(family, element.name, element.line, "friction that sticks only; set its width to 0");
+      refuse(family, element.name, element.line,
+             friction->sticks() ? "friction of one size only; leave out its static force"
+                                : "friction that sticks only; set its width to 0");
     } else {
       refuse(family, element.name, element.line,
-             "no such law; expected a linear spring, a damper or constant friction");
+             "no such law; expected a linear spring, a damper that acts both ways or constant friction");
     }
   }
 

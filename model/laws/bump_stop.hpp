@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <vector>
 
 #include "model/input_error.hpp"
 #include "model/laws/law_force.hpp"
-#include "model/laws/linear_spring.hpp"
+#include "model/laws/one_way.hpp"
 #include "model/number.hpp"
 
 namespace poise {
@@ -61,6 +62,8 @@ struct BumpStopOf {
       return S(force) * unit * log_of(y);
     });
   }
+
+  std::vector<N> measure_borders() const { return {free_length}; }
 
   double force_scale(double) const { return force; }
 

@@ -79,6 +79,12 @@ class CurveSpringOf {
     return S(scale) * curve_->force_by(static_cast<std::size_t>(number - 2), x);
   }
 
+  std::vector<N> measure_borders() const {
+    std::vector<N> out;
+    for (const double x : curve_->x()) out.push_back(N(x) + shift);
+    return out;
+  }
+
   double force_scale(double) const { return (scale < 0.0 ? -scale : scale) * curve_->largest(); }
 
   std::string_view idle() const {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "model/input_error.hpp"
 #include "model/laws/law_force.hpp"
@@ -19,6 +21,8 @@ namespace poise {
 ///   T = -F f(u/s),  f(y) = (1 - b y)^-n,  b = 1 - r^(-1/n), the part that the whole stroke takes,
 ///   V = F s I(u/s),  I(y) = e G((n - 1) e) / b,  e = -ln(1 - b y),  G(c) = (exp(c) - 1)/c,
 /// which for n = 1 is the logarithm (G = 1). Beyond its stroke, 0 <= y <= 1, f goes on along its tangents.
+/// Its oil damps, and more so over the last part s_e of the way out, at whose end the rod is out:
+///   T = (c + c_e max(0, min(1, 1 - u/s_e))) dg/dt  more.
 template <class N>
 struct GasStrutOf {
   N preload = N(0);   ///< F: N
@@ -26,10 +30,19 @@ struct GasStrutOf {
   N stroke = N(1);    ///< s: m
   N ratio = N(1.3);   ///< r
   N exponent = N(1);  ///< n
+  bool damps = false;
+  N damping = N(0);      ///< c: N s/m, if it damps
+  N end_damping = N(0);  ///< c_e: N s/m
+  N end_stroke = N(1);   ///< s_e: m
 
   template <class P>
   GasStrutOf<P> with(const P* p) const {
-    return {p[0], p[1], p[2], p[3], p[4]};
+    GasStrutOf<P> out{p[0], p[1], p[2], p[3], p[4], damps};
+    if (!damps) return out;
+    out.damping = p[5];
+    out.end_damping = p[6];
+    out.end_stroke = p[7];
+    return out;
   }
 
   template <class S>
@@ -48,7 +61,47 @@ struct GasStrutOf {
   }
 
   template <class S>
-  S force_by(int number, const S& g, const S&) const {
+  LawForce<S> resisting(const S& g, const S& rate) const {
+    if (!damps) return {};
+    const LawForce<S> end = near_its_end(g);
+    const S coefficient = S(damping) + S(end_damping) * end.value;
+    return {coefficient * rate, S(end_damping) * end.by_measure * rate, coefficient};
+  }
+
+  template <class S>
+  S force_by(int number, const S& g, const S& rate) const {
+    if (number == 5) return rate;
+    if (number >= 6) {
+      const LawForce<S> end = near_its_end(g);
+      return number == 6 ? S(end.value * rate)
+                         : S(S(end_damping) * end.by_measure * (S(length) - g) / S(end_stroke) * rate);
+    }
+    const S of_gas = force_of_gas_by(number, g);
+    return number == 1 && damps ? S(of_gas - resisting(g, rate).by_measure) : of_gas;
+  }
+
+  std::vector<N> measure_borders() const {
+    std::vector<N> out{length - stroke, length};
+    if (damps) out.push_back(length - end_stroke);
+    return out;
+  }
+
+  double force_scale(double) const { return preload * ratio; }
+
+  std::string_view idle() const { return preload == 0.0 ? "its preload is zero" : ""; }
+
+  bool damps_small_motion() const { return damps; }
+
+  static constexpr int affine_numbers = 1;
+  static constexpr std::array tables{LawTable{"spring", false, "gas"}};
+  static const std::array<Number, 5> numbers;
+  /// Of one that damps.
+  static const std::array<Number, 3> numbers_of_damping;
+  std::span<const Number> all_numbers() const;
+
+ private:
+  template <class S>
+  S force_of_gas_by(int number, const S& g) const {
     const Gas<S> gas(*this);
     return along(g, [&](std::size_t k, const S& y) -> S {
       switch (number) {
@@ -66,18 +119,18 @@ struct GasStrutOf {
     });
   }
 
-  double force_scale(double) const { return preload * ratio; }
-
-  std::string_view idle() const { return preload == 0.0 ? "its preload is zero" : ""; }
-
-  static constexpr int affine_numbers = 1;
-  static constexpr std::array tables{LawTable{"spring", false, "gas"}};
-  static const std::array<Number, 5> numbers;
-
- private:
   template <class S, class Piece>
   auto along(const S& g, Piece piece) const {
     return by_pieces(S((S(length) - g) / S(stroke)), std::array{0.0, 1.0}, piece);
+  }
+
+  // How far it is in the last part of the way out, 0 to 1, and the slope of that.
+  template <class S>
+  LawForce<S> near_its_end(const S& g) const {
+    const S part = S(1) - (S(length) - g) / S(end_stroke);
+    return by_pieces(part, std::array{0.0, 1.0}, [&](std::size_t k, const S& y) {
+      return k == 1 ? LawForce<S>{y, S(1) / S(end_stroke), S(0)} : LawForce<S>{S(k == 0 ? 0 : 1), S(0), S(0)};
+    });
   }
 
   /// f, f', I and their derivatives by r and n: in piece 0 before the stroke, 1 in it, 2 behind it.
@@ -177,8 +230,9 @@ struct GasStrutOf {
 
 using GasStrut = GasStrutOf<double>;
 
-template <>
-inline constexpr std::array<Number, 5> GasStrutOf<double>::numbers = [] {
+namespace gas_numbers {
+
+inline constexpr std::array<Number, 8> all = [] {
   Number F = plain_number<&GasStrut::preload>("gas.preload", {}, Range::not_negative);
   F.effort_power = 1;
   F.needed = Number::Needed::always;
@@ -200,7 +254,30 @@ inline constexpr std::array<Number, 5> GasStrutOf<double>::numbers = [] {
     static_cast<GasStrut*>(item)->ratio = value;
   };
   Number n = plain_number<&GasStrut::exponent>("gas.exponent", {}, Range::positive);
-  return std::array{F, L, s, r, n};
+  Number c = plain_number<&GasStrut::damping>("gas.damping", dimension::time, Range::not_negative);
+  c.effort_power = 1;
+  c.measure_power = -1;
+  Number ce = c;
+  ce.key = "gas.end_damping";
+  ce.get = [](const void* item) { return std::optional<double>(static_cast<const GasStrut*>(item)->end_damping); };
+  ce.set = [](void* item, double value) { static_cast<GasStrut*>(item)->end_damping = value; };
+  ce.scale = [](void* item, double factor) { static_cast<GasStrut*>(item)->end_damping *= factor; };
+  Number se = plain_number<&GasStrut::end_stroke>("gas.end_stroke", {}, Range::positive);
+  se.measure_power = 1;
+  return std::array{F, L, s, r, n, c, ce, se};
 }();
+
+}  // namespace gas_numbers
+
+template <>
+inline constexpr std::array<Number, 5> GasStrutOf<double>::numbers{
+    gas_numbers::all[0], gas_numbers::all[1], gas_numbers::all[2], gas_numbers::all[3], gas_numbers::all[4]};
+template <>
+inline constexpr std::array<Number, 3> GasStrutOf<double>::numbers_of_damping{gas_numbers::all[5], gas_numbers::all[6],
+                                                                              gas_numbers::all[7]};
+template <>
+inline std::span<const Number> GasStrutOf<double>::all_numbers() const {
+  return std::span(gas_numbers::all).first(damps ? 8 : 5);
+}
 
 }  // namespace poise

@@ -57,9 +57,9 @@ struct LawChoice {
 //   force_scale(d) size of the force for a change d of g: sets the scale of a scene without loads
 // A law that only resists motion (a damper, friction):
 //   resisting(g, w)   LawForce: T at the rate w = dg/dt
-//   damps_small_motion   whether it is proportional to small rates
-//   left_out          why statics leaves it out
-// and every law
+//   damps_small_motion()   whether it is proportional to small rates
+//   left_out          why statics leaves it out, if it stores no energy
+// One that does both has the sum of both forces. And every law
 //   with(p)             the law with the numbers p[k] of any scalar in place of numbers[k]
 //   force_by(k, g, w)   dT / d numbers[k]
 //   numbers             its numbers, see model/number.hpp
@@ -69,6 +69,8 @@ struct LawChoice {
 //   choices             (if any) see LawChoice
 //   idle()              why it never acts, empty if it does
 //   slack(g)            (if it acts on one side only) whether, or in which lanes, it has no force at g
+//   measure_borders()   (if any) values of g, as many for all numbers, at which derivatives of T jump
+//   rate_borders()      (if any) the same of w
 //   rescale(m, e)       (if numbers alone do not make it) its measures times m, its forces times e: powers of two
 // All functions are templates on the scalar S of the measure, and a law SpringOf<N> on the scalar N of its numbers:
 // that of a scene is Spring = SpringOf<double>, which alone has those from `numbers` on. A double converts to N, an N

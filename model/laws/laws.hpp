@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "model/laws/bump_stop.hpp"
+#include "model/laws/compliant_stop.hpp"
 #include "model/laws/constant_force.hpp"
 #include "model/laws/cubic_spring.hpp"
+#include "model/laws/curve_damper.hpp"
 #include "model/laws/curve_spring.hpp"
 #include "model/laws/damper.hpp"
+#include "model/laws/drag_damper.hpp"
 #include "model/laws/dry_friction.hpp"
 #include "model/laws/gas_strut.hpp"
 #include "model/laws/linear_spring.hpp"
@@ -23,7 +26,8 @@ namespace poise {
 /// All force laws, with numbers of the scalar N. A new one needs its own file in this folder and its name here.
 template <class N>
 using LawOf = std::variant<LinearSpringOf<N>, CubicSpringOf<N>, ConstantForceOf<N>, DamperOf<N>, DryFrictionOf<N>,
-                           PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>>;
+                           PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>, DragDamperOf<N>,
+                           CurveDamperOf<N>, CompliantStopOf<N>>;
 using Law = LawOf<double>;
 
 /// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too, and lanes have their
@@ -59,9 +63,9 @@ bool resists_motion(const LawOf<N>& law) {
 /// True if the force is proportional to small rates, so that it damps small oscillations.
 inline bool damps_small_motion(const Law& law) {
   return std::visit(
-      []<class L>(const L&) {
+      []<class L>(const L& l) {
         if constexpr (ResistsMotion<L>)
-          return L::damps_small_motion;
+          return l.damps_small_motion();
         else
           return false;
       },
@@ -193,6 +197,32 @@ LawIn<T> law_in(const Law& law) {
   } else {
     return law;
   }
+}
+
+/// Force of friction that sticks, which slides in this direction: see DryFriction::sliding(). And its derivative.
+template <class S>
+LawForce<S> force_of_sliding(const LawIn<S>& law, int direction, const S& w) {
+  return std::get<DryFrictionOf<NumberOfLaw<S>>>(law).sliding(direction, w);
+}
+template <class S>
+S force_of_sliding_by_number(const LawIn<S>& law, int number, int direction, const S& w) {
+  return std::get<DryFrictionOf<NumberOfLaw<S>>>(law).sliding_by(number, direction, w);
+}
+
+/// Where derivatives of the force by the measure, or by its rate, jump.
+template <class N>
+std::vector<N> borders_of(const LawOf<N>& law, bool of_rate) {
+  return std::visit(
+      [&]<class L>(const L& l) -> std::vector<N> {
+        if constexpr (requires { l.rate_borders(); }) {
+          if (of_rate) return l.rate_borders();
+        }
+        if constexpr (requires { l.measure_borders(); }) {
+          if (!of_rate) return l.measure_borders();
+        }
+        return {};
+      },
+      law);
 }
 
 /// dT / d numbers_of(law)[number].

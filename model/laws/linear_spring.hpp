@@ -2,14 +2,13 @@
 
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include "model/laws/law_force.hpp"
+#include "model/laws/one_way.hpp"
 #include "model/number.hpp"
 
 namespace poise {
-
-/// On which side of its free length a spring acts.
-enum class SpringActs { both, tension, compression };
 
 /// Linear spring: T = k (g - g0), V = k/2 (g - g0)^2, with the free length (free angle) g0. One that acts in tension
 /// (compression) only is slack, without force or energy, while g is below (above) g0.
@@ -54,6 +53,8 @@ struct LinearSpringOf {
         slack(g), [] { return S(0); }, [&] { return number == 0 ? S(g - S(free_length)) : S(-S(stiffness)); });
   }
 
+  std::vector<N> measure_borders() const { return acts == Acts::both ? std::vector<N>{} : std::vector<N>{free_length}; }
+
   /// Size of the force for a change `change` of g: sets the scale of a scene without loads.
   double force_scale(double change) const { return stiffness * change; }
 
@@ -83,11 +84,7 @@ struct LinearSpringOf {
 using LinearSpring = LinearSpringOf<double>;
 
 template <>
-inline constexpr std::array<LawChoice, 1> LinearSpringOf<double>::choices{
-    {{"acts", {"both", "tension", "compression"}, [](void* law, std::size_t word) {
-        constexpr Acts meanings[] = {Acts::both, Acts::tension, Acts::compression};
-        static_cast<LinearSpring*>(law)->acts = meanings[word];
-      }}}};
+inline constexpr std::array<LawChoice, 1> LinearSpringOf<double>::choices{acts_choice<LinearSpring>()};
 
 template <>
 inline constexpr std::array<Number, 2> LinearSpringOf<double>::numbers = [] {

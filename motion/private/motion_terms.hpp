@@ -64,6 +64,7 @@ class MotionTerms {
         time_loads_.emplace_back(input.function, InputLoad<T>(scene, whole_, input));
     }
     for (auto& [element, functions] : of_springs) time_springs_.emplace_back(elastic_, std::move(functions));
+    laws_.resize(scene.elements.size(), nullptr);
   }
 
   int coordinates() const { return n_; }
@@ -123,11 +124,12 @@ class MotionTerms {
     for (InputSpring<T>& spring : time_springs_) {
       spring.set_values([&](const MotionInput& one) { return in_time(*one.function, t_, 0); });
       spring.add(elastic_pose_.data(), potential);
+      laws_[static_cast<std::size_t>(spring.element())] = &spring.law();
     }
     std::vector<T> resisting(n, T(0));
     loads_.negative_force(q_.data(), loads_pose_.data(), resisting.data());
     std::vector<T> resistances(static_cast<std::size_t>(whole_.resistances_size()), T(0));
-    whole_.resist(pose_.data(), v, nullptr, resistances.data());
+    whole_.resist(pose_.data(), v, nullptr, resistances.data(), laws_.data());
     whole_.add_resistance(resistances.data(), resisting.data());
     for (auto& [function, time_load] : time_loads_) {
       time_load.set_value(in_time(*function, t_, 0));
@@ -171,6 +173,7 @@ class MotionTerms {
   std::vector<Row> drives_;
   std::vector<std::pair<std::shared_ptr<const TimeFunction>, InputLoad<T>>> time_loads_;
   std::vector<InputSpring<T>> time_springs_;
+  std::vector<const LawIn<T>*> laws_;  // by element, of those that vary
   std::vector<std::shared_ptr<const TimeFunction>> frames_;
   T t_{};
   std::vector<T> q_;

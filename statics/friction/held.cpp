@@ -684,7 +684,10 @@ class Varied {
         return {.is_load = true};
       case Owner::element: {
         const Law& law = scene_.elements[item].law;
-        if (std::holds_alternative<DryFriction>(law) && row.place.number == 0) return {.grows = 1};
+        if (const auto* friction = std::get_if<DryFriction>(&law)) {
+          const bool falls = friction->falls != DryFriction::Falls::not_at_all;
+          if (row.place.number == (falls ? 2 : 0)) return {.grows = 1};
+        }
         if (stores_energy(law) && is_affine_in(law, row.place.number)) return {.is_load = true};
         fail("friction that holds is not affine in it; expected a load, a stiffness or a number of friction");
         break;

@@ -50,7 +50,25 @@ std::vector<Case> cases() {
                    CurveSpring({-1.0, -0.25, 0.5, 1.0, 2.0}, {-3.0, -0.5, 1.0, 4.0, 3.5}, numbered),
                    {-2.0, -0.5, 0.25, 0.7, 1.5, 2.5}});
   }
-  out.push_back({"damper", Damper{0.5}, {0.25}});
+  out.push_back({"damped gas", GasStrut{500.0, 0.5, 0.2, 1.4, 1.25, true, 3.0, 40.0, 0.05}, {0.25, 0.31, 0.47, 0.55}});
+  for (const double n : {1.0, 1.5}) {
+    out.push_back({"stop", CompliantStop{-0.25, 1.0, 4.0, 0.5, n, true, true}, {-2.0, -0.5, 0.25, 1.5}});
+    out.push_back({"upper stop", CompliantStop{0.0, 1.0, 4.0, 0.5, n}, {-2.0, 0.25, 1.5}});
+  }
+  for (const SpringActs acts : {SpringActs::both, SpringActs::tension, SpringActs::compression}) {
+    out.push_back({"damper", Damper{0.5, acts}, {0.25}});
+    out.push_back({"drag", DragDamper{0.5, 2.0, acts}, {0.25}});
+  }
+  for (const bool numbered : {true, false}) {
+    out.push_back({"odd curve of a damper", CurveDamper({0.1, 0.5, 1.0}, {0.5, 0.75, 2.0}, numbered), {0.25}});
+    out.push_back({"curve of a damper", CurveDamper({-1.0, -0.1, 0.5}, {-0.5, -0.25, 2.0}, numbered), {0.25}});
+  }
+  using Falls = DryFriction::Falls;
+  for (const Falls falls : {Falls::exponential, Falls::hyperbolic, Falls::drop}) {
+    for (const double width : {0.0, 0.25}) {
+      out.push_back({"falling friction", DryFriction{2.0, width, 3.0, 0.5, 1.5, falls}, {0.25}});
+    }
+  }
   out.push_back({"friction", DryFriction{2.0, 0.25}, {0.25}});
   return out;
 }

@@ -17,13 +17,21 @@ namespace {
 
 using Real = Real50;
 
-// Every law there is, its numbers between 0.75 and 2.
+// Every law there is, its numbers between 0.75 and 3.5; of laws with several shapes, all of them.
 std::vector<Law> every_law() {
   std::vector<Law> laws;
   const auto add = [&]<std::size_t... I>(std::index_sequence<I...>) {
     (laws.emplace_back(std::variant_alternative_t<I, Law>{}), ...);
   };
   add(std::make_index_sequence<std::variant_size_v<Law>>{});
+  using Falls = DryFriction::Falls;
+  for (const Falls falls : {Falls::exponential, Falls::hyperbolic}) {
+    laws.emplace_back(DryFriction{.falls = falls});
+    laws.emplace_back(DryFriction{.width = 0.0, .falls = falls});
+  }
+  laws.emplace_back(GasStrut{.damps = true});
+  laws.emplace_back(CompliantStop{.has_min = true, .has_max = false});
+  laws.emplace_back(CurveDamper({-1.0, -0.25, 0.5, 2.0}, {-1.5, -1.0, 0.5, 2.0}, false));
   for (Law& law : laws) {
     double value = 0.75;
     for (const Number& number : numbers_of(law)) {
@@ -54,7 +62,7 @@ void expect_same(const Real& found, const Real& expected, const std::string& wha
 }
 
 void expect_derivatives(const Law& law, const Sample& at) {
-  const Real h = Real(1e-12);
+  const Real h = Real(1e-18);
   const auto value = [&](const Real& g, const Real& w) -> Real { return whole_force(law, g, w).value; };
   const LawForce<Real> force = whole_force(law, at.g, at.w);
   expect_same((energy(law, Real(at.g + h)) - energy(law, Real(at.g - h))) / (2 * h), force_at_rest(law, at.g).value,
@@ -118,6 +126,44 @@ TEST(Laws, AreTheFormulasOfTheirDocumentation) {
   EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 5.0).by_rate, 2.0 / 0.25 * std::pow(std::cosh(20.0), -2));
   EXPECT_EQ(force_of_motion(friction, 0.0, 100.0).value, 2.0);
   EXPECT_EQ(force_of_motion(friction, 0.0, 0.0).by_rate, 2.0 / 0.25);
+}
+
+TEST(Laws, OfResistanceAreTheFormulasOfTheirDocumentation) {
+  using Acts = SpringActs;
+  EXPECT_EQ(force_of_motion(DragDamper{2.0, 0.5}, 0.0, -4.0).value, -16.0);
+  EXPECT_EQ(force_of_motion(DragDamper{2.0, 0.5}, 0.0, -4.0).by_rate, 6.0);
+  for (const double w : {-4.0, -0.5, 0.0, 0.5, 4.0}) {
+    EXPECT_EQ(force_of_motion(Damper{2.0, Acts::tension}, 0.0, w).value, w > 0 ? 2 * w : 0.0);
+    EXPECT_EQ(force_of_motion(Damper{2.0, Acts::compression}, 0.0, w).value, w < 0 ? 2 * w : 0.0);
+    EXPECT_EQ(force_of_motion(DragDamper{0.0, 2.0, Acts::tension}, 0.0, w).value, w > 0 ? 2 * w * w : 0.0);
+  }
+  // Through (0, 0) and its points; odd where all rates are positive, and a line where the points are on one.
+  const CurveDamper odd({1.0, 2.0}, {3.0, 4.0}, true), both({-2.0, -1.0, 0.5}, {-3.0, -1.0, 2.0}, true);
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(force_of_motion(odd, 0.0, side).value, 3 * side);
+    EXPECT_DOUBLE_EQ(force_of_motion(odd, 0.0, 2 * side).value, 4 * side);
+  }
+  EXPECT_EQ(force_of_motion(both, 0.0, -1.0).value, -1.0);
+  EXPECT_EQ(force_of_motion(both, 0.0, 0.5).value, 2.0);
+  EXPECT_EQ(force_of_motion(both, 0.0, 0.0).value, 0.0);
+  DryFriction friction{2.0, 0.0, 3.0, 0.5, 2.0, DryFriction::Falls::exponential};
+  EXPECT_EQ(friction.bound(), 3.0);
+  EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, -1.0).value, -2.0 - std::exp(-4.0));
+  EXPECT_EQ(friction.sliding(2, -1.0).value, 3.0);
+  friction.falls = DryFriction::Falls::hyperbolic;
+  EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 1.0).value, 2.0 + 1.0 / 3.0);
+  friction.falls = DryFriction::Falls::drop;
+  EXPECT_EQ(force_of_motion(friction, 0.0, 1e-9).value, 2.0);
+  const GasStrut strut{0.0, 0.5, 0.2, 1.4, 1.0, true, 3.0, 40.0, 0.05};
+  EXPECT_EQ(force_of_motion(strut, 0.44, 2.0).value, 6.0);
+  EXPECT_NEAR(force_of_motion(strut, 0.475, 2.0).value, 6.0 + 40.0, 1e-12);
+  EXPECT_EQ(force_of_motion(strut, 0.51, 2.0).value, 6.0 + 80.0);
+  const CompliantStop stop{0.0, 1.0, 4.0, 0.5, 1.5, true, true};
+  EXPECT_TRUE(stop.slack(0.5));
+  EXPECT_DOUBLE_EQ(force_at_rest(stop, 5.0).value, 32.0);
+  EXPECT_DOUBLE_EQ(force_at_rest(stop, -4.0).value, -32.0);
+  EXPECT_DOUBLE_EQ(force_of_motion(stop, 5.0, 1.0).value, 16.0);
+  EXPECT_DOUBLE_EQ(force_of_motion(stop, 5.0, -3.0).value, -32.0) << "it never pulls";
 }
 
 TEST(Laws, OneWaySpringsAreSlackOnTheOtherSide) {

@@ -196,6 +196,17 @@ std::vector<Case> cases() {
   }
   out.push_back({Damper{0.5}, {0.25, 0.0, 1.0, -1.0}});
   out.push_back({DryFriction{2.0, 0.25}, {0.25, 0.0, 1.0, -1.0}});
+  for (const SpringActs acts : {SpringActs::both, SpringActs::tension, SpringActs::compression}) {
+    out.push_back({Damper{0.5, acts}, {0.25, 0.0, 1.0, -1.0}});
+    out.push_back({DragDamper{0.5, 2.0, acts}, {0.25, 0.0, 1.0, -1.0}});
+  }
+  out.push_back({CurveDamper({-1.0, -0.1, 0.5}, {-0.5, -0.25, 2.0}, true), {0.25, 0.0, 1.0, -1.0}});
+  for (const auto falls : {DryFriction::Falls::exponential, DryFriction::Falls::hyperbolic}) {
+    out.push_back({DryFriction{2.0, 0.25, 3.0, 0.5, 1.5, falls}, {0.25, 0.0, 1.0, -1.0}});
+  }
+  for (const double n : {1.0, 1.5}) {
+    out.push_back({CompliantStop{-0.25, 1.0, 4.0, 0.5, n, true, true}, {-2.0, 0.25, 1.5, 1.0}});
+  }
   return out;
 }
 

@@ -899,7 +899,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         after("DamperKey", "[[damper]]\nstiffness = 1\n",
               "8: damper 1.stiffness: expected one of the keys name, bodies, points, slide, x, y, rope, sum, "
-              "coefficient"),
+              "coefficient, time, acts"),
         after("DamperCoefficientMissing", "[[damper]]\nname = 'oil'\npoints = ['ground.O', 'rod.B']\n",
               "7: damper \"oil\": expected the key coefficient; add coefficient = NUMBER"),
         after("DamperCoefficientNegative", "[[damper]]\npoints = ['ground.O', 'rod.B']\ncoefficient = -1\n",
@@ -915,7 +915,7 @@ INSTANTIATE_TEST_SUITE_P(
               "[[damper]]\nname = 'oil'\n",
               "12: damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
         after("TorsionDamperKey", "[[torsion_damper]]\npoints = ['ground.O', 'rod.B']\n",
-              "8: torsion_damper 1.points: expected one of the keys name, bodies, coefficient"),
+              "8: torsion_damper 1.points: expected one of the keys name, bodies, coefficient, time, acts"),
         after("TorsionDamperCoefficientMissing", "[[torsion_damper]]\nbodies = ['ground', 'rod']\n",
               "7: torsion_damper 1: expected the key coefficient; add coefficient = NUMBER"),
         after("TorsionDamperCoefficientNegative", "[[torsion_damper]]\nbodies = ['ground', 'rod']\ncoefficient = -1\n",
@@ -928,13 +928,76 @@ INSTANTIATE_TEST_SUITE_P(
               "12: torsion_damper \"oil\".name: expected a name of its own; \"oil\" is taken in line 8"),
         after(
             "FrictionKey", "[[friction]]\nvalue = 1\n",
-            "8: friction 1.value: expected one of the keys name, bodies, points, slide, x, y, rope, sum, force, width"),
+            "8: friction 1.value: expected one of the keys name, bodies, points, slide, x, y, rope, sum, force, width, "
+            "static, stribeck_rate, stribeck_exponent, stribeck"),
         after("FrictionTorqueMissing", "[[friction]]\nbodies = ['ground', 'rod']\n",
               "7: friction 1: expected the key torque; add torque = NUMBER"),
         after("FrictionTorqueNegative", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = -1\n",
               "9: friction 1.torque: expected a finite number >= 0, found -1"),
         after("FrictionWidthNegative", "[[friction]]\nbodies = ['ground', 'rod']\ntorque = 1\nwidth = -1\n",
               "10: friction 1.width: expected a finite number >= 0, found -1"),
+        after("FrictionStaticBelow", "[[friction]]\nx = 'rod.B'\nforce = 2\nstatic = 1\nwidth = 0\n",
+              "10: friction 1.static: expected a static force of at least that of sliding; exchange them, or leave "
+              "static out where both are equal"),
+        after(
+            "FrictionDropsWithWidth", "[[friction]]\nx = 'rod.B'\nforce = 1\nstatic = 2\n",
+            "10: friction 1.static: expected width = 0 beside it, or stribeck_rate: a static force that drops at once "
+            "acts where friction sticks"),
+        after("FrictionStaticMissing", "[[friction]]\nx = 'rod.B'\nforce = 1\nstribeck_rate = 2\n",
+              "10: friction 1.stribeck_rate: expected the key static beside it, the force at rest; add it"),
+        after("FrictionStribeckRateMissing",
+              "[[friction]]\nx = 'rod.B'\nforce = 1\nstatic = 2\nstribeck = 'hyperbolic'\n",
+              "11: friction 1.stribeck: expected the key stribeck_rate beside it, over which friction falls; add it"),
+        after("FrictionStribeckRateZero", "[[friction]]\nx = 'rod.B'\nforce = 1\nstatic = 2\nstribeck_rate = 0\n",
+              "11: friction 1.stribeck_rate: expected a finite number > 0, found 0"),
+        after("FrictionExponentBelowOne",
+              "[[friction]]\nx = 'rod.B'\nforce = 1\nstatic = 2\nstribeck_rate = 1\nstribeck_exponent = 0.5\n",
+              "12: friction 1.stribeck_exponent: expected an exponent of at least 1; below, friction falls at once at "
+              "rest"),
+        after("FrictionExponentOfHyperbola",
+              "[[friction]]\nx = 'rod.B'\nforce = 1\nstatic = 2\nstribeck_rate = 1\nstribeck_exponent = 2\n"
+              "stribeck = 'hyperbolic'\n",
+              "12: friction 1.stribeck_exponent: expected an exponent with stribeck = \"exponential\" alone; leave it "
+              "out"),
+        after("DragNegative", "[[damper]]\nx = 'rod.B'\ndrag = -1\n",
+              "9: damper 1.drag: expected a finite number >= 0, found -1"),
+        after("DragAndCurve", "[[damper]]\nx = 'rod.B'\ndrag = 1\nforce.curve = [[1, 1], [2, 2]]\n",
+              "7: damper 1: expected one of the keys drag and force, found both; leave one out"),
+        after("DamperActs", "[[damper]]\nx = 'rod.B'\ncoefficient = 1\nacts = 'out'\n",
+              "10: damper 1.acts: expected one of both, tension, compression, found \"out\""),
+        after(
+            "DamperCurveWithZero", "[[damper]]\nx = 'rod.B'\nforce.curve = [[0, 0], [2, 2]]\n",
+            "9: damper 1.force.curve: expected rates other than 0, where a damper has no force; leave that point out"),
+        after("DamperCurveDrives", "[[damper]]\nx = 'rod.B'\nforce.curve = [[-1, 1], [2, 2]]\n",
+              "9: damper 1.force.curve: expected a force with the sign of its rate, for a damper resists; change its "
+              "sign"),
+        after("DamperCurveFalls", "[[damper]]\nx = 'rod.B'\nforce.curve = [[1, 3], [2, 2]]\n",
+              "9: damper 1.force.curve: expected a curve that does not fall at its ends, beyond which it goes on along "
+              "its tangents; add a point"),
+        after("YieldingStopWithoutLimit", "[[stop]]\nx = 'rod.B'\nstiffness = 1\n",
+              "7: stop 1: expected the key min, max or both; add max = NUMBER"),
+        after("YieldingStopSoft", "[[stop]]\nx = 'rod.B'\nmin = 1\nstiffness = -1\n",
+              "10: stop 1.stiffness: expected a finite number >= 0, found -1"),
+        after("YieldingStopDrives", "[[stop]]\nx = 'rod.B'\nmin = 1\nstiffness = 1\ndamping = -1\n",
+              "11: stop 1.damping: expected a finite number >= 0, found -1"),
+        after("YieldingStopExponent", "[[stop]]\nx = 'rod.B'\nmin = 1\nstiffness = 1\nexponent = 0.5\n",
+              "11: stop 1.exponent: expected an exponent of at least 1; 1.5 is that of round bodies"),
+        after("YieldingStopLimits", "[[stop]]\nx = 'rod.B'\nmin = 2\nmax = 1\nstiffness = 1\n",
+              "10: stop 1.max: expected min <= max; set the other limit first"),
+        after("RigidStopDamped", "[[stop]]\nx = 'rod.B'\nmin = 2\ndamping = 1\n",
+              "10: stop 1.damping: expected the key stiffness beside it, of a stop that yields; add it"),
+        after("StrutEndStroke",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\ngas = { preload = 1, length = 2, stroke = 1, ratio = 1.2, "
+              "end_damping = 1 }\n",
+              "9: spring 1.gas.end_damping: expected the key end_stroke beside it; add it"),
+        after("StrutEndStrokeLong",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\ngas = { preload = 1, length = 2, stroke = 1, ratio = 1.2, "
+              "end_damping = 1, end_stroke = 1.5 }\n",
+              "9: spring 1.gas.end_stroke: expected at most the stroke, of which it is the last part; make it shorter"),
+        after("StrutDrives",
+              "[[spring]]\npoints = ['ground.O', 'rod.B']\ngas = { preload = 1, length = 2, stroke = 1, ratio = 1.2, "
+              "damping = -1 }\n",
+              "9: spring 1.gas.damping: expected a finite number >= 0, found -1"),
         after("FrictionUnknownBody", "[[friction]]\nbodies = ['gound', 'rod']\ntorque = 1\n",
               "8: friction 1.bodies: expected the name of a body, found \"gound\"; did you mean \"ground\"?"),
         after("FrictionNameRepeated",
@@ -985,7 +1048,8 @@ INSTANTIATE_TEST_SUITE_P(
         after("SpringXUnknown", "[[spring]]\nx = 'rod.C'\nstiffness = 1\nfree_length = 1\n",
               "8: spring 1.x: expected a point of \"rod\", found \"rod.C\"; did you mean \"rod.B\"?"),
         after_slide("FrictionOfASlideKey", "[[friction]]\nslide = 'ram'\ntorque = 1\n",
-                    "13: friction 1.torque: expected one of the keys name, slide, force, width"),
+                    "13: friction 1.torque: expected one of the keys name, slide, force, width, static, "
+                    "stribeck_rate, stribeck_exponent, stribeck"),
         after_slide("FrictionForceMissing", "[[friction]]\nslide = 'ram'\n",
                     "11: friction 1: expected the key force; add force = NUMBER"),
         after("ConstantForceMissing", "[[constant_force]]\nx = 'rod.B'\n",

@@ -114,6 +114,15 @@ TEST(Elements, BumpStop) {
   expect_travel("[[bump_stop]]\nslide = \"guide\"\nforce = 3\nfree_length = 2.5\ndepth = 0.5\n", 1.5);
 }
 
+TEST(Elements, StopThatYields) {
+  // 96 d^1.5 = 12 at d = 0.5 - s = 1/4, and 24 d = 12 beyond the other limit where it is pulled up with 24 N.
+  expect_travel("[[stop]]\nslide = \"guide\"\nmin = 0.5\nstiffness = 96\nexponent = 1.5\ndamping = 3\n", 0.25);
+  expect_travel(
+      "[[stop]]\nslide = \"guide\"\nmin = 0.5\nmax = 2\nstiffness = 24\n"
+      "[[constant_force]]\nslide = \"guide\"\nforce = -24\n",
+      2.5);
+}
+
 TEST(Elements, SpringOnAnXAndAY) {
   // x of the eye is 0.5 + 0.8 s, y is 0.2 + 0.6 s:  0.8 50 (x - 4) + 12 = 0,  0.6 50 (y - 4) + 12 = 0.
   expect_travel("[[spring]]\nx = \"block.eye\"\nstiffness = 50\nfree_length = 4\n", (3.7 - 0.5) / 0.8);

@@ -63,7 +63,7 @@ void DampedMechanism::compile_dampers(const StaticModel& model) {
   if (!any) return;
   for (const Element& element : model.scaled_scene().elements) {
     const auto* damper = std::get_if<Damper>(&element.law);
-    if (damper == nullptr || damper->coefficient == 0.0) continue;
+    if (damper == nullptr || damper->coefficient == 0.0 || damper->acts != Damper::Acts::both) continue;
     ViscousElement viscous{
         {model.scaled_scene(), model.layout(), mechanism_.phasors(), element.on}, damper->coefficient, {}};
     if (viscous.on.support().empty()) continue;

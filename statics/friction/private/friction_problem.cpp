@@ -122,7 +122,7 @@ bool is_idle(const Scene& scene, const Rubbing& one) {
     return rope.contacts[static_cast<std::size_t>(one.contact)].friction == 0.0;
   }
   if (one.joint < 0)
-    return std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).force == 0.0;
+    return std::get<DryFriction>(scene.elements[static_cast<std::size_t>(one.element)].law).bound() == 0.0;
   const Joint& joint = scene.joints[static_cast<std::size_t>(one.joint)];
   const JointFriction& friction = *joint.friction;
   if (joint.has_travel()) return friction.coefficient == 0.0 && friction.force == 0.0;
@@ -215,7 +215,7 @@ class FrictionProblem::Assembly {
     source.si = one.on.is_angle() ? size_ : 1.0;
     if (one.joint < 0) {
       const Element& element = scene_.elements[static_cast<std::size_t>(one.element)];
-      source.constant = Ball(std::get<DryFriction>(element.law).force) / Ball(source.si);
+      source.constant = Ball(std::get<DryFriction>(element.law).bound()) / Ball(source.si);
     } else {
       set_bound(source, one.joint);
     }
