@@ -82,7 +82,7 @@ class Simulation {
       : model_(model),
         options_(options),
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
-        friction_(model, options.variations, reduced_),
+        friction_(model, options.variations, options.influences, reduced_),
         contacts_(model, options.variations),
         borders_(model, options.variations),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
@@ -538,11 +538,13 @@ class Simulation {
     std::vector<double> v = before;
     double work = step_.work();
     read_changes();
-    if (event.of_friction && nodes_.nodes() > 1) {
-      for (Change& one : changes_) one.later = friction_.event_time_by(one.dq.data(), one.dv.data(), one.variation);
-    }
     if (event.left && !event.hits) add_event({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
     if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t, q, v, event.left))) return false;
+    if (event.of_friction && !event.hits && nodes_.nodes() > 1) {
+      for (Change& one : changes_) {
+        one.later = friction_.event_time_by(reduced_, one.dq.data(), one.dv.data(), one.influence_index);
+      }
+    }
     friction_.forget_event();
     set_state(reduced_.q(), reduced_.v(), work);
     for (Change& one : changes_) {
@@ -641,6 +643,7 @@ class Simulation {
   /// What becomes of the derivatives by one column at an event.
   struct Change {
     int variation = -1;
+    int influence_index = -1;  // negative of initial values
     const Influence* influence = nullptr;
     std::vector<double> dq, dv;  // at the time of the event
     std::vector<double> jump;    // derivative of the jump of the rates
@@ -653,8 +656,9 @@ class Simulation {
     for (std::size_t c = 0; c < changes_.size(); ++c) {
       Change& one = changes_[c];
       one.variation = columns_.variation_of(c);
-      const int influence = columns_.influence_of(static_cast<int>(c));
-      one.influence = influence < 0 ? nullptr : &options_.influences[static_cast<std::size_t>(influence)];
+      one.influence_index = columns_.influence_of(static_cast<int>(c));
+      one.influence =
+          one.influence_index < 0 ? nullptr : &options_.influences[static_cast<std::size_t>(one.influence_index)];
       for (std::vector<double>* part : {&one.dq, &one.dv, &one.jump}) part->assign(n, 0.0);
       one.later = 0.0;
       nodes_.read_places_by(c, one.dq);
@@ -698,7 +702,8 @@ class Simulation {
         step_.y[step_.sensitivity(f + k, static_cast<int>(c))] = one.dv[i];
       }
       for (std::size_t h = 0; h < reduced_.held().size(); ++h) {
-        step_.held_by[h * width + c] = friction_.held_value_by(reduced_, h, one.dq.data(), one.variation);
+        step_.held_by[h * width + c] =
+            friction_.held_value_by(reduced_, reduced_.held()[h], one.dq.data(), one.variation);
       }
     }
   }

@@ -34,15 +34,17 @@ constexpr double tiny = std::numeric_limits<double>::min();
 
 }  // namespace
 
-StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& variations, const Reduced& motion)
-    : model_(model), variations_(variations) {
+StickSlip::StickSlip(const MotionModel& model, const std::vector<Variation>& variations,
+                     const std::vector<Influence>& influences, const Reduced& motion)
+    : model_(model), variations_(variations), influences_(influences) {
   const Scene& scene = model.scaled_scene();
   const Phasors<double>& phasors = model.mechanism().phasors();
   int scratch = 0;
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
     if (!sticks(scene.elements[e].law)) continue;
     const Measure& on = scene.elements[e].on;
-    Contact contact{static_cast<int>(e), std::get<DryFriction>(scene.elements[e].law).force, {}, {}};
+    const auto& law = std::get<DryFriction>(scene.elements[e].law);
+    Contact contact{static_cast<int>(e), law.bound(), law.falls == DryFriction::Falls::drop, {}, {}};
     contact.on = {scene, model.layout(), phasors, on};
     contact.stop = stop_rubbed_by(scene, static_cast<int>(e));
     grows_ = grows_ || contact.stop >= 0;
@@ -177,6 +179,8 @@ double StickSlip::turn_margin_of(const Branched& branched, const Reduced& motion
 void StickSlip::meet(const Reduced& motion) {
   turned_ = turning_;
   met_ = turned_ == none ? least_ : none;
+  met_slope_ = 0.0;
+  others_.clear();
   if (met_ == none) {
     by_force_ = true;
     return;
@@ -191,17 +195,100 @@ void StickSlip::meet(const Reduced& motion) {
   contact.on.add_gradient(here, 1.0, slope_.data());
   contact.on.add_bend(here, motion.v(), 1.0, bend_.data());
   direct_.clear();
-  for (std::size_t v = 0; v < variations_.size(); ++v) {
-    direct_.push_back(rate_by(contact, motion, v));
+  for (const Influence& influence : influences_) {
+    const bool moves = influence.variation >= 0;
+    direct_.push_back(moves ? rate_by(contact, motion, static_cast<std::size_t>(influence.variation)) : 0.0);
   }
-  met_acceleration_ = acceleration(contact, motion);
+  met_slope_ = acceleration(contact, motion);
 }
 
-double StickSlip::event_time_by(const double* dq, const double* dv, int variation) const {
-  if (by_force_) return 0.0;
-  double change = variation >= 0 ? direct_[static_cast<std::size_t>(variation)] : 0.0;
+/// Where the force of an element that is held passes F_s, that with the force F_s in place of being held has no
+/// acceleration. Finds the derivatives of that acceleration, of which the one by the time is a difference.
+void StickSlip::begin_to_slide(Reduced& motion, double t, double ahead) {
+  const Contact& contact = contacts_[met_];
+  const auto n = static_cast<std::size_t>(motion.coordinates());
+  const std::vector<double> q(motion.q(), motion.q() + n), v(motion.v(), motion.v() + n);
+  const std::vector<int> held(motion.sliding(), motion.sliding() + model_.scaled_scene().elements.size());
+  const auto row = std::find(motion.held().begin(), motion.held().end(), contact.element) - motion.held().begin();
+  std::vector<int> begins = held;
+  begins[static_cast<std::size_t>(contact.element)] = motion.holding_force(static_cast<int>(row)) < 0 ? -2 : 2;
+  const std::vector<int> branches = motion.branches();
+  const double h = ahead / 10;
+  const std::pair<double, double> parts[] = {{-2.0, 1.0 / 12}, {-1.0, -2.0 / 3}, {1.0, 2.0 / 3}, {2.0, -1.0 / 12}};
+  for (const auto& [steps, share] : parts) {
+    if (set(motion, t, q, v, held) != Reduced::Status::ok) break;
+    if (advance(motion, t, steps * h) != Reduced::Status::ok) break;
+    const std::vector<double> q_there(motion.q(), motion.q() + n), v_there(motion.v(), motion.v() + n);
+    if (set(motion, t + steps * h, q_there, v_there, begins) != Reduced::Status::ok) break;
+    met_slope_ += share * acceleration(contact, motion) / h;
+  }
+  if (set(motion, t, q, v, begins) == Reduced::Status::ok) {
+    motion.set_variations(variations_);
+    motion.linearize();
+    take_derivatives(motion, contact);
+  } else {
+    met_slope_ = 0.0;
+  }
+  set(motion, t, q, v, held);
+  motion.set_branches(branches);
+}
+
+/// Of  Dg[a] + D2g[v, v]  along changes of q and v, by influences, and by the values at which others are held.
+void StickSlip::take_derivatives(Reduced& motion, const Contact& contact) {
+  const auto n = static_cast<std::size_t>(motion.coordinates());
+  const Configuration<double> here = place(contact.on, motion.q());
+  slope_.assign(n, 0.0);
+  bend_.assign(n, 0.0);
+  contact.on.add_bend(here, motion.v(), 2.0, slope_.data());
+  contact.on.add_bend(here, motion.a(), 1.0, bend_.data());
+  std::vector<double> unit(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    unit[i] = 1.0;
+    bend_[i] += contact.on.third(here, motion.v(), motion.v(), unit.data());
+    unit[i] = 0.0;
+  }
+  for (int k = 0; k < motion.freedoms(); ++k) {
+    const auto i = static_cast<std::size_t>(motion.independent()[static_cast<std::size_t>(k)]);
+    bend_[i] += contact.on.along(here, motion.a_z(k));
+    slope_[i] += contact.on.along(here, motion.a_w(k));
+  }
+  std::vector<double> alpha(static_cast<std::size_t>(motion.freedoms())), a(n);
+  const auto along_influence = [&](const Influence& influence) {
+    motion.influence(influence, alpha.data());
+    if (influence.moves()) return contact.on.along(here, motion.a_p());
+    std::fill(a.begin(), a.end(), 0.0);
+    for (std::size_t k = 0; k < alpha.size(); ++k) {
+      for (std::size_t i = 0; i < n; ++i) a[i] += alpha[k] * motion.B(static_cast<int>(k))[i];
+    }
+    return contact.on.along(here, a.data());
+  };
+  direct_.clear();
+  for (const Influence& influence : influences_) {
+    double change = along_influence(influence);
+    if (influence.variation >= 0) {
+      const auto variation = static_cast<std::size_t>(influence.variation);
+      const CompiledMeasure<VariedModel::Dual>& on = contact.varied[variation];
+      const std::vector<VariedModel::Dual> rates(motion.v(), motion.v() + n), accelerations(motion.a(), motion.a() + n);
+      change += variations_[variation].compiled().derivative(on, motion.q(), [&](const auto& there) {
+        return on.along(there, accelerations.data()) + on.second(there, rates.data(), rates.data());
+      });
+    }
+    direct_.push_back(change);
+  }
+  for (std::size_t h = 0; h < motion.held().size(); ++h) {
+    Influence value;
+    value.drive = motion.drives() - static_cast<int>(motion.held().size() - h);
+    others_.push_back({motion.held()[h], along_influence(value)});
+  }
+}
+
+double StickSlip::event_time_by(const Reduced& motion, const double* dq, const double* dv, int influence) {
+  if (met_slope_ == 0.0) return 0.0;
+  double change = influence >= 0 ? direct_[static_cast<std::size_t>(influence)] : 0.0;
   for (std::size_t i = 0; i < slope_.size(); ++i) change += slope_[i] * dv[i] + bend_[i] * dq[i];
-  return -change / met_acceleration_;
+  const int variation = influence >= 0 ? influences_[static_cast<std::size_t>(influence)].variation : -1;
+  for (const OtherHeld& other : others_) change += other.by * held_value_by(motion, other.element, dq, variation);
+  return -change / met_slope_;
 }
 
 Reduced::Status StickSlip::set(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
@@ -288,6 +375,26 @@ const StickSlip::Trial* StickSlip::tell_apart(Reduced& motion, const Node& node,
   return trials.front();
 }
 
+std::vector<const StickSlip::Trial*> StickSlip::that_hold(std::vector<const Trial*> trials,
+                                                          const std::vector<std::size_t>& still) const {
+  const auto held = [&](const Trial* trial) {
+    return std::count_if(still.begin(), still.end(), [&](std::size_t c) {
+      return contacts_[c].drops && trial->sliding[static_cast<std::size_t>(contacts_[c].element)] == 0;
+    });
+  };
+  // What has just reached its bound slides.
+  if (met_ != none && by_force_ && contacts_[met_].drops) {
+    const auto holds_on = [&](const Trial* trial) {
+      return trial->sliding[static_cast<std::size_t>(contacts_[met_].element)] == 0;
+    };
+    if (!std::all_of(trials.begin(), trials.end(), holds_on)) std::erase_if(trials, holds_on);
+  }
+  std::ptrdiff_t most = 0;
+  for (const Trial* trial : trials) most = std::max(most, held(trial));
+  std::erase_if(trials, [&](const Trial* trial) { return held(trial) < most; });
+  return trials;
+}
+
 /// Gives the change since the node of the rate of the k-th contact without rate, 0 where that is rounding.
 double StickSlip::gain(const Contact& contact, const Reduced& motion, const Node& node, std::size_t k) {
   const double out = rate(contact, motion) - node.rate[k];
@@ -310,6 +417,8 @@ bool StickSlip::is_carried(const Contact& contact, const Reduced& motion) {
 }
 
 StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
+  // Once for all choices of what is touched.
+  if (met_ != none && by_force_ && contacts_[met_].drops && met_slope_ == 0.0) begin_to_slide(motion, t, ahead);
   const auto n = static_cast<std::size_t>(motion.coordinates());
   Node node{t, {motion.q(), motion.q() + n}, {motion.v(), motion.v() + n}, {}, {}, {}};
   for (const double one : node.v) node.fastest = std::max(node.fastest, std::abs(one));
@@ -382,9 +491,12 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
                                    [](const Trial& trial) { return trial.is_locked && trial.violation < consistent; });
     return locks ? Choice::locked : Choice::none;
   }
+  agreeing = that_hold(std::move(agreeing), still);
+  const std::vector<const Trial*> possible = agreeing;
   const Trial* const best =
       agreeing.size() == 1 ? agreeing.front() : tell_apart(motion, node, std::move(agreeing), ahead);
-  for (const Trial& trial : trials) {
+  for (const Trial* const one : possible) {
+    const Trial& trial = *one;
     if (!grows_ || trial.violation > no_acceleration) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
       const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
@@ -410,8 +522,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   return Choice::made;
 }
 
-double StickSlip::held_value_by(const Reduced& motion, std::size_t h, const double* dq, int variation) {
-  const int element = motion.held()[h];
+double StickSlip::held_value_by(const Reduced& motion, int element, const double* dq, int variation) {
   const Contact& contact =
       *std::find_if(contacts_.begin(), contacts_.end(), [&](const Contact& one) { return one.element == element; });
   const Phasors<double>& phasors = model_.mechanism().phasors();

@@ -12,19 +12,22 @@ namespace poise {
 
 /// Friction that sticks (DryFriction of width 0) in a motion. Between events every such element
 ///   slides in one direction s = 1 or -1:  T = s F,  s dg/dt >= 0,
-///   or is held:                           g = const,  |T| <= F,  T as balance requires,
-/// so that the motion is smooth. An event is where s dg/dt of an element that slides, or F - |T| of one that is held,
-/// falls to zero, and where the F of one that slides turns into another branch of its formula. There every element
-/// without rate may slide in either direction or be held: the one choice is taken whose accelerations and forces
-/// satisfy  s d2g/dt2 >= 0  and  |T| <= F.  Where several do, because an acceleration or F - |T| is zero as it is where
-/// a force passes F, or at the end of a dwell, it is the one for which  s dg/dt >= 0  and  |T| <= F  shortly after.
-/// Where F is constant the accelerations are those of a convex minimum, and unique. Of joints F grows with the force in
-/// them (ReducedMotion): a choice has as many accelerations as its forces have solutions, all of which are looked at
-/// (FrictionForces); those that are consistent must have the same, and the one taken must have unique forces.
+///   or is held:                           g = const,  |T| <= F_s,  T as balance requires,
+/// with F_s = F but where its law falls, and then F of the rate, so that the motion is smooth. An event is where s
+/// dg/dt of an element that slides, or F_s - |T| of one that is held, falls to zero, and where the F of one that slides
+/// turns into another branch of its formula. There every element without rate may slide in either direction or be held:
+/// the one choice is taken whose accelerations and forces satisfy  s d2g/dt2 >= 0  and  |T| <= F_s.  Where several do,
+/// because an acceleration or F - |T| is zero as it is where a force passes F, or at the end of a dwell, it is the one
+/// for which  s dg/dt >= 0  and  |T| <= F  shortly after. Where F_s is above the F with which it begins to slide it
+/// stays held where it can. Where F is constant the accelerations are those of a convex minimum, and unique. Of joints
+/// F grows with the force in them (ReducedMotion): a choice has as many accelerations as its forces have solutions, all
+/// of which are looked at (FrictionForces); those that are consistent must have the same, and the one taken must have
+/// unique forces.
 class StickSlip {
  public:
   /// The model must outlive this. `motion` is one of the model, for the teeth that it has.
-  StickSlip(const MotionModel& model, const std::vector<Variation>& variations, const ReducedMotion<double>& motion);
+  StickSlip(const MotionModel& model, const std::vector<Variation>& variations,
+            const std::vector<Influence>& influences, const ReducedMotion<double>& motion);
 
   /// Whether the scene has such friction.
   bool acts() const { return !contacts_.empty(); }
@@ -43,10 +46,11 @@ class StickSlip {
   static bool holds(const ReducedMotion<double>& motion) { return !motion.held().empty(); }
   /// At the event found by the last margin(): keeps what event_time_by() needs.
   void meet(const ReducedMotion<double>& motion);
-  /// The derivative of the time of the event that was met along changes of q and v, and by a number if `variation` is
-  /// not negative: -(d rate/dp) / (d2g/dt2); zero where the force of an element that is held passes F, and where F
-  /// turns, as accelerations do not jump there.
-  double event_time_by(const double* dq, const double* dv, int variation) const;
+  /// The derivative of the time of the event that was met along changes of q and v, and by an influence of the options
+  /// if its index is not negative: -(d rate/dp) / (d2g/dt2), or the same of the acceleration with which an element that
+  /// is held begins to slide where its force passes F_s, if F_s is above F; zero where accelerations do not jump, as
+  /// where F = F_s, and where F turns.
+  double event_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv, int influence);
   enum class Choice {
     made,
     failed,   ///< there are more than most_at_once elements without rate, or the equations fail
@@ -62,15 +66,16 @@ class StickSlip {
   Choice choose(ReducedMotion<double>& motion, double t, double ahead);
   /// The event that was met lies behind.
   void forget_event() { met_ = turned_ = none; }
-  /// The derivative of the value at which held element h, in the order of ReducedMotion::held(), stays.
-  double held_value_by(const ReducedMotion<double>& motion, std::size_t h, const double* dq, int variation);
+  /// The derivative of the value at which an element that is held stays.
+  double held_value_by(const ReducedMotion<double>& motion, int element, const double* dq, int variation);
 
   static constexpr std::size_t most_at_once = 8;
 
  private:
   struct Contact {
     int element;
-    double force;  // F, or its constant part
+    double force;  // F_s, or its constant part
+    bool drops;    // F_s is above the F with which it begins to slide
     CompiledMeasure<double> on;
     std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
     double speed = 0.0;                                      // largest rate yet
@@ -116,24 +121,35 @@ class StickSlip {
   double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& sliding, double h);
   const Trial* tell_apart(ReducedMotion<double>& motion, const Node& node, std::vector<const Trial*> trials,
                           double ahead);
+  /// Those trials that hold most of the contacts that drop.
+  std::vector<const Trial*> that_hold(std::vector<const Trial*> trials, const std::vector<std::size_t>& still) const;
+  void begin_to_slide(ReducedMotion<double>& motion, double t, double ahead);
+  void take_derivatives(ReducedMotion<double>& motion, const Contact& contact);
   bool is_carried(const Contact& contact, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
                                     const std::vector<double>& v, const std::vector<int>& sliding) const;
 
   const MotionModel& model_;
   std::vector<Variation> variations_;
+  std::vector<Influence> influences_;
   std::vector<Contact> contacts_;
   std::vector<Branched> branched_;
   bool grows_ = false;  // some F grows with a force
   std::vector<Planar<double>> pose_;
-  std::size_t least_ = none;          // contact of the last margin()
-  std::size_t met_ = none;            // of the event
-  bool by_force_ = false;             // its force passes F, or F turns
-  std::size_t turning_ = none;        // in branched_: the last margin() is that of its turn
-  std::size_t turned_ = none;         // the same of the event
-  std::vector<double> slope_, bend_;  // of its rate, by v and by q
-  std::vector<double> direct_;        // and by the number of each variation
-  double met_acceleration_ = 0.0;
+  std::size_t least_ = none;    // contact of the last margin()
+  std::size_t met_ = none;      // of the event
+  bool by_force_ = false;       // its force passes F, or F turns
+  std::size_t turning_ = none;  // in branched_: the last margin() is that of its turn
+  std::size_t turned_ = none;   // the same of the event
+  std::vector<double> slope_,
+      bend_;                    // by v and by q, of its rate, or of the acceleration with which it begins to slide
+  std::vector<double> direct_;  // and by each influence
+  struct OtherHeld {
+    int element;
+    double by;
+  };
+  std::vector<OtherHeld> others_;  // and by the values at which others are held
+  double met_slope_ = 0.0;         // and by the time
 };
 
 }  // namespace poise
