@@ -12,6 +12,8 @@ constexpr double at_border = 1e-11;
 /// So far it may go back over the border that it comes from: it is not at its end there.
 constexpr double room_behind = 1e-10;
 constexpr double nudged_by = 3e-13;
+/// Least size of a rate in the units of the scaled scene: so that what rests crosses no border by rounding.
+constexpr double slowest = 1e-6;
 
 /// A term of a scene with a profile that has borders.
 struct BorderedTerm {
@@ -38,9 +40,37 @@ std::vector<BorderedTerm> bordered_terms(const Scene& scene) {
   return out;
 }
 
+/// The derivatives of the borders of a law by one of its numbers.
+std::vector<double> borders_by_number(const Law& law, bool is_rate, int number) {
+  using Dual = VariedModel::Dual;
+  const std::vector<Dual> borders = std::visit(
+      [&](const auto& l) {
+        std::vector<Dual> numbers;
+        for (const Number& one : numbers_of_law(l)) numbers.emplace_back(one.get(&l).value_or(0.0));
+        numbers[static_cast<std::size_t>(number)].v[0] = 1.0;
+        return borders_of<Dual>(l.with(numbers.data()), is_rate);
+      },
+      law);
+  std::vector<double> out;
+  for (const Dual& border : borders) out.push_back(border.v[0]);
+  return out;
+}
+
+/// Whether a function of time moves borders of an element's law: then they are not known at other times.
+bool borders_vary_in_time(const Scene& scene, int element, bool is_rate) {
+  const Law& law = scene.elements[static_cast<std::size_t>(element)].law;
+  return std::any_of(scene.time_functions.begin(), scene.time_functions.end(), [&](const TimeFunction& function) {
+    if (function.of != TimeFunction::Of::element || function.item != element) return false;
+    const std::vector<double> by = borders_by_number(law, is_rate, function.part);
+    return std::any_of(by.begin(), by.end(), [](double one) { return one != 0.0; });
+  });
+}
+
 }  // namespace
 
-ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations) : model_(model) {
+ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations,
+                               const std::vector<Influence>& influences)
+    : model_(model), variations_(variations), influences_(influences) {
   int scratch = 0;
   for (const BorderedTerm& one : bordered_terms(model.scaled_scene())) {
     const Measure::Term& term = one.sum.terms[one.term];
@@ -49,9 +79,6 @@ ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Varia
                    profile_of<double>(term)};
     scratch = std::max(scratch, argument.at.on.scratch_size());
   }
-  pose_.resize(static_cast<std::size_t>(model.mechanism().phasors().pose_size() + scratch));
-  if (arguments_.empty()) return;
-  variations_ = variations;
   for (const Variation& variation : variations) {
     const std::vector<BorderedTerm> terms = bordered_terms(variation.compiled().scene());
     for (std::size_t i = 0; i < terms.size(); ++i) {
@@ -60,6 +87,41 @@ ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Varia
                                       variation.compiled().numbers().term(sum, term, stop).profile()});
     }
   }
+  add_laws(model, scratch);
+  pose_.resize(static_cast<std::size_t>(model.mechanism().phasors().pose_size() + scratch));
+}
+
+void ProfileBorders::add_laws(const MotionModel& model, int& scratch) {
+  const Scene& scene = model.scaled_scene();
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    for (const bool is_rate : {false, true}) {
+      OfLaw of{static_cast<int>(e), is_rate, {}, {}, borders_of(scene.elements[e].law, is_rate)};
+      if (of.borders.empty() || borders_vary_in_time(model.scene(), static_cast<int>(e), is_rate)) continue;
+      of.on = {scene, model.layout(), model.mechanism().phasors(), scene.elements[e].on};
+      if (of.on.support().empty()) continue;
+      scratch = std::max(scratch, of.on.scratch_size());
+      for (const Variation& variation : variations_) {
+        of.varied.push_back(variation.compiled().measure(variation.compiled().scene().elements[e].on));
+      }
+      if (is_rate) of.size = slowest;
+      arguments_.emplace_back().law = std::move(of);
+    }
+  }
+}
+
+double ProfileBorders::value(const Argument& argument, const Configuration<double>& at,
+                             const ReducedMotion<double>& motion) const {
+  if (!argument.law) return argument.at.value(at);
+  const OfLaw& law = *argument.law;
+  return (law.is_rate ? law.on.along(at, motion.v()) : law.on.value(at)) / law.size;
+}
+
+double ProfileBorders::rate(const Argument& argument, const Configuration<double>& at,
+                            const ReducedMotion<double>& motion) const {
+  if (!argument.law) return argument.at.on.along(at, motion.v()) / argument.at.of.span;
+  const OfLaw& law = *argument.law;
+  if (!law.is_rate) return law.on.along(at, motion.v());
+  return (law.on.along(at, motion.a()) + law.on.second(at, motion.v(), motion.v())) / law.size;
 }
 
 Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) {
@@ -70,8 +132,6 @@ Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) 
 
 void ProfileBorders::note(Argument& argument, double u, double rate) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
-  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
-  const double turn = argument.at.of.profile->periodic() ? std::floor(u) : 0.0;
   argument.lower = -unlimited;
   argument.upper = unlimited;
   const auto border = [&](double at) {
@@ -81,6 +141,12 @@ void ProfileBorders::note(Argument& argument, double u, double rate) {
     else
       argument.upper = std::min(argument.upper, is_here ? at + room_behind : at);
   };
+  if (argument.law) {
+    for (const double at : argument.law->borders) border(at / argument.law->size);
+    return;
+  }
+  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
+  const double turn = argument.at.of.profile->periodic() ? std::floor(u) : 0.0;
   const auto borders_of_turn = [&](double shift) {
     border(pieces.front().from + shift);
     for (const Profile::Piece& piece : pieces) border(piece.to + shift);
@@ -93,7 +159,10 @@ void ProfileBorders::note(Argument& argument, double u, double rate) {
 void ProfileBorders::watch(const ReducedMotion<double>& motion) {
   const Configuration<double> at = here(motion);
   for (Argument& argument : arguments_) {
-    note(argument, argument.at.value(at), argument.at.on.along(at, motion.v()) / argument.at.of.span);
+    if (argument.law && argument.law->is_rate) {
+      argument.law->size = std::max(argument.law->size, std::abs(argument.law->on.along(at, motion.v())));
+    }
+    note(argument, value(argument, at, motion), rate(argument, at, motion));
   }
 }
 
@@ -101,7 +170,7 @@ double ProfileBorders::margin(const ReducedMotion<double>& motion) {
   const Configuration<double> at = here(motion);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < arguments_.size(); ++i) {
-    const double u = arguments_[i].at.value(at);
+    const double u = value(arguments_[i], at, motion);
     const double own = std::min(u - arguments_[i].lower, arguments_[i].upper - u);
     if (!(own < least)) continue;
     least = own;
@@ -111,8 +180,7 @@ double ProfileBorders::margin(const ReducedMotion<double>& motion) {
 }
 
 double ProfileBorders::nudge(const ReducedMotion<double>& motion) {
-  const Place<double>& place = arguments_[least_].at;
-  return nudged_by * place.of.span / std::abs(place.on.along(here(motion), motion.v()));
+  return nudged_by / std::abs(rate(arguments_[least_], here(motion), motion));
 }
 
 double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& motion, const Argument& argument,
@@ -139,15 +207,56 @@ double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& moti
   return border_by - argument_by;
 }
 
-double ProfileBorders::passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation) {
+double ProfileBorders::passing_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv,
+                                       int influence) {
   const Argument& argument = arguments_[least_];
+  if (argument.law) return law_passing_time_by(motion, *argument.law, dq, dv, influence);
   const Configuration<double> at = here(motion);
   double change = argument.at.on.along(at, dq) / argument.at.of.span;
+  const int variation = influence >= 0 ? influences_[static_cast<std::size_t>(influence)].variation : -1;
   if (variation >= 0) {
     change -= border_less_argument_by(motion, argument, static_cast<std::size_t>(variation), argument.at.value(at));
   }
-  const double rate = argument.at.on.along(at, motion.v()) / argument.at.of.span;
-  return rate == 0.0 ? 0.0 : -change / rate;
+  const double passing = rate(argument, at, motion);
+  return passing == 0.0 ? 0.0 : -change / passing;
+}
+
+double ProfileBorders::law_passing_time_by(const ReducedMotion<double>& motion, const OfLaw& law, const double* dq,
+                                           const double* dv, int influence) {
+  const Configuration<double> at = here(motion);
+  const double* v = motion.v();
+  double change = law.is_rate ? law.on.along(at, dv) + law.on.second(at, v, dq) : law.on.along(at, dq);
+  const double passing = law.is_rate ? law.on.along(at, motion.a()) + law.on.second(at, v, v) : law.on.along(at, v);
+  if (passing == 0.0) return 0.0;
+  if (influence >= 0) {
+    const Influence& by = influences_[static_cast<std::size_t>(influence)];
+    if (by.variation >= 0) {
+      const auto variation = static_cast<std::size_t>(by.variation);
+      const std::vector<VariedModel::Dual> rates(v, v + motion.coordinates());
+      change += variations_[variation].compiled().derivative(
+          law.varied[variation], motion.q(), [&](const Configuration<VariedModel::Dual>& there) {
+            return law.is_rate ? law.varied[variation].along(there, rates.data()) : law.varied[variation].value(there);
+          });
+    }
+    const double now = law.is_rate ? law.on.along(at, v) : law.on.value(at);
+    const auto nearest = std::min_element(law.borders.begin(), law.borders.end(),
+                                          [&](double a, double b) { return std::abs(a - now) < std::abs(b - now); });
+    change -= border_of_law_by(law, static_cast<std::size_t>(nearest - law.borders.begin()), by);
+  }
+  return -change / passing;
+}
+
+double ProfileBorders::border_of_law_by(const OfLaw& law, std::size_t border, const Influence& by) const {
+  using Dual = VariedModel::Dual;
+  if (by.variation >= 0) {
+    const VariedModel& compiled = variations_[static_cast<std::size_t>(by.variation)].compiled();
+    return borders_of(compiled.mechanism().law_of(law.element), law.is_rate)[border].v[0];
+  }
+  const bool is_own = by.body < 0 && by.drive < 0 && by.force.of == ForceNumber::Of::element &&
+                      by.force.item == law.element && by.force.time_number < 0;
+  if (!is_own) return 0.0;
+  return by.by * borders_by_number(model_.scaled_scene().elements[static_cast<std::size_t>(law.element)].law,
+                                   law.is_rate, by.force.number)[border];
 }
 
 }  // namespace poise

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "model/profile.hpp"
@@ -11,15 +12,18 @@
 
 namespace poise {
 
-/// Where a motion passes from one piece of a profile (Profile) to the next: there derivatives of accelerations jump, or
-/// accelerations themselves, so that no step of an integrator may reach beyond. For terms  P((g - shift) / span)  of
-/// stops that hold, drives and force elements: between borders the argument u of each is within its piece.
+/// Where a motion passes from one piece of a profile (Profile), or of the law of a force element, to the next: there
+/// derivatives of accelerations jump, or accelerations themselves, so that no step of an integrator may reach beyond.
+/// For terms  P((g - shift) / span)  of stops that hold, drives and force elements, and for laws with borders of their
+/// measure g or of its rate (model/laws/law_force.hpp): between borders the argument u of each is within its piece. Of
+/// a law it is g, or the rate over the largest yet.
 class ProfileBorders {
  public:
   /// The model must outlive this.
-  ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations);
+  ProfileBorders(const MotionModel& model, const std::vector<Variation>& variations,
+                 const std::vector<Influence>& influences);
 
-  /// Whether the scene has profiles of more than one piece.
+  /// Whether the scene has profiles or laws of more than one piece.
   bool act() const { return !arguments_.empty(); }
   /// Notes the piece that each argument is in, at a border that into which it moves.
   void watch(const ReducedMotion<double>& motion);
@@ -27,9 +31,9 @@ class ProfileBorders {
   double margin(const ReducedMotion<double>& motion);
   /// Of the argument of the last margin(): the time in which it moves by 3e-13.
   double nudge(const ReducedMotion<double>& motion);
-  /// Of the same: the derivative of the time at which it passes the border u_k along a change of q, and by a number if
-  /// `variation` is not negative:  -(du/dp - du_k/dp) / (du/dt).
-  double passing_time_by(const ReducedMotion<double>& motion, const double* dq, int variation);
+  /// Of the same: the derivative of the time at which it passes the border u_k along changes of q and v, and by an
+  /// influence if its index is not negative:  -(du/dp - du_k/dp) / (du/dt).
+  double passing_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv, int influence);
 
  private:
   /// u of one term, in the numbers of the scene or of a variation.
@@ -40,20 +44,37 @@ class ProfileBorders {
 
     T value(const Configuration<T>& at) const { return (on.value(at) - of.shift) / of.span; }
   };
+  /// The measure of a law, or its rate.
+  struct OfLaw {
+    int element;
+    bool is_rate;
+    CompiledMeasure<double> on;
+    std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
+    std::vector<double> borders;
+    double size = 1.0;  // of u
+  };
   struct Argument {
     Place<double> at;
     std::vector<Place<VariedModel::Dual>> varied;  // by variation
+    std::optional<OfLaw> law{};                    // in place of a profile
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
   };
+  void add_laws(const MotionModel& model, int& scratch);
   Configuration<double> here(const ReducedMotion<double>& motion);
+  double value(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
+  double rate(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
   static void note(Argument& argument, double u, double rate);
+  double law_passing_time_by(const ReducedMotion<double>& motion, const OfLaw& law, const double* dq, const double* dv,
+                             int influence);
+  double border_of_law_by(const OfLaw& law, std::size_t border, const Influence& influence) const;
   /// The derivative by the number of a variation of the border that is nearest to u, less that of u.
   double border_less_argument_by(const ReducedMotion<double>& motion, const Argument& argument, std::size_t variation,
                                  double u) const;
 
   const MotionModel& model_;
   std::vector<Variation> variations_;
+  std::vector<Influence> influences_;
   std::vector<Argument> arguments_;
   std::vector<Planar<double>> pose_;
   std::size_t least_ = 0;  // argument of the last margin()

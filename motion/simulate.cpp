@@ -84,7 +84,7 @@ class Simulation {
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
         friction_(model, options.variations, options.influences, reduced_),
         contacts_(model, options.variations),
-        borders_(model, options.variations),
+        borders_(model, options.variations, options.influences),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
         breaks_(inputs_, options.duration),
         q_start_(model.from_si(start.q)),
@@ -492,10 +492,11 @@ class Simulation {
   /// derivatives of rates jump by  (accelerations before - after) dT/dp  with the time T(p) at which it is passed.
   bool cross_border(double t) {
     const auto width = static_cast<std::size_t>(columns_.count());
-    std::vector<double> later(width), dq(q_start_.size());
+    std::vector<double> later(width), dq(q_start_.size()), dv(q_start_.size());
     for (std::size_t c = 0; c < width; ++c) {
       nodes_.read_places_by(c, dq);
-      later[c] = borders_.passing_time_by(reduced_, dq.data(), columns_.variation_of(c));
+      nodes_.read_rates_by(c, dv);
+      later[c] = borders_.passing_time_by(reduced_, dq.data(), dv.data(), columns_.influence_of(static_cast<int>(c)));
     }
     // Beyond the border by less than rounding the formulas of the next piece hold.
     const double nudge = std::min(borders_.nudge(reduced_), 1e-10 * options_.duration);
@@ -538,6 +539,7 @@ class Simulation {
     std::vector<double> v = before;
     double work = step_.work();
     read_changes();
+    if (event.of_friction && !changes_.empty()) friction_.begin_to_slide(reduced_, t, ahead_);
     if (event.left && !event.hits) add_event({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
     if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t, q, v, event.left))) return false;
     if (event.of_friction && !event.hits && nodes_.nodes() > 1) {

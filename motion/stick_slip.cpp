@@ -202,9 +202,10 @@ void StickSlip::meet(const Reduced& motion) {
   met_slope_ = acceleration(contact, motion);
 }
 
-/// Where the force of an element that is held passes F_s, that with the force F_s in place of being held has no
-/// acceleration. Finds the derivatives of that acceleration, of which the one by the time is a difference.
+/// Finds the derivatives of the acceleration with F_s in place of being held, of which the one by the time is a
+/// difference.
 void StickSlip::begin_to_slide(Reduced& motion, double t, double ahead) {
+  if (met_ == none || !by_force_ || !contacts_[met_].drops) return;
   const Contact& contact = contacts_[met_];
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const std::vector<double> q(motion.q(), motion.q() + n), v(motion.v(), motion.v() + n);
@@ -417,8 +418,6 @@ bool StickSlip::is_carried(const Contact& contact, const Reduced& motion) {
 }
 
 StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
-  // Once for all choices of what is touched.
-  if (met_ != none && by_force_ && contacts_[met_].drops && met_slope_ == 0.0) begin_to_slide(motion, t, ahead);
   const auto n = static_cast<std::size_t>(motion.coordinates());
   Node node{t, {motion.q(), motion.q() + n}, {motion.v(), motion.v() + n}, {}, {}, {}};
   for (const double one : node.v) node.fastest = std::max(node.fastest, std::abs(one));

@@ -46,6 +46,9 @@ class StickSlip {
   static bool holds(const ReducedMotion<double>& motion) { return !motion.held().empty(); }
   /// At the event found by the last margin(): keeps what event_time_by() needs.
   void meet(const ReducedMotion<double>& motion);
+  /// For event_time_by() after an event at which the force of an element that is held passes F_s above F: that with the
+  /// force F_s in place of being held has no acceleration there. Leaves `motion` as it is.
+  void begin_to_slide(ReducedMotion<double>& motion, double t, double ahead);
   /// The derivative of the time of the event that was met along changes of q and v, and by an influence of the options
   /// if its index is not negative: -(d rate/dp) / (d2g/dt2), or the same of the acceleration with which an element that
   /// is held begins to slide where its force passes F_s, if F_s is above F; zero where accelerations do not jump, as
@@ -123,7 +126,6 @@ class StickSlip {
                           double ahead);
   /// Those trials that hold most of the contacts that drop.
   std::vector<const Trial*> that_hold(std::vector<const Trial*> trials, const std::vector<std::size_t>& still) const;
-  void begin_to_slide(ReducedMotion<double>& motion, double t, double ahead);
   void take_derivatives(ReducedMotion<double>& motion, const Contact& contact);
   bool is_carried(const Contact& contact, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, double t, const std::vector<double>& q,
