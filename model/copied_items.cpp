@@ -387,7 +387,7 @@ void CopiedItems::turn_limits(std::string_view table, toml::table& item) const {
     add_amount(item, "angle", more);
   } else if (item.contains("stiffness") || table == "bump_stop") {
     add_amount(item, "free_angle", more);
-  } else if (moved::table_in(item, "torque") != nullptr) {
+  } else if (moved::table_in(item, "torque") != nullptr && !table.ends_with("damper")) {
     add_amount(item, "shift", more);
   }
 }
