@@ -247,7 +247,6 @@ double ProfileBorders::law_passing_time_by(const ReducedMotion<double>& motion, 
 }
 
 double ProfileBorders::border_of_law_by(const OfLaw& law, std::size_t border, const Influence& by) const {
-  using Dual = VariedModel::Dual;
   if (by.variation >= 0) {
     const VariedModel& compiled = variations_[static_cast<std::size_t>(by.variation)].compiled();
     return borders_of(compiled.mechanism().law_of(law.element), law.is_rate)[border].v[0];
