@@ -238,6 +238,8 @@ class Builder {
         use(measure.b);
       }
       for (const RopeContact& contact : measure.contacts) use(contact.at);
+      if (!measure.outline.points.empty()) use(measure.b);
+      for (const PointRef& point : measure.outline.points) use(point);
       for (const Measure::Term& term : measure.terms) self(term.measure, self);
     };
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -578,6 +580,8 @@ class Builder {
     switch (measure.kind) {
       case Measure::Kind::distance:
       case Measure::Kind::component:
+      case Measure::Kind::clearance:
+      case Measure::Kind::along_outline:
         return out_.path(scene_, measure.a, measure.b);
       case Measure::Kind::rope: {
         std::vector<Arm> arms;
@@ -590,6 +594,12 @@ class Builder {
       default:
         return out_.path_to(scene_, measure.b);
     }
+  }
+
+  // A measure in directions that turn with the body of its point a.
+  static bool has_direction(const Measure& measure) {
+    return measure.kind == Measure::Kind::component || measure.kind == Measure::Kind::clearance ||
+           measure.kind == Measure::Kind::along_outline;
   }
 
   // False for a measure that is constant: an angle between parallel bodies, a distance on one body.
@@ -605,7 +615,7 @@ class Builder {
       default: {
         // A direction may turn under a vector that does not.
         const std::vector<Arm> arms = arms_of(measure);
-        const bool turns = measure.kind == Measure::Kind::component && out_.links[measure.a.body].frame >= 0;
+        const bool turns = has_direction(measure) && out_.links[measure.a.body].frame >= 0;
         return (turns && !arms.empty()) ||
                std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.coordinate >= 0; });
       }
@@ -624,6 +634,8 @@ class Builder {
         mark(out_.travel[measure.joint], reason);
         break;
       case Measure::Kind::component:
+      case Measure::Kind::clearance:
+      case Measure::Kind::along_outline:
         mark(out_.links[measure.a.body].frame, reason);
         mark_path(arms_of(measure), reason);
         break;

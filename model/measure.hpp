@@ -25,6 +25,25 @@ struct RopeContact {
   std::optional<double> friction{};
 };
 
+/// What a point or a circle of another body touches, along a way on whose left it is and on whose right the body is.
+///
+/// polygon     straight edges from each of the points to the next and from the last one back to the first, clockwise
+///             around a convex body; with `backed` behind a last point of its own, half as far behind the middle
+///             between the first point and the last as they are apart: so a single segment has a body behind it
+/// arc         around the first point, clockwise from the second to the third, with the body inside; a full circle
+///             where these two are one
+/// hollow_arc  the same counter-clockwise, with the body outside
+///
+/// An arc has the radius of its second point; the third gives the direction of its end.
+struct Outline {
+  enum class Form { polygon, arc, hollow_arc };
+  Form form = Form::polygon;
+  std::vector<PointRef> points{};  ///< of one body
+  bool backed = false;
+
+  friend bool operator==(const Outline&, const Outline&) = default;
+};
+
 /// A scalar function g of the pose, as a scene declares it. Force elements, stops, drives and sensors act on measures.
 /// Compiled forms with derivatives: model/measures/.
 ///
@@ -34,10 +53,15 @@ struct RopeContact {
 /// x, y       world coordinate of point b, m
 /// component  of b - a along `axis`, a direction fixed in the body of point a, m
 /// rope       length of a taut rope over `contacts`: straight between them, and along the rims of pulleys, m
+/// clearance  of point b from an outline of another body, m: the distance from what is nearest of it, an edge, a corner
+///            or the arc; negative inside
+/// along_outline  way of the centre b of a circle along an outline, m, as its contact goes: along an edge or arc, and
+/// by
+///            `radius` times the angle around a corner. Less the circle's turning it is how far it slips (slip_on())
 /// sum        sum of factor_i g_i, or of factor_i P_i(g_i), over `terms`; an angle if all terms without a profile P are
 ///            angles, otherwise a length, with factors in m/rad of angles and in m of profiles
 struct Measure {
-  enum class Kind { angle, distance, travel, x, y, component, rope, sum };
+  enum class Kind { angle, distance, travel, x, y, component, rope, clearance, along_outline, sum };
   struct Term;
 
   Kind kind = Kind::angle;
@@ -46,6 +70,8 @@ struct Measure {
   int joint = -1;       ///< travel: index into Scene::joints
   Vec2 axis{1.0, 0.0};  ///< component: of any length, only its direction matters
   std::vector<RopeContact> contacts;
+  Outline outline;      ///< clearance, along_outline: of the body of point a, the first of its points
+  double radius = 0.0;  ///< along_outline, m
   std::vector<Term> terms;
 
   static Measure angle_between(int body_a, int body_b);
@@ -55,6 +81,10 @@ struct Measure {
   static Measure y_of(PointRef point);
   static Measure component_along(PointRef a, PointRef b, Vec2 axis);
   static Measure rope_over(std::vector<RopeContact> contacts);
+  static Measure clearance_of(PointRef point, Outline outline);
+  /// How far a circle around the point of a clearance slips along the outline where it touches: its rate is that of the
+  /// circle's point at the contact against the outline's, along the way of the outline.
+  static Measure slip_on(const Measure& clearance, double radius);
   static Measure sum_of(std::vector<Term> terms);
 
   /// True if g is an angle, rad; otherwise it is a length, m.
@@ -126,6 +156,22 @@ inline Measure Measure::rope_over(std::vector<RopeContact> contacts) {
   m.kind = Kind::rope;
   m.contacts = std::move(contacts);
   return m;
+}
+
+inline Measure Measure::clearance_of(PointRef point, Outline outline) {
+  Measure m = distance_between(outline.points.front(), point);
+  m.kind = Kind::clearance;
+  m.outline = std::move(outline);
+  return m;
+}
+
+inline Measure Measure::slip_on(const Measure& clearance, double radius) {
+  Measure along = clearance;
+  along.kind = Kind::along_outline;
+  along.radius = radius;
+  if (radius == 0.0) return along;
+  const int body = clearance.b.body, of_outline = clearance.a.body;
+  return sum_of({{1.0, std::move(along)}, {radius, angle_between(of_outline, body)}});
 }
 
 inline Measure Measure::sum_of(std::vector<Term> terms) {

@@ -219,10 +219,12 @@ void at_path(AnyScene& scene, std::string_view path, Use use) {
   });
 }
 
-/// Radii of pulleys; in sums what turns the dimension of a term into that of the sum, and the argument of a profile.
+/// Radii of pulleys and of circles along outlines; in sums what turns the dimension of a term into that of the sum, and
+/// the argument of a profile.
 void scale_measure(Measure& measure, const Scales& scales) {
   const double per_length = dimension::length.per_scale(scales);
   for (RopeContact& contact : measure.contacts) contact.radius *= per_length;
+  measure.radius *= per_length;
   for (Measure::Term& term : measure.terms) {
     scale_measure(term.measure, scales);
     term.factor *= measure.dimension().per_scale(scales) / term.dimension().per_scale(scales);

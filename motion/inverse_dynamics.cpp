@@ -47,6 +47,9 @@ bool is_same(const Scene& scene, const Measure& one, const Measure& other) {
       return coincide(scene, one.b, other.b);
     case Measure::Kind::component:
       return one.a == other.a && coincide(scene, one.b, other.b) && cross(one.axis, other.axis) == 0.0;
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
+      return one.outline == other.outline && one.b == other.b && one.radius == other.radius;
     case Measure::Kind::rope:
       return one.contacts.size() == other.contacts.size() &&
              std::equal(one.contacts.begin(), one.contacts.end(), other.contacts.begin(),

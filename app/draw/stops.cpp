@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "app/draw/stage.hpp"
 #include "app/draw/symbols.hpp"
@@ -83,6 +85,31 @@ void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* active) 
   label_active(stage, stop, *active, 0.5 * (a + b), {0, -1}, 5);
 }
 
+/// The outline that the circle around a point touches, and the circle.
+void draw_contact(Stage& stage, const Stop& stop, const Reaction* active) {
+  const Outline& outline = stop.on.outline;
+  std::vector<Vec2> way;
+  for (const PointRef& point : outline.points) way.push_back(stage.page(point));
+  if (outline.form != Outline::Form::polygon) {
+    const Vec2 centre = way[0], begin = way[1] - centre, end = way[2] - centre;
+    // The page is mirrored: counter-clockwise there is clockwise here.
+    const double sense = outline.form == Outline::Form::hollow_arc ? -1.0 : 1.0;
+    double sweep = sense * std::atan2(cross(begin, end), dot(begin, end));
+    if (sweep <= 0.0) sweep += 2 * M_PI;
+    constexpr int pieces = 48;
+    way.clear();
+    for (int k = 0; k <= pieces; ++k) way.push_back(centre + begin * unit(sense * sweep * k / pieces));
+  } else if (!outline.backed) {
+    way.push_back(way.front());
+  }
+  const auto [colour, width] = colours(active != nullptr);
+  stage.canvas.polyline(std::move(way), {.stroke = colour, .width = width});
+  const Vec2 centre = stage.page(stop.on.b);
+  const double radius = stage.scale * stop.min;
+  if (radius > stage.pin_radius) stage.canvas.circle(centre, radius, {.stroke = colour, .width = width});
+  if (active) label_active(stage, stop, *active, centre, {0, -1}, radius + 5);
+}
+
 /// The line on the page along which a length is limited: where it is zero, its direction, and how far what meets the
 /// stop reaches beyond its place.
 struct LimitedLine {
@@ -149,6 +176,11 @@ void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* activ
     case Measure::Kind::rope:
       draw_rope(stage, stop, active != nullptr || may_be_taut(stage, stop, now));
       return;
+    case Measure::Kind::clearance:
+      draw_contact(stage, stop, active);
+      break;
+    case Measure::Kind::along_outline:
+      return;  // of friction, no stop
     case Measure::Kind::sum:
       if (stop.table != "stop") draw_coupling(stage, stop, active != nullptr);
       return;

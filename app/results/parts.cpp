@@ -210,6 +210,8 @@ std::string second_body(const Scene& scene, const Measure& on) {
       return scene.bodies[scene.joints[on.joint].b.body].name;
     case Measure::Kind::distance:
     case Measure::Kind::component:
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
     case Measure::Kind::x:
     case Measure::Kind::y:
       return scene.bodies[on.b.body].name;

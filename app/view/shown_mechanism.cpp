@@ -83,6 +83,8 @@ class Connections {
         return connect(measure.body_a, measure.body_b);
       case Measure::Kind::distance:
       case Measure::Kind::component:
+      case Measure::Kind::clearance:
+      case Measure::Kind::along_outline:
         return connect(measure.a.body, measure.b.body);
       case Measure::Kind::x:
       case Measure::Kind::y:

@@ -8,6 +8,7 @@
 #include "model/measures/component.hpp"
 #include "model/measures/distance.hpp"
 #include "model/measures/half_square.hpp"
+#include "model/measures/outline_measure.hpp"
 #include "model/measures/position.hpp"
 #include "model/measures/rope.hpp"
 #include "model/measures/sum.hpp"
@@ -90,7 +91,7 @@ class CompiledMeasure {
 
  private:
   using Form = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>,
-                            RopeMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
+                            RopeMeasure<T>, OutlineMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
 
   static Form compile(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
     switch (measure.kind) {
@@ -105,9 +106,12 @@ class CompiledMeasure {
       case Measure::Kind::y:
         return PositionMeasure<T>(place_of(scene, layout, phasors, measure.b), {T(0), T(1)});
       case Measure::Kind::component:
-        return component(scene, layout, phasors, measure);
+        return std::visit([](auto g) -> Form { return g; }, component(scene, layout, phasors, measure, measure.axis));
       case Measure::Kind::rope:
         return rope(scene, layout, phasors, measure);
+      case Measure::Kind::clearance:
+      case Measure::Kind::along_outline:
+        return on_outline(scene, layout, phasors, measure);
       case Measure::Kind::sum:
         break;
     }
@@ -132,9 +136,11 @@ class CompiledMeasure {
   }
 
   // Along an axis of the ground, or of a body that does not turn, the component of a point moves as a position does.
-  static Form component(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
+  static std::variant<PositionMeasure<T>, ComponentMeasure<T>> component(const Scene& scene, const Layout& layout,
+                                                                         const Phasors<T>& phasors,
+                                                                         const Measure& measure, const Vec2& along) {
     const Link& carrier = layout.links[measure.a.body];
-    Planar<T> axis = direction<T>(measure.axis);
+    Planar<T> axis = direction<T>(along);
     PhasorSum<T> d = between(scene, layout, phasors, measure.a, measure.b);
     if (carrier.frame >= 0 && !phasors.dropped(carrier.frame)) {
       return ComponentMeasure<T>(phasors, std::move(d), axis, carrier.turn, carrier.frame);
@@ -153,6 +159,21 @@ class CompiledMeasure {
       if (k > 0) parts.push_back(between(scene, layout, phasors, measure.contacts[k - 1].at, contact.at));
     }
     return {std::move(contacts), std::move(parts)};
+  }
+
+  static OutlineMeasure<T> on_outline(const Scene& scene, const Layout& layout, const Phasors<T>& phasors,
+                                      const Measure& measure) {
+    const std::vector<PointRef>& points = measure.outline.points;
+    std::vector<std::vector<Arm>> places;
+    for (const PointRef& point : points) places.push_back(layout.path(scene, points.front(), point));
+    OutlineIn<T> outline(measure.outline, [&](PointRef point) { return scene.local(point); });
+    return {phasors,
+            component(scene, layout, phasors, measure, {1, 0}),
+            component(scene, layout, phasors, measure, {0, 1}),
+            std::move(outline),
+            std::move(places),
+            measure.kind == Measure::Kind::along_outline,
+            static_cast<T>(measure.radius)};
   }
 
   // A sum within a sum is expanded; profiles are of single measures.

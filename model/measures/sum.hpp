@@ -10,6 +10,7 @@
 #include "model/measures/component.hpp"
 #include "model/measures/distance.hpp"
 #include "model/measures/linear.hpp"
+#include "model/measures/outline_measure.hpp"
 #include "model/measures/position.hpp"
 #include "model/measures/rope.hpp"
 #include "model/profile.hpp"
@@ -62,8 +63,8 @@ ProfileOf<T> profile_of(const Measure::Term& term) {
 template <class T>
 class SumMeasure {
  public:
-  using Part =
-      std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>, RopeMeasure<T>>;
+  using Part = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>,
+                            RopeMeasure<T>, OutlineMeasure<T>>;
 
   void add(const T& factor, Part part, ProfileOf<T> of = {}) {
     std::visit(

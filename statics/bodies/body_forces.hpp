@@ -79,6 +79,13 @@ class BodyForces {
     return planar_cast<T>(direction<PlainOf<T>>(component.axis)) * at(component.a.body).direction();
   }
 
+  /// The place of the point of a clearance, or of the centre of a circle along an outline, as OutlineIn has it: in the
+  /// frame of the outline's body, from the outline's first point.
+  Planar<T> place_at_outline(const Measure& measure) const {
+    return (world(measure.b) - world(measure.a)) * conj(at(measure.a.body).direction());
+  }
+  OutlineIn<T> outline(const Measure& measure) const;
+
   /// Between the contacts k and k + 1. From the triangle of the line of centres and the two radii: the straight part is
   /// turned from the line of centres by the angle whose sine is the difference of the signed radii over the distance.
   RopePart<T> rope_part(const Measure& rope, std::size_t k) const;
@@ -165,6 +172,17 @@ auto BodyForces<Pose, NumbersOfScene>::rope_part(const Measure& rope, std::size_
 }
 
 template <class Pose, class NumbersOfScene>
+auto BodyForces<Pose, NumbersOfScene>::outline(const Measure& measure) const -> OutlineIn<T> {
+  OutlineIn<T> out(measure.outline, [&](PointRef point) { return scene().local(point); });
+  std::vector<Planar<T>> points;
+  for (const PointRef& point : measure.outline.points) {
+    points.push_back(numbers_.point(point) - numbers_.point(measure.a));
+  }
+  out.set_points(std::move(points));
+  return out;
+}
+
+template <class Pose, class NumbersOfScene>
 auto BodyForces<Pose, NumbersOfScene>::value(const Measure& measure, int stop) const -> T {
   switch (measure.kind) {
     case Measure::Kind::angle:
@@ -193,6 +211,10 @@ auto BodyForces<Pose, NumbersOfScene>::value(const Measure& measure, int stop) c
       }
       return length;
     }
+    case Measure::Kind::clearance:
+      return outline(measure).clearance(place_at_outline(measure)).value;
+    case Measure::Kind::along_outline:
+      return outline(measure).along(place_at_outline(measure), T(measure.radius)).value;
     case Measure::Kind::sum:
       break;
   }
@@ -251,6 +273,21 @@ void BodyForces<Pose, NumbersOfScene>::for_each_effort(const Measure& measure, c
                      effort * part.along, T(0)});
       }
       return;
+    case Measure::Kind::clearance: {
+      // Square to the outline, where it is nearest to the point.
+      const PlaneValue<T> g = outline(measure).clearance(place_at_outline(measure));
+      const Planar<T> away = Planar<T>{g.x, g.y} * at(measure.a.body).direction();
+      const Planar<T> touched = world(measure.b) - g.value * away;
+      visit(Effort{measure.a.body, measure.b.body, touched, touched, effort * away, T(0)});
+      return;
+    }
+    case Measure::Kind::along_outline: {
+      const PlaneValue<T> g = outline(measure).along(place_at_outline(measure), T(measure.radius));
+      const Planar<T> along = Planar<T>{g.x, g.y} * at(measure.a.body).direction();
+      const Planar<T> b = world(measure.b);
+      visit(Effort{measure.a.body, measure.b.body, b, b, effort * along, T(0)});
+      return;
+    }
     case Measure::Kind::sum:
       break;
   }

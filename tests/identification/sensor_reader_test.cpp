@@ -123,6 +123,8 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
     case Measure::Kind::y:
       return sensor.rate ? velocity(on.b).y : place(on.b).y;
     case Measure::Kind::component:
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
     case Measure::Kind::rope:
     case Measure::Kind::sum:
       break;

@@ -168,6 +168,9 @@ Smooth ExactMechanics::measure(const Measure& m, const Vector& q) const {
       return component(end(0, {}, q), end(m.b, q), {Real(0), Real(1)}, false);
     case Measure::Kind::component:
       return component(end(m.a, q), end(m.b, q), direction<Real>(m.axis) * unit(angle(m.a.body, q)), true);
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
+      throw std::invalid_argument("the judge knows no outlines");
     case Measure::Kind::rope:
       throw std::invalid_argument("the judge knows no ropes");
     case Measure::Kind::sum:

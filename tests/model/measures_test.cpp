@@ -86,7 +86,7 @@ class Placed {
 // Of random mechanisms, every other one with all of its coordinates: statics leaves some at their start values.
 void for_measures(const std::function<void(const Scene&, const Layout&, const Measure&, const std::vector<double>& q,
                                            Random&)>& expect) {
-  int kinds[8] = {};
+  int kinds[10] = {};
   for (int loops = 1; loops <= 4; ++loops) {
     for (int k = 0; k < 4; ++k) {
       const auto seed = static_cast<std::uint64_t>(100 * loops + k);

@@ -58,6 +58,37 @@ std::vector<NamedMeasure> measures_of(Scene& scene, Random& random, bool with_co
     return Measure::rope_over(contacts);
   };
   all.push_back({"rope", rope()});
+  const auto outline = [&](Outline::Form form, int body) {
+    Outline out{form, {}, false};
+    const double first = random.uniform(0.0, 6.0), size = random.uniform(0.2, 0.6);
+    const Vec2 middle{random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4)};
+    const auto add = [&](double at) {
+      out.points.push_back(scene.add_point(body, "edge", middle + size * unit(first + at)));
+    };
+    if (form != Outline::Form::polygon) {
+      out.points.push_back(scene.add_point(body, "middle", middle));
+      add(0.0);
+      add(random.uniform(0.5, 5.5));
+      return out;
+    }
+    out.backed = random.chance(0.5);
+    if (out.backed) {
+      add(0.0);
+      add(-1.0);
+    } else {
+      for (const double at : {0.0, 1.1, 2.3, 4.0, 5.5}) add(-at);
+    }
+    return out;
+  };
+  for (const auto& [name, form] : {std::pair("polygon", Outline::Form::polygon), std::pair("arc", Outline::Form::arc),
+                                   std::pair("hollow arc", Outline::Form::hollow_arc)}) {
+    const int body = body_but(-1);
+    const Measure clearance = Measure::clearance_of(probes[body_but(body)], outline(form, body));
+    all.push_back({std::string("clearance from a ") + name, clearance});
+    Measure along = Measure::slip_on(clearance, random.uniform(0.05, 0.2));
+    all.push_back({std::string("slip along a ") + name, along});
+    all.push_back({std::string("way along a ") + name, along.terms.front().measure});
+  }
   const auto profile =
       std::make_shared<const Profile>(Profile::spline({0.0, 0.2, 0.45, 0.7, 1.0}, {0.1, 1.0, 0.4, -0.3, 0.1}, true));
   all.push_back(

@@ -42,6 +42,9 @@ std::string key_of(const Scene& scene, const Measure& m) {
       return "y = " + quoted(scene, m.b);
     case Measure::Kind::component:
       return fmt::format("points = [{}, {}]\naxis = {}", quoted(scene, m.a), quoted(scene, m.b), pair(m.axis));
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
+      throw std::invalid_argument("a text has outlines in contacts only");
     case Measure::Kind::rope:
       return "rope = " + contacts_of(scene, m);
     case Measure::Kind::sum:

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
+#include <vector>
 
 namespace poise::test {
 
@@ -68,6 +70,108 @@ double rope_length(const Scene& scene, const Measure& rope, const Poses& poses) 
   return length;
 }
 
+/// The points of a polygon in the world, with the one behind it.
+std::vector<Vec2> corners(const Scene& scene, const Measure& measure, const Poses& poses) {
+  std::vector<Vec2> out;
+  for (const PointRef& point : measure.outline.points) out.push_back(world(scene, point, poses));
+  if (measure.outline.backed) {
+    const Vec2 chord = out.back() - out.front();
+    out.push_back(0.5 * (out.front() + out.back()) + 0.5 * Vec2{chord.y, -chord.x});
+  }
+  return out;
+}
+
+/// Where on the outline a point is nearest to: for polygons by trying all of their edges, for arcs their nearest angle.
+Vec2 nearest(const Scene& scene, const Measure& measure, const Poses& poses, Vec2 p) {
+  Vec2 best{};
+  double least = std::numeric_limits<double>::infinity();
+  const auto offer = [&](Vec2 at) {
+    if (norm(p - at) >= least) return;
+    least = norm(p - at);
+    best = at;
+  };
+  if (measure.outline.form == Outline::Form::polygon) {
+    const std::vector<Vec2> of = corners(scene, measure, poses);
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const Vec2 edge = of[(k + 1) % of.size()] - of[k];
+      offer(of[k] + std::clamp(dot(p - of[k], edge) / dot(edge, edge), 0.0, 1.0) * edge);
+    }
+    return best;
+  }
+  const Vec2 centre = world(scene, measure.outline.points[0], poses);
+  const Vec2 begin = world(scene, measure.outline.points[1], poses) - centre;
+  const Vec2 end = world(scene, measure.outline.points[2], poses) - centre;
+  const double way = measure.outline.form == Outline::Form::hollow_arc ? 1.0 : -1.0;
+  const auto turned = [&](Vec2 to) {
+    const double angle = way * std::atan2(cross(begin, to), dot(begin, to));
+    return angle < 0.0 ? angle + 2 * M_PI : angle;
+  };
+  const double sweep = measure.outline.points[1] == measure.outline.points[2] ? 2 * M_PI : turned(end);
+  for (const double angle : {0.0, sweep}) offer(centre + begin * unit(way * angle));
+  if (turned(p - centre) < sweep) offer(centre + (norm(begin) / norm(p - centre)) * (p - centre));
+  return best;
+}
+
+/// The distance from what is nearest, negative inside: of a polygon right of all edges, of an arc behind it in its
+/// angle.
+double clearance(const Scene& scene, const Measure& measure, const Poses& poses) {
+  const Vec2 p = world(scene, measure.b, poses);
+  const Vec2 at = nearest(scene, measure, poses, p);
+  bool is_inside = true;
+  if (measure.outline.form == Outline::Form::polygon) {
+    const std::vector<Vec2> of = corners(scene, measure, poses);
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      is_inside = is_inside && cross(of[(k + 1) % of.size()] - of[k], p - of[k]) <= 0.0;
+    }
+  } else {
+    const Vec2 centre = world(scene, measure.outline.points[0], poses);
+    const double behind = norm(p - centre) - norm(at - centre);
+    const bool is_hollow = measure.outline.form == Outline::Form::hollow_arc;
+    // In the angle of the arc the nearest place is on the same ray.
+    is_inside = std::abs(cross(p - centre, at - centre)) < 1e-9 * dot(at - centre, at - centre) &&
+                dot(p - centre, at - centre) > 0.0 && (is_hollow ? behind > 0.0 : behind < 0.0);
+  }
+  return is_inside ? -norm(p - at) : norm(p - at);
+}
+
+/// The way of the nearest point along the outline, and `radius` times the angle by which the normal has turned.
+double along_outline(const Scene& scene, const Measure& measure, const Poses& poses) {
+  const double rounding = 1e-9;
+  const Vec2 p = world(scene, measure.b, poses);
+  const Vec2 at = nearest(scene, measure, poses, p);
+  const Vec2 normal = (clearance(scene, measure, poses) < 0.0 ? -1.0 : 1.0) * (p - at);
+  const auto clockwise = [&](Vec2 from, Vec2 to) {
+    const double angle = -std::atan2(cross(from, to), dot(from, to));
+    return angle < -rounding ? angle + 2 * M_PI : angle;
+  };
+  if (measure.outline.form == Outline::Form::polygon) {
+    const std::vector<Vec2> of = corners(scene, measure, poses);
+    const double turned = clockwise(quarter_turn(of[1] - of[0]), normal);
+    double way = 0.0;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const Vec2 edge = of[(k + 1) % of.size()] - of[k];
+      const double share = dot(at - of[k], edge) / dot(edge, edge);
+      const bool is_on = norm(at - of[k] - share * edge) < rounding && share > -rounding && share < 1 + rounding;
+      if (is_on && (k > 0 || share > rounding)) return way + share * norm(edge) + measure.radius * turned;
+      // The first corner belongs to the edge above which the place is higher, the first or the last one.
+      const Vec2 last = of[0] - of.back();
+      if (is_on && cross(edge, p - of[0]) / norm(edge) > cross(last, p - of[0]) / norm(last)) {
+        return measure.radius * (turned - 2 * M_PI);
+      }
+      way += norm(edge);
+    }
+    return way + measure.radius * turned;
+  }
+  const Vec2 centre = world(scene, measure.outline.points[0], poses);
+  const Vec2 begin = world(scene, measure.outline.points[1], poses) - centre;
+  const bool is_hollow = measure.outline.form == Outline::Form::hollow_arc;
+  const double angle = is_hollow ? clockwise(at - centre, begin) : clockwise(begin, at - centre);
+  const Vec2 outward = (is_hollow ? -1.0 : 1.0) * (at - centre);
+  const double further = -std::atan2(cross(outward, normal), dot(outward, normal));
+  const double arm = norm(begin) + (is_hollow ? -1.0 : 1.0) * measure.radius;
+  return arm * angle + measure.radius * further;
+}
+
 }  // namespace
 
 double measured(const Scene& scene, const Measure& measure, const Poses& poses) {
@@ -91,6 +195,10 @@ double measured(const Scene& scene, const Measure& measure, const Poses& poses) 
     }
     case Measure::Kind::rope:
       return rope_length(scene, measure, poses);
+    case Measure::Kind::clearance:
+      return clearance(scene, measure, poses);
+    case Measure::Kind::along_outline:
+      return along_outline(scene, measure, poses);
     case Measure::Kind::sum:
       break;
   }

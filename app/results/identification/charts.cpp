@@ -200,6 +200,8 @@ Vec2 place_read(const Scene& scene, const Measure& on, const Poses& poses) {
       return world(scene.joints[static_cast<std::size_t>(on.joint)].a);
     case Measure::Kind::x:
     case Measure::Kind::y:
+    case Measure::Kind::clearance:
+    case Measure::Kind::along_outline:
       return world(on.b);
     case Measure::Kind::rope:
       return poses[static_cast<std::size_t>(on.contacts.front().at.body)].origin;

@@ -61,6 +61,17 @@ void add_joints(Group& group, const Scene& scene) {
   table.words("to", "to", each(scene.joints, [&](const Joint& joint) { return scene.name_of(joint.b); }));
 }
 
+/// "A.P, A.Q", "the arc A.P to A.Q around A.O".
+std::string outline_in_words(const Scene& scene, const Outline& outline) {
+  const auto name = [&](std::size_t k) { return scene.name_of(outline.points[k]); };
+  if (outline.form != Outline::Form::polygon) {
+    return fmt::format("the arc {} to {} around {}", name(1), name(2), name(0));
+  }
+  std::string out = name(0);
+  for (std::size_t k = 1; k < outline.points.size(); ++k) out += ", " + name(k);
+  return out;
+}
+
 /// What a measure is taken of: "A.P to B.Q", "crank against ground".
 std::string measure_in_words(const Scene& scene, const Measure& on) {
   switch (on.kind) {
@@ -82,6 +93,10 @@ std::string measure_in_words(const Scene& scene, const Measure& on) {
       for (const RopeContact& contact : on.contacts) over += (over.empty() ? "" : ", ") + scene.name_of(contact.at);
       return "rope over " + over;
     }
+    case Measure::Kind::clearance:
+      return fmt::format("clearance of {} from {}", scene.name_of(on.b), outline_in_words(scene, on.outline));
+    case Measure::Kind::along_outline:
+      return fmt::format("way of {} along {}", scene.name_of(on.b), outline_in_words(scene, on.outline));
     case Measure::Kind::sum:
       break;
   }
