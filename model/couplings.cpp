@@ -17,20 +17,27 @@ namespace {
 
 using Of = CouplingPart::Of;
 
-// The limit that is given, or both.
+// The half of what a stop leaves between two finite limits, as the backlash of a gear; 0 where it holds its measure, or
+// its limits are not known yet.
+double half_play(const Stop& stop) {
+  return std::isfinite(stop.min) && stop.max > stop.min && std::isfinite(stop.max) ? 0.5 * (stop.max - stop.min) : 0.0;
+}
+
+// The limit that is given, or both, or what is in the middle of them.
 constexpr Number value_number(std::string_view key) {
   Number number{key, {}, Range::finite};
   number.measure_power = 1;
   number.range_of_measure = true;
   number.get = [](const void* item) {
     const Stop& stop = *static_cast<const Stop*>(item);
-    return std::optional<double>(std::isfinite(stop.min) ? stop.min : stop.max);
+    return std::optional<double>(std::isfinite(stop.min) ? stop.min + half_play(stop) : stop.max);
   };
   number.set = [](void* item, double value) {
     Stop& stop = *static_cast<Stop*>(item);
+    const double half = half_play(stop);
     // Not a number where it is not known yet.
-    if (!std::isinf(stop.max)) stop.max = value;
-    if (!std::isinf(stop.min)) stop.min = value;
+    if (!std::isinf(stop.max)) stop.max = value + half;
+    if (!std::isinf(stop.min)) stop.min = value - half;
   };
   number.scale = [](void* item, double factor) {
     Stop& stop = *static_cast<Stop*>(item);
@@ -92,11 +99,33 @@ constexpr Number pressure_number() {
   return number;
 }
 
+// What teeth, or a pin in its slot, have room for: between limits on both sides of a value.
+constexpr Number play_number(std::string_view key) {
+  Number number{key, {}, Range::positive};
+  number.measure_power = 1;
+  number.get = [](const void* item) {
+    const Stop& stop = *static_cast<const Stop*>(item);
+    return stop.holds() ? std::nullopt : std::optional<double>(2.0 * half_play(stop));
+  };
+  number.set = [](void* item, double value) {
+    Stop& stop = *static_cast<Stop*>(item);
+    const double middle = stop.min + half_play(stop);
+    stop.min = middle - 0.5 * value;
+    stop.max = middle + 0.5 * value;
+  };
+  number.scale = [](void*, double) {};  // the value in the middle scales both limits
+  return number;
+}
+
 constexpr std::array<Number, 2> belt_numbers{needed(factor_number<1>("ratio", dimension::none, Range::positive)),
                                              value_number("phase")};
-constexpr std::array<Number, 3> gear_numbers{belt_numbers[0], belt_numbers[1], pressure_number()};
-constexpr std::array<Number, 3> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
-                                             value_number("offset"), pressure_number()};
+constexpr std::array<Number, 4> gear_numbers{belt_numbers[0], belt_numbers[1], pressure_number(),
+                                             play_number("backlash")};
+constexpr std::array<Number, 4> rack_numbers{needed(factor_number<1>("radius", dimension::length, Range::finite)),
+                                             value_number("offset"), pressure_number(), play_number("backlash")};
+constexpr std::array<CouplingPart, 4> factor_and_backlash{
+    CouplingPart{Of::factor, 1, 0, 1.0, true}, CouplingPart{Of::value, 0, 1}, CouplingPart{Of::lower, 0, 3, -0.5},
+    CouplingPart{Of::upper, 0, 3, 0.5}};
 constexpr std::array<CouplingPart, 2> factor_and_value{CouplingPart{Of::factor, 1, 0, 1.0, true},
                                                        CouplingPart{Of::value, 0, 1}};
 
@@ -387,36 +416,78 @@ constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::f
                                                               CouplingPart{Of::value, 0, 1}};
 constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
 
-constexpr std::array<CouplingKind, 30> kinds{{{"gear", gear_numbers, factor_and_value},
-                                              {"belt", belt_numbers, factor_and_value},
-                                              {"rack", rack_numbers, factor_and_value},
-                                              {"cam", cam_numbers, cam_parts},
-                                              {"coupling", coupling_numbers, value_only},
-                                              {"rope", rope_numbers, value_only},
-                                              {"chain", chain_numbers, chain_parts},
-                                              {"chain_line", {}, strand_parts, 1},
-                                              {"chain_crossed_line", {}, crossed_strand_parts, 1},
-                                              {"chain_straight", {}, {}, 2},
-                                              {"circular_slot", circle_numbers, value_only},
-                                              {"circular_slot_line", {}, {}, 1},
-                                              {"circular_slot_ends", {}, arc_ends, 2},
-                                              {"curved_slot", track_numbers, track_parts},
-                                              {"curved_slot_x", {}, {}, 1},
-                                              {"curved_slot_y", {}, {}, 2},
-                                              {"rolling", rolling_numbers, value_only},
-                                              {"rolling_friction", {}, friction_parts, 1},
-                                              {"rolling_on_circle", circle_rolling_numbers, distance_parts},
-                                              {"rolling_on_circle_friction", {}, arc_parts, 1},
-                                              {"rolling_on_circle_line", {}, {}, 2},
-                                              {"rolling_profile", profile_numbers, {}},
-                                              {"rolling_profile_friction", {}, profile_friction, 1},
-                                              {"rolling_profile_tangent", {}, {}, 2},
-                                              {"rolling_profile_ends", {}, profile_ends, 3},
-                                              {"rolling_profile_on_circle", circle_profile_numbers, value_only},
-                                              {"rolling_profile_on_circle_friction", {}, circle_profile_friction, 1},
-                                              {"rolling_profile_on_circle_tangent", {}, {}, 2},
-                                              {"rolling_profile_on_circle_line", {}, {}, 3},
-                                              {"rolling_profile_on_circle_ends", {}, circle_profile_ends, 4}}};
+// Of the stops of a contact, which share it.
+constexpr Number contact_radius = [] {
+  Number radius{"radius", dimension::length, Range::not_negative};
+  radius.get = [](const void* item) { return std::optional<double>(static_cast<const Stop*>(item)->min); };
+  radius.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    for (int part = 0; part < rows->parts; ++part) rows[part].min = value;
+  };
+  radius.scale = [](void* item, double factor) {
+    Stop* const rows = static_cast<Stop*>(item);
+    for (int part = 0; part < rows->parts; ++part) rows[part].min *= factor;
+  };
+  return radius;
+}();
+constexpr std::array<Number, 1> contact_numbers{contact_radius};
+constexpr std::array<CouplingPart, 1> contact_limit{CouplingPart{Of::lower}};
+
+// A pin in a hole that is wider, and one in a slot.
+constexpr std::array<Number, 1> loose_pin_numbers{positive_value("clearance")};
+constexpr std::array<Number, 1> loose_slot_numbers{[] {
+  Number clearance = needed(play_number("clearance"));
+  clearance.scale = value_number("clearance").scale;
+  return clearance;
+}()};
+constexpr std::array<CouplingPart, 2> play_parts{CouplingPart{Of::lower, 0, 0, -0.5},
+                                                 CouplingPart{Of::upper, 0, 0, 0.5}};
+
+constexpr auto contact_part_tables = indexed_keys<most_contact_parts>("contact_part");
+
+constexpr std::array<CouplingKind, 30> kinds_without_parts{
+    {{"gear", gear_numbers, factor_and_backlash},
+     {"belt", belt_numbers, factor_and_value},
+     {"rack", rack_numbers, factor_and_backlash},
+     {"cam", cam_numbers, cam_parts},
+     {"coupling", coupling_numbers, value_only},
+     {"rope", rope_numbers, value_only},
+     {"chain", chain_numbers, chain_parts},
+     {"chain_line", {}, strand_parts, 1},
+     {"chain_crossed_line", {}, crossed_strand_parts, 1},
+     {"chain_straight", {}, {}, 2},
+     {"circular_slot", circle_numbers, value_only},
+     {"circular_slot_line", {}, {}, 1},
+     {"circular_slot_ends", {}, arc_ends, 2},
+     {"curved_slot", track_numbers, track_parts},
+     {"curved_slot_x", {}, {}, 1},
+     {"curved_slot_y", {}, {}, 2},
+     {"rolling", rolling_numbers, value_only},
+     {"rolling_friction", {}, friction_parts, 1},
+     {"rolling_on_circle", circle_rolling_numbers, distance_parts},
+     {"rolling_on_circle_friction", {}, arc_parts, 1},
+     {"rolling_on_circle_line", {}, {}, 2},
+     {"rolling_profile", profile_numbers, {}},
+     {"rolling_profile_friction", {}, profile_friction, 1},
+     {"rolling_profile_tangent", {}, {}, 2},
+     {"rolling_profile_ends", {}, profile_ends, 3},
+     {"rolling_profile_on_circle", circle_profile_numbers, value_only},
+     {"rolling_profile_on_circle_friction", {}, circle_profile_friction, 1},
+     {"rolling_profile_on_circle_tangent", {}, {}, 2},
+     {"rolling_profile_on_circle_line", {}, {}, 3},
+     {"rolling_profile_on_circle_ends", {}, circle_profile_ends, 4}}};
+constexpr auto kinds = [] {
+  std::array<CouplingKind, kinds_without_parts.size() + 3 + most_contact_parts> out{};
+  std::copy(kinds_without_parts.begin(), kinds_without_parts.end(), out.begin());
+  auto* next = out.data() + kinds_without_parts.size();
+  *next++ = {"loose_pin", loose_pin_numbers, value_only};
+  *next++ = {"loose_slot", loose_slot_numbers, play_parts};
+  *next++ = {"contact", contact_numbers, contact_limit};
+  for (std::size_t part = 0; part < most_contact_parts; ++part) {
+    *next++ = {contact_part_tables[part].view(), {}, contact_limit, static_cast<int>(part) + 1};
+  }
+  return out;
+}();
 
 }  // namespace
 
@@ -427,6 +498,8 @@ const CouplingKind* coupling_kind(const Stop& stop) {
       std::find_if(kinds.begin(), kinds.end(), [&](const CouplingKind& kind) { return kind.table == stop.table; });
   return found == kinds.end() ? nullptr : &*found;
 }
+
+bool is_contact(const Stop& stop) { return stop.table.starts_with("contact"); }
 
 std::vector<int> rubbing_rims(const Measure& rope) {
   std::vector<int> out;
@@ -573,6 +646,6 @@ std::optional<Measure> Stop::tangent() const {
   return std::nullopt;
 }
 
-std::string Stop::family() const { return words_of_key(table); }
+std::string Stop::family() const { return is_contact(*this) ? "contact" : words_of_key(table); }
 
 }  // namespace poise

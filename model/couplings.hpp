@@ -78,7 +78,15 @@ struct CouplingKind {
 ///     _tangent     angle of the body from the radius + `angle` = - sense pi / 2
 ///     _line        - sense times the component across + `along` = 0
 ///     _ends        of an open curve, from <= s <= to
+///   contact        clearance of a point from an outline, a convex part of it, >= radius; behind it as many as there
+///   are
+///     _part.1, ...   other parts, the same
 std::span<const CouplingKind> coupling_kinds();
+
+/// An outline is made of at most so many convex parts behind its first.
+inline constexpr std::size_t most_contact_parts = 63;
+/// Whether a stop is one of those of a contact between bodies.
+bool is_contact(const Stop& stop);
 
 /// Index of the pressure angle in the numbers of a gear or rack.
 inline constexpr int pressure_angle_at = 2;

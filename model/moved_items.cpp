@@ -140,6 +140,8 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     name_in(table, "b", &MovedItems::name_point);
     if (mirrored_ && !table.contains("turn")) table.insert_or_assign("turn", "counterclockwise");
     mirror_turn(table);
+  } else if (key == "contact") {
+    transform_contact(table);
   } else if (is_any_of(key, {"circular_slot", "curved_slot", "rolling", "rolling_on_circle", "rolling_profile",
                              "rolling_profile_on_circle"})) {
     transform_track(key, table, place);
@@ -147,6 +149,23 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     transform_measure(table);
     if (is_any_of(key, {"slide", "weld"})) mirror_number(table, "angle");
   }
+}
+
+// What was on the left of the way is on the left of it in the other direction.
+void MovedItems::transform_contact(toml::table& table) {
+  name_in(table, "point", &MovedItems::name_point);
+  for (const std::string_view way : {"segment", "outline"}) {
+    name_list(table, way, &MovedItems::name_point);
+    toml::array* const list = list_in(table, way);
+    if (list == nullptr || !mirrored_) continue;
+    toml::array turned;
+    for (std::size_t i = list->size(); i-- > 0;) turned.push_back(std::move(*list->get(i)));
+    *list = std::move(turned);
+  }
+  toml::table* const arc = table_in(table, "arc");
+  if (arc == nullptr) return;
+  for (const std::string_view point : {"center", "from", "to"}) name_in(*arc, point, &MovedItems::name_point);
+  if (mirrored_) exchange_ends(*arc);
 }
 
 void MovedItems::transform_track(std::string_view key, toml::table& table, const TomlTable& place) {

@@ -160,6 +160,7 @@ class MovedItems {
   void transform_measure(toml::table& table);
   void transform_rope(toml::table& table, std::string_view key);
   void turn_load(toml::table& table);
+  void transform_contact(toml::table& table);
   void transform_track(std::string_view key, toml::table& table, const TomlTable& place);
   void exchange_ends(toml::table& table);
 };

@@ -18,6 +18,7 @@
 #include "model/measures/rope.hpp"
 #include "model/mechanism.hpp"
 #include "model/meshing.hpp"
+#include "model/outline_parts.hpp"
 #include "model/profile.hpp"
 #include "model/read_elements.hpp"
 #include "model/read_measure.hpp"
@@ -44,6 +45,8 @@ class CouplingReader {
     if (kind.table == "rolling_profile_on_circle") return read_profile_on_circle(kind, table, rider, line);
     if (kind.table == "circular_slot" && line >= 0) return read_arc(kind, table, line);
     if (kind.table == "chain") return read_chain(kind, table, line);
+    if (kind.table == "contact") return read_contact(kind, table);
+    if (kind.table == "loose_pin" || kind.table == "loose_slot") return {read_loose(kind, table)};
     return {read_row(kind, table)};
   }
 
@@ -91,7 +94,7 @@ class CouplingReader {
     const bool is_gear = stop.table == "gear";
     const std::string_view other_way = is_gear ? "internal" : "crossed";
     std::vector<std::string_view> keys{"name", "bodies", "carrier", "ratio", other_way, "phase"};
-    if (is_gear) keys.emplace_back("pressure_angle");
+    if (is_gear) keys.insert(keys.end(), {"pressure_angle", "backlash"});
     table.allow_keys(keys);
     const auto [a, b] = names_.two_bodies(table);
     const int carrier = carrier_of(table);
@@ -109,7 +112,7 @@ class CouplingReader {
 
   // travel - radius angle(carrier -> pinion).
   void read_rack(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "slide", "pinion", "carrier", "radius", "offset", "pressure_angle"});
+    table.allow_keys({"name", "slide", "pinion", "carrier", "radius", "offset", "pressure_angle", "backlash"});
     const int rack = names_.travelling_joint(table.text("slide"));
     const TomlText pinion = table.text("pinion");
     const int body = names_.movable_body(pinion);
@@ -121,6 +124,9 @@ class CouplingReader {
 
   // A force of teeth acts on bearings where they mesh.
   void check_meshing(const TomlTable& table, const Stop& stop) const {
+    if (stop.pressure_tangent && table.has("backlash")) {
+      table.place_of("backlash").fail("expected teeth without pressure_angle beside it; leave one of the two keys out");
+    }
     if (!stop.pressure_tangent || meshing(scene_, stop)) return;
     table.place_of("pressure_angle")
         .fail(stop.table == "gear"
@@ -283,6 +289,109 @@ class CouplingReader {
     const Vec2 axis = table.vector("axis", 1.0);
     if (axis == Vec2{}) table.place_of("axis").fail("expected a direction, found [0, 0]; give for example [1, 0]");
     return axis;
+  }
+
+  // The pin stays as near to the middle of its hole as their radii differ, or to the line of its slot.
+  Stop read_loose(const CouplingKind& kind, const TomlTable& table) const {
+    const bool is_pin = kind.table == "loose_pin";
+    if (is_pin)
+      table.allow_keys({"name", "points", "clearance"});
+    else
+      table.allow_keys({"name", "points", "axis", "clearance"});
+    const auto [a, b] = names_.two_points(table);
+    Stop stop;
+    stop.table = kind.table;
+    if (is_pin) {
+      stop.on = Measure::distance_between(a, b);
+      stop.max = not_given;
+    } else {
+      stop.on = Measure::component_along(a, b, quarter_turn(axis_of(table)));
+      stop.min = stop.max = 0.0;
+    }
+    read_numbers(table, kind.numbers, &stop, &stop.on);
+    return stop;
+  }
+
+  // A stop for each convex part of the outline.
+  std::vector<Stop> read_contact(const CouplingKind& kind, const TomlTable& table) const {
+    table.allow_keys({"name", "point", "radius", "segment", "arc", "outline", "closed"});
+    const PointRef point = names_.point(table.text("point"));
+    const std::vector<Outline> outlines = outlines_of(table, point);
+    std::vector<Stop> rows(outlines.size());
+    for (std::size_t part = 0; part < rows.size(); ++part) {
+      rows[part].table = part == 0 ? std::string(kind.table) : fmt::format("contact_part.{}", part);
+      rows[part].on = Measure::clearance_of(point, outlines[part]);
+      rows[part].min = 0.0;
+    }
+    rows.front().parts = static_cast<int>(rows.size());
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
+    return rows;
+  }
+
+  std::vector<Outline> outlines_of(const TomlTable& table, PointRef point) const {
+    const int given = (table.has("segment") ? 1 : 0) + (table.has("arc") ? 1 : 0) + (table.has("outline") ? 1 : 0);
+    if (given != 1) {
+      table.place().fail(
+          "expected one of the keys segment, arc and outline, for example segment = [\"wheel.A\", \"wheel.B\"]; the "
+          "point touches it on the left of the way from A to B");
+    }
+    if (table.has("closed") && !table.has("outline")) {
+      table.place_of("closed").fail("expected the key outline beside closed; leave closed out");
+    }
+    if (const std::optional<TomlTable> arc = table.find_table("arc")) return {arc_of(*arc, point)};
+    const std::string_view key = table.has("segment") ? "segment" : "outline";
+    std::vector<OutlinePoint> way;
+    for (const TomlText& name : table.texts(key)) way.push_back(outline_point(name, way, point));
+    const bool closed = table.flag("closed", false);
+    if (key == "segment" ? way.size() != 2 : way.size() < (closed ? 3U : 2U)) {
+      table.place_of(key).fail(key == "segment" ? "expected two points; several edges are an outline"
+                               : closed         ? "expected three points or more of a closed outline"
+                                                : "expected two points or more");
+    }
+    if (closed && way.front().at == way.back().at) {
+      table.place_of(key).fail("expected another last point than the first, to which a closed outline returns anyway");
+    }
+    std::vector<Outline> out = located(table.place_of(key), [&] { return parts_of_outline(way, closed); });
+    if (out.size() > most_contact_parts + 1) {
+      table.place_of(key).fail(
+          fmt::format("expected an outline of at most {} convex parts, found {}; give some of it "
+                      "as a contact of its own",
+                      most_contact_parts + 1, out.size()));
+    }
+    return out;
+  }
+
+  // A point of another body than that of the point that touches it, and of the same as those before.
+  OutlinePoint outline_point(const TomlText& name, const std::vector<OutlinePoint>& before, PointRef point) const {
+    const PointRef at = names_.point(name);
+    if (at.body == point.body) name.place.fail("expected a point of another body than that of the key point");
+    if (!before.empty()) {
+      if (at.body != before.front().point.body) {
+        name.place.fail("expected a point of the same body as the first, " + scene_.name_of(before.front().point));
+      }
+      if (scene_.local(at) == before.back().at) name.place.fail("expected another place than that of the point before");
+    }
+    return {at, scene_.local(at)};
+  }
+
+  Outline arc_of(const TomlTable& arc, PointRef point) const {
+    arc.allow_keys({"center", "from", "to", "hollow"});
+    std::vector<OutlinePoint> way;
+    Outline out{arc.flag("hollow", false) ? Outline::Form::hollow_arc : Outline::Form::arc, {}, false};
+    for (const std::string_view key : {"center", "from", "to"}) {
+      way.push_back(outline_point(arc.text(key), key == "to" ? std::vector<OutlinePoint>{way.front()} : way, point));
+      out.points.push_back(way.back().point);
+    }
+    const double radius = norm(way[1].at - way[0].at), other = norm(way[2].at - way[0].at);
+    constexpr double rounding = 1e-6;
+    if (std::abs(other - radius) > rounding * radius) {
+      const double unit = arc.unit(dimension::length);
+      arc.place_of("to").fail(
+          fmt::format("expected a point as far from the center as that of the key from, {:.9g}, "
+                      "found {:.9g}",
+                      radius / unit, other / unit));
+    }
+    return out;
   }
 
   // Across the line, and along it: component + radius (angle of the wheel from the line's body).
@@ -561,6 +670,7 @@ constexpr std::array<std::string_view, 3> curves{"curved_slot", "rolling_profile
 std::string name_of_row(const std::string& name, const Stop& row) {
   if (row.table == "curved_slot_x") return name + " x";
   if (row.table == "curved_slot_y") return name + " y";
+  if (row.table.starts_with("contact_part.")) return name + " part " + row.table.substr(row.table.find('.') + 1);
   if (row.table.ends_with("_line")) return name + " line";
   if (row.table.ends_with("_ends")) return name + " ends";
   if (row.table.ends_with("_straight")) return name + " straight";
@@ -803,6 +913,7 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
             "expected the key value, which follows from [start] only for angles and travels; add value = NUMBER");
       }
       stop.min = stop.max = *value;
+      if (table.has("backlash")) read_numbers(table, stop.numbers().last(1), &stop, &stop.on);
     }
   }
   // The line of a slot with ends begins in the middle of its arc.

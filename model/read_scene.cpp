@@ -275,6 +275,12 @@ class SceneReader {
     if (joint.has_travel()) keys.emplace_back("axis");
     for (const Number& number : joint.numbers()) keys.push_back(number.key);
     if (joint.can_rub()) keys.emplace_back("friction");
+    if (table.has("clearance")) {
+      table.place_of("clearance")
+          .fail(
+              "expected a joint without clearance, which takes freedom from its bodies; make it a [[loose_pin]] or a "
+              "[[loose_slot]]");
+    }
     table.allow_keys(keys);
     read_numbers(table, joint.numbers(), &joint, nullptr);
     if (joint.can_rub()) read_friction(table, joint);

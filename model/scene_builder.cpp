@@ -470,6 +470,49 @@ SceneBuilder& SceneBuilder::chain(const std::string& a, const std::string& b, co
   return *this;
 }
 
+SceneBuilder& SceneBuilder::contact(const std::string& point, const std::vector<std::string>& way,
+                                    const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("contact", name);
+  document_->set(table, "point", point);
+  toml::array points;
+  for (const std::string& one : way) points.push_back(one);
+  document_->set(table, way.size() == 2 ? "segment" : "outline", std::move(points));
+  document_->add_keys(table, "contact", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::contact_with_arc(const std::string& point, const std::string& center,
+                                             const std::string& from, const std::string& to, bool hollow,
+                                             const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("contact", name);
+  document_->set(table, "point", point);
+  toml::table arc;
+  document_->set(arc, "center", center);
+  document_->set(arc, "from", from);
+  document_->set(arc, "to", to);
+  if (hollow) document_->set(arc, "hollow", true);
+  document_->set(table, "arc", std::move(arc));
+  document_->add_keys(table, "contact", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::loose_pin(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                                      const std::string& name) {
+  toml::table& table = document_->next("loose_pin", name);
+  document_->set(table, "points", toml::array{a, b});
+  document_->add_keys(table, "loose_pin", name, keys);
+  return *this;
+}
+
+SceneBuilder& SceneBuilder::loose_slot(const std::string& a, const std::string& b, Vec2 axis,
+                                       const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("loose_slot", name);
+  document_->set(table, "points", toml::array{a, b});
+  document_->set(table, "axis", pair_of(axis));
+  document_->add_keys(table, "loose_slot", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::circular_slot(const std::string& pin, const std::string& center,
                                           const std::vector<Key>& keys, const std::string& name) {
   toml::table& table = document_->next("circular_slot", name);

@@ -184,6 +184,19 @@ class SceneBuilder {
   /// A chain round two sprockets: "radius_a", "radius_b", "turn", ...
   SceneBuilder& chain(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                       const std::string& name = {});
+  /// A point of a body that touches a way through points of another, on the left of it: a segment of two points, or an
+  /// outline of more; "radius" of a circle around it, "closed".
+  SceneBuilder& contact(const std::string& point, const std::vector<std::string>& way,
+                        const std::vector<Key>& keys = {}, const std::string& name = {});
+  /// The same of an arc, clockwise around its center, or counter-clockwise with the contact inside (`hollow`).
+  SceneBuilder& contact_with_arc(const std::string& point, const std::string& center, const std::string& from,
+                                 const std::string& to, bool hollow = false, const std::vector<Key>& keys = {},
+                                 const std::string& name = {});
+  /// A pin in a hole that is wider than it, and one in a slot along an axis of the body of point a: "clearance".
+  SceneBuilder& loose_pin(const std::string& a, const std::string& b, const std::vector<Key>& keys,
+                          const std::string& name = {});
+  SceneBuilder& loose_slot(const std::string& a, const std::string& b, Vec2 axis, const std::vector<Key>& keys,
+                           const std::string& name = {});
   /// A pin in a slot of a circle: "radius", "from", "to".
   SceneBuilder& circular_slot(const std::string& pin, const std::string& center, const std::vector<Key>& keys,
                               const std::string& name = {});

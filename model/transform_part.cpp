@@ -27,15 +27,16 @@ void Placing::rename_below(toml::node& node, std::string_view key) const {
     if (!is_one_of(key, {"name", "at",  "on",     "follows", "slide",         "x",
                          "y",    "pin", "center", "carrier", "pinion",        "wheel",
                          "line", "a",   "b",      "pulley",  "turn",          "roller",
-                         "acts", "law", "file",   "profile", "interpolation", "as"})) {
+                         "acts", "law", "file",   "profile", "interpolation", "as",
+                         "point"})) {
       rename(*text, key == FormulaInTime::key ? FormulaInTime::time_name : std::string_view());
     }
   } else if (toml::array* const list = node.as_array()) {
-    const bool names = is_one_of(key, {"points", "bodies", "over", "rope", "line"});
+    const bool names = is_one_of(key, {"points", "bodies", "over", "rope", "line", "segment", "outline"});
     for (toml::node& one : *list) {
       if (!names || !one.is_string()) rename_below(one, "");
     }
-  } else if (toml::table* const table = node.as_table()) {
+  } else if (toml::table* const table = node.as_table(); table != nullptr && key != "arc") {  // it has names of points
     for (auto&& [below, value] : *table) rename_below(value, below.str());
   }
 }

@@ -46,6 +46,9 @@ struct Stop {
   /// Coefficient of the Coulomb friction across the measure, where it is x or y of a point; motion alone has it.
   std::optional<double> friction{};
 
+  /// Of the first of the stops of a contact: of how many convex parts its outline is made (model/outline_parts.hpp).
+  int parts = 1;
+
   /// It holds its measure at one value.
   bool holds() const { return min == max; }
   /// How impacts at one of its limits end: the rate with which the measure leaves over that with which it came.

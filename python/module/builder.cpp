@@ -282,6 +282,7 @@ void bind_couplings(py::class_<Named>& type) {
   between("belt", &Builder::belt);
   between("rack", &Builder::rack);
   between("chain", &Builder::chain);
+  between("loose_pin", &Builder::loose_pin);
   between("circular_slot", &Builder::circular_slot);
   between("rolling_on_circle", &Builder::rolling_on_circle);
   type.def("coupling", [](Named& b, const MeasureByName& sum, const py::dict& keys,
@@ -290,6 +291,16 @@ void bind_couplings(py::class_<Named>& type) {
                      Text name) { b.builder.cam(p, q, follower, cam_law_of(b, law), keys_of(b, "cam", keys), name); })
       .def("rope", [](Named& b, Any over, const py::dict& keys,
                       Text name) { b.builder.rope(rope_of(b, over), keys_of(b, "rope", keys), name); })
+      .def("loose_slot",
+           [](Named& b, Text p, Text q, Any axis, const py::dict& keys, Text name) {
+             b.builder.loose_slot(p, q, pair_of(b, "loose_slot.axis", axis), keys_of(b, "loose_slot", keys), name);
+           })
+      .def("contact", [](Named& b, Text point, const std::vector<std::string>& way, const py::dict& keys,
+                         Text name) { b.builder.contact(point, way, keys_of(b, "contact", keys), name); })
+      .def("contact_with_arc",
+           [](Named& b, Text point, Text center, Text from, Text to, bool hollow, const py::dict& keys, Text name) {
+             b.builder.contact_with_arc(point, center, from, to, hollow, keys_of(b, "contact", keys), name);
+           })
       .def("curved_slot",
            [](Named& b, Text pin, Text at, Any curve, const py::dict& keys, Text name) {
              b.builder.curved_slot(pin, at, pairs_of(b, "curved_slot.curve", curve), keys_of(b, "curved_slot", keys),

@@ -208,6 +208,25 @@ class SceneBuilder:
         """A chain round two sprockets: ``radius_a``, ``radius_b``, ``turn``, ..."""
         return self._add("chain", a, b, self._keys(keys), name)
 
+    def loose_pin(self, a: str, b: str, /, name: str = "", **keys: Any) -> SceneBuilder:
+        """A pin in a hole that is wider than it: ``clearance``."""
+        return self._add("loose_pin", a, b, self._keys(keys), name)
+
+    def loose_slot(self, a: str, b: str, /, axis: Pair, name: str = "", **keys: Any) -> SceneBuilder:
+        """A pin, the point ``b``, in a slot along an axis of the body of ``a`` that is wider than it: ``clearance``."""
+        return self._add("loose_slot", a, b, axis, self._keys(keys), name)
+
+    def contact(self, point: str, way: Sequence[str], /, name: str = "", **keys: Any) -> SceneBuilder:
+        """A point of a body, or a circle of ``radius`` around it, that touches the way through points of another one on
+        the left of it: a segment of two, or an outline of more, ``closed`` or not."""
+        return self._add("contact", point, list(way), self._keys(keys), name)
+
+    def contact_with_arc(self, point: str, center: str, from_: str, to: str, /, name: str = "", hollow: bool = False,
+                         **keys: Any) -> SceneBuilder:
+        """The same of an arc around ``center``, clockwise from one point to another; counter-clockwise, with the
+        contact inside, of a ``hollow`` one."""
+        return self._add("contact_with_arc", point, center, from_, to, hollow, self._keys(keys), name)
+
     def circular_slot(self, pin: str, center: str, /, name: str = "", **keys: Any) -> SceneBuilder:
         """A pin in a slot of a circle: ``radius``, ``from_``, ``to``."""
         return self._add("circular_slot", pin, center, self._keys(keys), name)

@@ -186,7 +186,7 @@ angle = "deg"
 [ground]
 points = { O = [0, 0], A = [100, 0], R = [0, -30], S = [0, 200], T = [0, 40] }
 [body.a]
-points = { O = [0, 0] }
+points = { O = [0, 0], O2 = [0, 9], O3 = [9, 0] }
 [body.b]
 points = { A = [0, 0] }
 [body.arm]
@@ -309,6 +309,27 @@ curve = [[10, 0], [0, 8], [-10, 0], [0, -8]]
 center = "a.O"
 circle_radius = 30
 closed = true
+[[loose_pin]]
+points = ["arm.L", "bead.P"]
+clearance = 0.5
+[[loose_slot]]
+name = "play"
+points = ["rack.Q", "wheel.C"]
+axis = [1, 2]
+clearance = 0.1
+[[contact]]
+point = "bead.P"
+radius = 3
+segment = ["arm.O", "arm.P"]
+[[contact]]
+name = "cup"
+point = "bead.P"
+outline = ["arm.O", "arm.L", "arm.P"]
+closed = true
+[[contact]]
+name = "dish"
+point = "bead.P"
+arc = { center = "a.O", from = "a.O2", to = "a.O3", hollow = true }
 [start]
 arc = 20
 a = 7
@@ -321,7 +342,7 @@ SceneBuilder couplings_builder() {
       .ground_point("R", {0, -30})
       .ground_point("S", {0, 200})
       .ground_point("T", {0, 40})
-      .body("a", {.points = {{"O", {0, 0}}}})
+      .body("a", {.points = {{"O", {0, 0}}, {"O2", {0, 9}}, {"O3", {9, 0}}}})
       .body("b", {.points = {{"A", {0, 0}}}})
       .body("arm", {.points = {{"O", {0, 0}}, {"P", {20, 0}}, {"L", {30, 5}}}})
       .body("rack", {.points = {{"R", {0, 0}}, {"Q", {10, 10}}}})
@@ -354,6 +375,11 @@ SceneBuilder couplings_builder() {
       .rolling_profile("wheel.C", {{-10, 4}, {0, 0}, {10, 4}}, "ground.T", {1, 2}, {{"from", 2}}, "runner")
       .rolling_profile_on_circle("wheel.C", {{10, 0}, {0, 8}, {-10, 0}, {0, -8}}, "a.O",
                                  {{"circle_radius", 30}, {"closed", true}})
+      .loose_pin("arm.L", "bead.P", {{"clearance", 0.5}})
+      .loose_slot("rack.Q", "wheel.C", {1, 2}, {{"clearance", 0.1}}, "play")
+      .contact("bead.P", {"arm.O", "arm.P"}, {{"radius", 3}})
+      .contact("bead.P", {"arm.O", "arm.L", "arm.P"}, {{"closed", true}}, "cup")
+      .contact_with_arc("bead.P", "a.O", "a.O2", "a.O3", true, {}, "dish")
       .start("arc", 20)
       .start("a", 7);
   return builder;
@@ -367,6 +393,7 @@ void expect_same_measure(const Measure& built, const Measure& read) {
   EXPECT_EQ(built.b, read.b);
   EXPECT_EQ(built.joint, read.joint);
   EXPECT_EQ(built.axis, read.axis);
+  EXPECT_EQ(built.outline, read.outline);
   ASSERT_EQ(built.contacts.size(), read.contacts.size());
   for (std::size_t k = 0; k < read.contacts.size(); ++k) {
     EXPECT_EQ(built.contacts[k].at, read.contacts[k].at);

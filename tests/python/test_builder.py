@@ -92,6 +92,10 @@ def couplings_builder():
         .rolling_profile("wheel.C", [(-10, 4), (0, 0), (10, 4)], "ground.T", (1, 2), "runner", from_=2)
         .rolling_profile_on_circle("wheel.C", [(10, 0), (0, 8), (-10, 0), (0, -8)], "a.O", circle_radius=30,
                                    closed=True)
+        .loose_pin("arm.L", "bead.P", clearance=0.5)
+        .loose_slot("rack.Q", "wheel.C", (1, 2), "play", clearance=0.1)
+        .contact(bead, ["arm.O", "arm.L", "arm.P"], "cup", radius=3, closed=True)
+        .contact_with_arc(bead, "ground.T", "ground.S", "ground.S", "dish", radius=1)
         .pin_in_slot("arm.P", "rack.Q", (0, 2), "slot")
         .weld("arm.L", "bead.P", 10, "joined")
         .bar("a.O", "wheel.C", 30, "rod")
@@ -122,8 +126,8 @@ def test_every_method_writes_what_the_reader_reads():
     builder = couplings_builder()
     text = builder.toml
     for item in ("gear", "belt", "rack", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
-                 "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "pin_in_slot", "weld", "bar",
-                 "drive", "stop", "spring", "force", "distributed_load", "torque"):
+                 "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "loose_pin", "loose_slot",
+                 "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "spring", "force", "distributed_load", "torque"):
         assert f"[[{item}]]" in text
     scene = builder.build()
     assert scene.numbers["numbers.third"] == 1 / 3 and scene.numbers["spring.strut.gas.ratio"] == 1.35
