@@ -295,8 +295,10 @@ void bind_couplings(py::class_<Named>& type) {
            [](Named& b, Text p, Text q, Any axis, const py::dict& keys, Text name) {
              b.builder.loose_slot(p, q, pair_of(b, "loose_slot.axis", axis), keys_of(b, "loose_slot", keys), name);
            })
-      .def("contact", [](Named& b, Text point, const std::vector<std::string>& way, const py::dict& keys,
-                         Text name) { b.builder.contact(point, way, keys_of(b, "contact", keys), name); })
+      .def("contact",
+           [](Named& b, Text point, Any way, const py::dict& keys, Text name) {
+             b.builder.contact(point, words_of(b, "contact.way", way), keys_of(b, "contact", keys), name);
+           })
       .def("contact_with_arc",
            [](Named& b, Text point, Text center, Text from, Text to, bool hollow, const py::dict& keys, Text name) {
              b.builder.contact_with_arc(point, center, from, to, hollow, keys_of(b, "contact", keys), name);

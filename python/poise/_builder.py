@@ -219,7 +219,7 @@ class SceneBuilder:
     def contact(self, point: str, way: Sequence[str], /, name: str = "", **keys: Any) -> SceneBuilder:
         """A point of a body, or a circle of ``radius`` around it, that touches the way through points of another one on
         the left of it: a segment of two, or an outline of more, ``closed`` or not."""
-        return self._add("contact", point, list(way), self._keys(keys), name)
+        return self._add("contact", point, way, self._keys(keys), name)
 
     def contact_with_arc(self, point: str, center: str, from_: str, to: str, /, name: str = "", hollow: bool = False,
                          **keys: Any) -> SceneBuilder:

@@ -127,7 +127,8 @@ def test_every_method_writes_what_the_reader_reads():
     text = builder.toml
     for item in ("gear", "belt", "rack", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
                  "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "loose_pin", "loose_slot",
-                 "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "spring", "force", "distributed_load", "torque"):
+                 "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "spring", "force", "distributed_load",
+                 "torque"):
         assert f"[[{item}]]" in text
     scene = builder.build()
     assert scene.numbers["numbers.third"] == 1 / 3 and scene.numbers["spring.strut.gas.ratio"] == 1.35

@@ -47,8 +47,7 @@ std::string groove(const std::string& contact) {
                      -std::cos(pi / 6), std::sin(pi / 6), std::cos(pi / 3), std::sin(pi / 3), contact);
 }
 
-// In the corner both faces, which are square to each other, press: W cos 30 and W cos 60. Between them the way from A
-// to B to C is on their right, so that it is given the other way.
+// In the corner both faces, which are square to each other, press: W cos 30 and W cos 60.
 TEST(Contacts, ABallLiesInAGroove) {
   const StaticModel model(parse_scene(groove("outline = [\"ground.A\", \"ground.B\", \"ground.C\"]"), "groove.toml"));
   for (const Equilibrium& found : found_both_ways(model)) {
