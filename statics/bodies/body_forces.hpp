@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/length_of.hpp"
+#include "model/outline.hpp"
 #include "model/plain_value.hpp"
 #include "model/scene_numbers.hpp"
 #include "model/select.hpp"
