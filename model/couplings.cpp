@@ -430,16 +430,29 @@ constexpr Number contact_radius = [] {
   };
   return radius;
 }();
-constexpr std::array<Number, 1> contact_numbers{contact_radius};
+// A number that all parts have.
+template <auto Member>
+constexpr Number of_all_parts(Number number) {
+  number.set = [](void* item, double value) {
+    Stop* const rows = static_cast<Stop*>(item);
+    if (Member == &Stop::restitution) Stop::restitution_number().set(rows, value);
+    for (int part = 0; part < rows->parts; ++part) rows[part].*Member = value;
+  };
+  return number;
+}
+constexpr std::array<Number, 3> contact_numbers{contact_radius,
+                                                of_all_parts<&Stop::restitution>(Stop::restitution_number()),
+                                                of_all_parts<&Stop::friction>(Stop::limits[3])};
 constexpr std::array<CouplingPart, 1> contact_limit{CouplingPart{Of::lower}};
 
 // A pin in a hole that is wider, and one in a slot.
-constexpr std::array<Number, 1> loose_pin_numbers{positive_value("clearance")};
-constexpr std::array<Number, 1> loose_slot_numbers{[] {
-  Number clearance = needed(play_number("clearance"));
-  clearance.scale = value_number("clearance").scale;
-  return clearance;
-}()};
+constexpr std::array<Number, 2> loose_pin_numbers{positive_value("clearance"), Stop::restitution_number()};
+constexpr std::array<Number, 2> loose_slot_numbers{[] {
+                                                     Number clearance = needed(play_number("clearance"));
+                                                     clearance.scale = value_number("clearance").scale;
+                                                     return clearance;
+                                                   }(),
+                                                   Stop::restitution_number()};
 constexpr std::array<CouplingPart, 2> play_parts{CouplingPart{Of::lower, 0, 0, -0.5},
                                                  CouplingPart{Of::upper, 0, 0, 0.5}};
 
@@ -643,6 +656,7 @@ std::span<const Number> Stop::numbers() const {
 std::optional<Measure> Stop::tangent() const {
   if (on.kind == Measure::Kind::x) return Measure::y_of(on.b);
   if (on.kind == Measure::Kind::y) return Measure::x_of(on.b);
+  if (on.kind == Measure::Kind::clearance) return Measure::slip_on(on, min);
   return std::nullopt;
 }
 

@@ -199,8 +199,8 @@ class CouplingReader {
   // In the frame of the strand, which begins at the centre of sprocket a: along it and over the rims, across it, and
   // its straight length.
   std::vector<Stop> read_chain(const CouplingKind& kind, const TomlTable& table, int strand) const {
-    table.allow_keys({"name", "a", "b", "radius_a", "radius_b", "turn", "crossed", "length", "slack", "restitution",
-                      "law"});
+    table.allow_keys(
+        {"name", "a", "b", "radius_a", "radius_b", "turn", "crossed", "length", "slack", "restitution", "law"});
     const auto [b, a] = points_of(table, "b", "a");
     const bool is_crossed = table.flag("crossed", false);
     const std::optional<TomlText> turn = table.find_text("turn");
@@ -295,9 +295,9 @@ class CouplingReader {
   Stop read_loose(const CouplingKind& kind, const TomlTable& table) const {
     const bool is_pin = kind.table == "loose_pin";
     if (is_pin)
-      table.allow_keys({"name", "points", "clearance"});
+      table.allow_keys({"name", "points", "clearance", "restitution", "law"});
     else
-      table.allow_keys({"name", "points", "axis", "clearance"});
+      table.allow_keys({"name", "points", "axis", "clearance", "restitution", "law"});
     const auto [a, b] = names_.two_points(table);
     Stop stop;
     stop.table = kind.table;
@@ -309,12 +309,14 @@ class CouplingReader {
       stop.min = stop.max = 0.0;
     }
     read_numbers(table, kind.numbers, &stop, &stop.on);
+    read_impact(table, stop);
     return stop;
   }
 
   // A stop for each convex part of the outline.
   std::vector<Stop> read_contact(const CouplingKind& kind, const TomlTable& table) const {
-    table.allow_keys({"name", "point", "radius", "segment", "arc", "outline", "closed"});
+    table.allow_keys(
+        {"name", "point", "radius", "segment", "arc", "outline", "closed", "restitution", "law", "friction"});
     const PointRef point = names_.point(table.text("point"));
     const std::vector<Outline> outlines = outlines_of(table, point);
     std::vector<Stop> rows(outlines.size());
@@ -325,6 +327,8 @@ class CouplingReader {
     }
     rows.front().parts = static_cast<int>(rows.size());
     read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
+    read_impact(table, rows.front());
+    for (Stop& row : rows) row.impact_law = rows.front().impact_law;
     return rows;
   }
 
@@ -551,8 +555,8 @@ class CouplingReader {
 
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
-    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller",
-                      "restitution"});
+    table.allow_keys(
+        {"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller", "restitution"});
     const auto [a, b] = names_.two_bodies(table);
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)

@@ -43,7 +43,8 @@ struct Stop {
   /// Coefficient of restitution of impacts at its limits, 0 where the scene gives none.
   std::optional<double> restitution{};
   std::optional<ImpactLaw> impact_law{};  ///< where the scene gives one
-  /// Coefficient of the Coulomb friction across the measure, where it is x or y of a point; motion alone has it.
+  /// Coefficient of the Coulomb friction across the measure, where that is x or y of a point or the clearance of a contact;
+  /// motion alone has it.
   std::optional<double> friction{};
 
   /// Of the first of the stops of a contact: of how many convex parts its outline is made (model/outline_parts.hpp).
@@ -61,7 +62,7 @@ struct Stop {
   std::span<const Number> numbers() const;
 
   /// The measure along which what touches a limit slides, so that its rate is that of slip: y of a point whose x is
-  /// limited, and x where y is. None of others.
+  /// limited, and x where y is, and the way along the outline of a contact. None of others.
   std::optional<Measure> tangent() const;
   /// min, max, restitution and friction.
   static const std::array<Number, 4> limits;
