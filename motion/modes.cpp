@@ -73,12 +73,13 @@ class Linear {
   Linear(const MotionModel& model, SmallMotions motions) : model_(model), motions_(std::move(motions)) {
     out_.freedoms = motions_.freedoms();
     out_.mobility = motions_.mobility;
-    out_.active_stops = static_cast<int>(motions_.stops.size());
+    out_.stops = motions_.stops;
+    out_.just_touched = motions_.just_touched;
   }
 
   Modes modes() {
     if (out_.freedoms == 0) {
-      out_.why = out_.active_stops > 0 ? "it is held by its stops" : "its closures leave no degree of freedom";
+      out_.why = !out_.stops.empty() ? "it is held by its stops" : "its closures leave no degree of freedom";
       return out_;
     }
     if (out_.mobility.finite == 0 && out_.mobility.by == Freedoms::By::curvature) {

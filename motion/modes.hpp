@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "motion/motion_model.hpp"
-#include "statics/model/mobility.hpp"
+#include "motion/small_motions.hpp"
 
 namespace poise {
 
@@ -37,11 +37,12 @@ struct Vibration {
 /// The linear motions of a mechanism near an equilibrium.
 struct Modes {
   bool known = false;
-  std::string why;       ///< if not known: what is missing, one sentence
-  int freedoms = 0;      ///< degrees of freedom, columns of N
-  int massless = 0;      ///< directions without inertia, which follow the others (static condensation)
-  int active_stops = 0;  ///< they count as closures
-  Freedoms mobility;     ///< that the closures leave, whatever stops hold
+  std::string why;                        ///< if not known: what is missing, one sentence
+  int freedoms = 0;                       ///< degrees of freedom, columns of N
+  int massless = 0;                       ///< directions without inertia, which follow the others (static condensation)
+  std::vector<TouchedStop> stops;         ///< that press: they count as closures
+  std::vector<TouchedStop> just_touched;  ///< without a force: the modes are those of motion away from them
+  Freedoms mobility;                      ///< that the closures leave, whatever stops hold
   /// Unstable modes first (fastest first), then neutral ones, then by frequency.
   std::vector<Vibration> vibrations;
 };

@@ -695,7 +695,7 @@ void refuse_without_periodic_response(const Scene& scene, const FrequencyRespons
     if (sticks(element.law)) refuse(fmt::format("{} \"{}\" sticks", element.family(), element.name));
   }
   if (!linear.motions().stops.empty()) {
-    const Stop& stop = scene.stops[static_cast<std::size_t>(linear.motions().stops.front())];
+    const Stop& stop = scene.stops[static_cast<std::size_t>(linear.motions().stops.front().stop)];
     refuse(fmt::format("{} \"{}\" holds the mechanism in the equilibrium", stop.table, stop.name));
   }
 }

@@ -20,39 +20,49 @@ using Eigen::VectorXd;
 // Distance within which a stop is touched, rad or mechanism sizes.
 constexpr double touching_within = 1e-8;
 
-// Closure rows and the stops active at x.
-std::vector<int> holding_rows(const Mechanism<double>& m, const std::vector<double>& x) {
+// Closure rows, and the stops at x: those that press, which hold, and those that only touch.
+struct HoldingRows {
+  std::vector<int> rows, released;
+  VectorXd push;  // of the rows, scaled
+};
+
+bool is_at_max(const Mechanism<double>& m, int s, double g) { return g >= m.upper()[s] - touching_within; }
+
+HoldingRows holding_rows(const Mechanism<double>& m, const std::vector<double>& x) {
   const int closures = m.equalities();
-  std::vector<int> rows(closures);
+  HoldingRows out;
+  std::vector<int>& rows = out.rows;
+  rows.resize(static_cast<std::size_t>(closures));
   std::iota(rows.begin(), rows.end(), 0);
   const DensePoint<double> at(m, x, rows);
   for (int s = 0; s < m.stops(); ++s) {
     const double g = at.constraint[closures + s];
-    if (g >= m.upper()[s] - touching_within || g <= m.lower()[s] + touching_within) rows.push_back(closures + s);
+    if (is_at_max(m, s, g) || g <= m.lower()[s] + touching_within) rows.push_back(closures + s);
   }
   // Stops whose reaction has the wrong sign or is zero are released, the largest wrong one first; those whose limits
   // are equal hold whatever they carry.
   while (static_cast<int>(rows.size()) > closures) {
     const DensePoint<double> point(m, x, rows);
-    const VectorXd push = point.multipliers();
-    const double zero = 1e-10 * std::max(1.0, push.cwiseAbs().maxCoeff());
+    out.push = point.multipliers();
+    const double zero = 1e-10 * std::max(1.0, out.push.cwiseAbs().maxCoeff());
     Index worst = -1;
     double hardest = zero;
-    for (Index k = closures; k < push.size(); ++k) {
+    for (Index k = closures; k < out.push.size(); ++k) {
       const int s = rows[k] - closures;
       if (m.upper()[s] == m.lower()[s]) continue;
       const bool both = m.upper()[s] - m.lower()[s] <= 2 * touching_within;
-      const double pressure = both                                                          ? std::abs(push[k])
-                              : point.constraint[rows[k]] >= m.upper()[s] - touching_within ? push[k]
-                                                                                            : -push[k];
+      const double pressure = both                                         ? std::abs(out.push[k])
+                              : is_at_max(m, s, point.constraint[rows[k]]) ? out.push[k]
+                                                                           : -out.push[k];
       if (pressure >= hardest) continue;
       hardest = pressure;
       worst = k;
     }
     if (worst < 0) break;
+    out.released.push_back(rows[worst]);
     rows.erase(rows.begin() + worst);
   }
-  return rows;
+  return out;
 }
 
 // C = sum of dT/dw r r^T over all elements that damp small motions, with r the rates of their measures along the
@@ -87,7 +97,8 @@ MatrixXd reduced_mass(const MotionModel& model, const std::vector<double>& x, co
 
 SmallMotions small_motions(const MotionModel& model, const std::vector<double>& x) {
   const Mechanism<double>& m = model.mechanism();
-  const std::vector<int> rows = holding_rows(m, x);
+  const HoldingRows holding = holding_rows(m, x);
+  const std::vector<int>& rows = holding.rows;
   const ReducedHessian reduced(m, x, rows);
   SmallMotions out;
   out.basis = reduced.basis;
@@ -99,9 +110,21 @@ SmallMotions small_motions(const MotionModel& model, const std::vector<double>& 
   out.damping = reduced_damping(model, x, out.basis);
   const bool is_regular = out.basis.cols() == m.coordinates() - static_cast<Index>(rows.size());
   out.mobility = freedoms_at(model, x, is_regular ? std::optional(0) : std::nullopt);
-  for (const int row : rows) {
-    const int stop = row - m.equalities();
-    if (stop >= 0 && !model.scene().stops[static_cast<std::size_t>(stop)].couples()) out.stops.push_back(stop);
+  for (std::size_t k = static_cast<std::size_t>(m.equalities()); k < rows.size(); ++k) {
+    const int index = rows[k] - m.equalities();
+    const Stop& stop = model.scene().stops[static_cast<std::size_t>(index)];
+    if (stop.couples()) continue;
+    const double unit = stop.on.is_angle() ? model.scales().energy() : model.scales().force;
+    const double push = unit * holding.push[static_cast<Index>(k)];
+    out.stops.push_back({index, push > 0.0, std::abs(push)});
+  }
+  const DensePoint<double> released(m, x, holding.released);
+  const MatrixXd rates = released.jacobian * out.basis;
+  for (std::size_t k = 0; k < holding.released.size(); ++k) {
+    constexpr double no_rate = 1e-9;
+    if (rates.cols() == 0 || rates.row(static_cast<Index>(k)).norm() <= no_rate) continue;
+    const int index = holding.released[k] - m.equalities();
+    out.just_touched.push_back({index, is_at_max(m, index, released.constraint[holding.released[k]])});
   }
   return out;
 }

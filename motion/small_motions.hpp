@@ -10,6 +10,13 @@
 
 namespace poise {
 
+/// A stop that is touched in equilibrium.
+struct TouchedStop {
+  int stop = 0;         ///< index into Scene::stops
+  bool at_max = false;  ///< the limit that is touched; of equal ones that which presses
+  double force = 0.0;   ///< with which it presses, N or N m; 0 of one that only touches
+};
+
 /// The equations of small motions  q = q0 + N y  about an equilibrium at the scaled coordinates x of a model,
 ///   M y'' + C y' + K y = (a small force),
 /// with N an orthonormal basis of the motions that closures and the stops that hold allow:
@@ -20,8 +27,11 @@ struct SmallMotions {
   Eigen::MatrixXd basis, mass, damping, stiffness;  ///< N, M, C, K
   bool symmetric = true;                            ///< K is; not with loads that follow a body
   double largest = 0.0;                             ///< entry of the tangent, which K is the part along N of
-  std::vector<int> stops;                           ///< that hold, without couplings: index into Scene::stops
-  Freedoms mobility;                                ///< that the closures leave, whatever stops hold
+  std::vector<TouchedStop> stops;                   ///< that press and so hold, without couplings
+  /// Those that touch without a force, and that these motions do not leave where they are: the equations are those of
+  /// motion away from them, and none of motion towards them.
+  std::vector<TouchedStop> just_touched;
+  Freedoms mobility;  ///< that the closures leave, whatever stops hold
 
   int freedoms() const { return static_cast<int>(basis.cols()); }
 };

@@ -261,9 +261,30 @@ TEST(Modes, PressingStopHolds) {
   scene.start.travel[1] = 1.4;
   const Modes modes = modes_at_equilibrium(scene);
   ASSERT_TRUE(modes.known) << modes.why;
-  EXPECT_EQ(modes.active_stops, 1);
+  ASSERT_EQ(modes.stops.size(), 1U);
+  EXPECT_TRUE(modes.stops[0].at_max);
+  EXPECT_NEAR(modes.stops[0].force, 20.0 * 0.25, 1e-12) << "of the second spring, which is 0.75 long";
+  EXPECT_TRUE(modes.just_touched.empty());
   ASSERT_EQ(modes.vibrations.size(), 1u);
   EXPECT_NEAR(modes.vibrations[0].frequency, std::sqrt(40.0) / (2 * M_PI), 1e-12);
+}
+
+// A wall where the block rests anyway: it carries nothing, and the block is free on one side of it.
+TEST(Modes, AStopThatOnlyTouchesDoesNotHold) {
+  Scene scene = spring_mass_chain(2, 1.0, 20.0);
+  Stop stop;
+  stop.on = Measure::travel_of(1);
+  stop.name = "wall";
+  stop.max = 2.0;
+  scene.stops.push_back(stop);
+  const Modes modes = modes_at_equilibrium(scene);
+  ASSERT_TRUE(modes.known) << modes.why;
+  EXPECT_TRUE(modes.stops.empty());
+  ASSERT_EQ(modes.just_touched.size(), 1U);
+  EXPECT_EQ(modes.just_touched[0].force, 0.0);
+  EXPECT_TRUE(modes.just_touched[0].at_max);
+  ASSERT_EQ(modes.vibrations.size(), 2U);
+  EXPECT_NEAR(modes.vibrations[0].frequency, std::sqrt(20.0) * (std::sqrt(5.0) - 1) / 2 / (2 * M_PI), 1e-12);
 }
 
 TEST(Modes, DoNotDependOnScales) {

@@ -97,11 +97,51 @@ void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer
                                      count(model.layout().kept, "coordinate that moves", "coordinates that move"));
   if (modes.known && modes.massless > 0)
     mobility += fmt::format("; {} without inertia follow the others", modes.massless);
-  if (modes.active_stops > 0) mobility += "; held by " + count(modes.active_stops, "active stop", "active stops");
+  const auto held = static_cast<int>(modes.stops.size());
+  if (held > 0) mobility += "; held by " + count(held, "stop that presses", "stops that press");
   group.fact("mobility", mobility);
   if (modes.known && !model.scene().drives.empty()) {
     group.fact("left out", "drives: what they move is free here");
   }
+}
+
+/// `stop "wall"`.
+std::string name_of_stop(const MotionModel& model, const TouchedStop& touched) {
+  const Stop& stop = model.scene().stops[static_cast<std::size_t>(touched.stop)];
+  return fmt::format("{} \"{}\"", stop.family(), stop.name);
+}
+
+/// Contacts that the modes keep closed, with their forces, and those that only touch.
+void add_contacts_of_modes(Result& result, const MotionModel& model, const Modes& modes) {
+  std::vector<TouchedStop> all = modes.stops;
+  all.insert(all.end(), modes.just_touched.begin(), modes.just_touched.end());
+  const auto stop_of = [&](const TouchedStop& one) -> const Stop& {
+    return model.scene().stops[static_cast<std::size_t>(one.stop)];
+  };
+  Branch& data = result.content.array("contacts");
+  for (const TouchedStop& one : all) {
+    Group& contact = data.parts.emplace_back();
+    contact.data("name", stop_of(one).name);
+    contact.data("limit", one.at_max ? "max" : "min");
+    contact.data("force", in_unit(one.force, effort_of(stop_of(one).on), model.scene().units));
+    contact.data("kept", one.force > 0.0);
+  }
+  if (all.empty()) return;
+  Table& table = result.content.group("", "", Verbosity::normal).table("", "Contacts", Rows::list);
+  table.words("", "contact", each(all, [&](const TouchedStop& one) { return name_of_stop(model, one); }));
+  table.words("", "presses with", each(all, [&](const TouchedStop& one) {
+                return with_unit(model, one.force, effort_of(stop_of(one).on));
+              }));
+  table.words("", "", each(all, [](const TouchedStop& one) {
+                return one.force > 0.0 ? "kept closed: small motions slide along it, larger ones lift off"
+                                       : "just touches: the modes are of motion away from it";
+              }));
+  if (modes.just_touched.empty() || !modes.known) return;
+  result.warnings.push_back(doubtful(
+      fmt::format("{} {} without a force and may be left on one side only. The modes are those of motion on that side; "
+                  "a motion that comes back strikes it.",
+                  listed(each(modes.just_touched, [&](const TouchedStop& one) { return name_of_stop(model, one); })),
+                  modes.just_touched.size() == 1 ? "touches" : "touch")));
 }
 
 void add_modes(Group& group, const MotionModel& model, const Modes& modes) {
@@ -138,7 +178,7 @@ void add_data(Group& group, const MotionModel& model, const ModesAnswer& answer)
   group.data("stability", to_string(answer.equilibrium.certificate.stability));
   group.data("degrees_of_freedom", modes.freedoms);
   group.data("massless", modes.massless);
-  group.data("held", modes.active_stops);
+  group.data("held", modes.stops.size());
   group.data("known", modes.known);
   group.data("why_unknown", modes.why);
   const std::vector<double> q = answer.x.empty() ? answer.x : model.to_si(answer.x);
@@ -181,6 +221,7 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
         doubtful(fmt::format("Here {}{}.", shaky_in_words(freedoms), answer.modes.known ? of_modes : "")));
   }
   add_facts(out.content, model, answer);
+  add_contacts_of_modes(out, model, answer.modes);
   add_modes(out.content, model, answer.modes);
   const std::vector<Element>& elements = model.scene().elements;
   if (answer.modes.known && (!joints_with_friction(model.scene()).empty() ||
