@@ -211,13 +211,21 @@ class InverseDynamics {
   }
 
   void balance_bodies() {
-    const std::vector<int> sides = pressable_stops();
+    std::vector<int> sides = pressable_stops();
     SlidingFriction without;
     if (!joints_with_friction(scene_).empty()) look_at_efforts_without(sides, without);
     additions_.loads.insert(additions_.loads.end(), dry_friction_.begin(), dry_friction_.end());
     double fastest = 0.0;
     for (const double rate : v_) fastest = std::max(fastest, std::abs(rate));
-    auto [friction, bodies] = sliding_friction({scene_, motions_, sides, model_.scales().length, additions_, fastest});
+    const auto found = [&] {
+      return sliding_friction({scene_, motions_, sides, model_.scales().length, additions_, fastest});
+    };
+    Slid slid = found();
+    for (const int s : slid.bodies.pulling) out_.pulling.push_back({static_cast<std::size_t>(s), sides[s] == 1});
+    for (const PullingStop& one : out_.pulling) sides[one.stop] = 2;
+    if (!out_.pulling.empty()) slid = found();
+    SlidingFriction& friction = slid.friction;
+    FreeBodies& bodies = slid.bodies;
     friction.efforts_without = std::move(without.efforts_without);
     friction.driven_without = without.driven_without;
     friction.lost_in_elements = lost_in_elements_;
@@ -230,7 +238,7 @@ class InverseDynamics {
     out_.imbalance = bodies.imbalance;
     out_.worst_body = scene_.bodies.size() > 1 ? scene_.bodies[bodies.worst_body].name : "";
     out_.largest_force = bodies.largest_force;
-    out_.balanced = out_.imbalance <= balanced_within * out_.largest_force;
+    out_.balanced = out_.pulling.empty() && out_.imbalance <= balanced_within * out_.largest_force;
     pressing_ = std::move(bodies.pressing);
   }
 

@@ -35,6 +35,12 @@ struct PowerBalance {
   double error = 0.0;
 };
 
+/// A stop that would have to pull, though it can only push.
+struct PullingStop {
+  std::size_t stop = 0;  ///< index into Scene::stops
+  bool at_max = false;   ///< or at its min
+};
+
 /// All forces in a mechanism with a given motion. SI.
 struct Forces {
   std::vector<BodyMotion> motions;  ///< of all bodies, then of all bars
@@ -47,13 +53,15 @@ struct Forces {
   std::vector<double> element_force;
   std::vector<std::string>
       idle_stops;  ///< touched, but on a measure that the drives determine, so that the drives carry the load
+  /// Touched stops without whose pull the bodies would not balance. All forces here are those with it.
+  std::vector<PullingStop> pulling;
   std::vector<double> overrun;  ///< per stop, rad or m: overrun of the pose, 0 if within it
   int redundancy = 0;           ///< number of independent self-equilibrating sets of reactions and drive efforts
 
   double imbalance = 0.0;  ///< N: largest force, or moment / size, that neither reactions nor drives balance
   std::string worst_body;
   double largest_force = 0.0;  ///< N
-  bool balanced = false;       ///< imbalance below 1e-9 of the largest force
+  bool balanced = false;       ///< imbalance below 1e-9 of the largest force, and no stop pulls
   /// Rate and acceleration at which the given motion opens the loops, relative to the largest rate (acceleration) of a
   /// phasor.
   double loop_error = 0.0;

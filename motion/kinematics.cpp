@@ -254,8 +254,10 @@ class Sweep {
       result_.complete = true;
       return;
     }
-    std::vector<double> samples;
-    for (int k = 0; k <= options_.steps; ++k) samples.push_back(static_cast<double>(k) / options_.steps);
+    std::vector<double> samples = options_.at;
+    for (int k = 0; k <= options_.steps && options_.at.empty(); ++k) {
+      samples.push_back(static_cast<double>(k) / options_.steps);
+    }
     const std::optional<PathEnd> last = path.follow(
         begin, samples, {[&](const PathPose& p) { add_sample(p); }, [&](const PathPose& p) { note(p, false); }},
         options_.most_steps, [&] { return stopped(); });
@@ -265,8 +267,8 @@ class Sweep {
       give_up(*last, false);
       return;
     }
-    const double sampled = *(std::upper_bound(samples.begin(), samples.end(), last->pose.at) - 1);
-    if (last->pose.at - sampled > 1e-12) add_sample(last->pose);
+    const auto beyond = std::upper_bound(samples.begin(), samples.end(), last->pose.at);
+    if (beyond == samples.begin() || last->pose.at - *(beyond - 1) > 1e-12) add_sample(last->pose);
     result_.stop = MetStop{static_cast<std::size_t>(last->stop), last->at_max};
     result_.why = words(*last);
   }

@@ -28,7 +28,8 @@ std::string drive_in_words(const Scene& scene, const std::string& name);
 std::size_t first_moving(const std::vector<DriveRange>& ranges);
 
 struct SweepOptions {
-  int steps = 72;  ///< equal parts of the range: steps + 1 samples; one if no range has a length
+  int steps = 72;            ///< equal parts of the range: steps + 1 samples; one if no range has a length
+  std::vector<double> at{};  ///< in place of equal parts: the samples as shares of the range, which ascend in 0 .. 1
   /// Steps that are tried at most from the start to the range, and over the range. A way that needs more in any case is
   /// refused before the first.
   int most_steps = 200'000;

@@ -18,6 +18,7 @@
 #include "app/result/numbers.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "identification/experiment/motion_import.hpp"
+#include "model/nearest_name.hpp"
 
 namespace poise::app {
 namespace {
@@ -28,6 +29,7 @@ struct ForcesRequest {
   std::string motion;
   int steps = 72;
   std::optional<double> rate, flywheel;
+  std::vector<std::string> lift_off;
   std::vector<std::string> show;
 };
 
@@ -43,6 +45,9 @@ void check(const ForcesRequest& request) {
     throw InputError("--motion: it says how everything moves; expected --drive NAME without a range, or no --motion");
   }
   if (request.rate && ranges == 0) throw InputError("--rate: nothing is driven; expected --drive NAME=FROM..TO too");
+  if (!request.lift_off.empty() && ranges == 0) {
+    throw InputError("--lift-off: nothing is driven; expected --drive NAME=FROM..TO too");
+  }
   check_sweep(request.steps, request.rate);
   if (!request.flywheel) return;
   if (!request.rate) throw InputError("--flywheel: its size depends on the speed; expected --rate NUMBER too");
@@ -60,7 +65,22 @@ Scene with_drives(Scene scene, const std::vector<std::string>& drives) {
   return scene;
 }
 
-ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) {
+/// The contact of this name, of those that may change sides.
+Contact find_contact(const Scene& scene, const std::string& name, const std::vector<Contact>& contacts) {
+  std::vector<std::string> names;
+  for (const Contact& one : contacts) {
+    names.push_back(scene.stops[one.stop].name);
+    if (names.back() == name) return one;
+  }
+  const std::string those =
+      names.empty() ? std::string("; this scene has no cam, and no rope or chain that keeps the drives company")
+                    : did_you_mean_or_list(name, names);
+  throw InputError(
+      fmt::format("--lift-off {}: expected the name of a cam, or of a rope or chain whose load is driven by it alone{}",
+                  name, those));
+}
+
+ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request, const std::vector<Contact>& contacts) {
   const Scene& scene = model.scene();
   std::vector<DriveRange> ranges;
   for (const std::string& text : request.drives) ranges.push_back(read_drive(text, scene));
@@ -74,6 +94,13 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
                                               unit_name(quantity, scene.units))
                                 : "held still in every position",
                    forces_over(model, ranges, options, request.rate.has_value())};
+  out.contacts = contact_courses(model, ranges, options, request.rate.has_value(), contacts, out.found);
+  std::vector<Contact> lifting;
+  for (const std::string& name : request.lift_off) lifting.push_back(find_contact(scene, name, contacts));
+  if (!lifting.empty() && out.found.at.empty()) {
+    throw InputError("--lift-off: nothing moves; expected a range, say --drive NAME=0..360");
+  }
+  if (!lifting.empty()) out.lift_offs = lift_offs(model, ranges, options, lifting);
   if (!request.flywheel) return out;
   try {
     out.fluctuation = fluctuation_over(model, ranges.front(), options);
@@ -84,13 +111,27 @@ ForcesAnswer over_range(const MotionModel& model, const ForcesRequest& request) 
   return out;
 }
 
-ForcesAnswer along_motion(const MotionModel& model, const std::string& file) {
+/// How the pose of the scene's start is taken.
+std::string in_place(const Scene& scene) {
+  const std::string pose = "held still as the scene's start assembles it";
+  return scene.time_functions.empty() ? pose : pose + ", at t = 0 s";
+}
+
+ForcesAnswer along_motion(const MotionModel& model, const std::string& file, const std::vector<Contact>& contacts) {
   const ImportedMotion samples = import_motion(model, file);
   const GivenMotion motion = complete_motion(model, samples.time, samples.coordinates);
-  return {fmt::format("{} of {}, from {}; closing its loops moved it by {} (rad or mechanism sizes)",
-                      count(static_cast<int>(samples.coordinates.size()), "coordinate", "coordinates"),
-                      model.layout().kept, file, small_number(motion.closing)),
-          forces_along(model, samples.time, motion)};
+  ForcesAnswer out{fmt::format("{} of {}, from {}; closing its loops moved it by {} (rad or mechanism sizes)",
+                               count(static_cast<int>(samples.coordinates.size()), "coordinate", "coordinates"),
+                               model.layout().kept, file, small_number(motion.closing)),
+                   forces_along(model, samples.time, motion)};
+  out.contacts = contact_courses(model.scene(), contacts, out.found);
+  return out;
+}
+
+ForcesAnswer in_one_place(const MotionModel& model, const std::vector<Contact>& contacts) {
+  ForcesAnswer out{in_place(model.scene()), forces_in_place(model)};
+  out.contacts = contact_courses(model.scene(), contacts, out.found);
+  return out;
 }
 
 /// No pose has friction of which it is not known what it does.
@@ -101,10 +142,10 @@ bool is_decided(const ForcesAlong& found) {
   });
 }
 
-/// How the pose of the scene's start is taken.
-std::string in_place(const Scene& scene) {
-  const std::string pose = "held still as the scene's start assembles it";
-  return scene.time_functions.empty() ? pose : pose + ", at t = 0 s";
+/// Some contact would have to pull that can only press.
+bool pulls(const ForcesAnswer& answer) {
+  return std::any_of(answer.contacts.begin(), answer.contacts.end(),
+                     [](const ContactCourse& one) { return one.pulls && !one.contact.guided; });
 }
 
 int run_forces(const ForcesRequest& request, const Palette& palette) {
@@ -116,15 +157,18 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   const Scene given = load_moving_scene(request.common);
-  const MotionModel model(with_drives(given, request.drives));
+  const bool driven = !request.drives.empty() && has_range(request.drives.front());
+  const Scene apart = with_drives(given, request.drives);
+  const std::vector<Contact> held = driven ? contacts_to_hold(apart) : std::vector<Contact>{};
+  const std::vector<Contact> contacts = contacts_along(apart, held);
+  const MotionModel model(held_in_contact(apart, held));
   const Scene& scene = model.scene();
   const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, naming_drives(given, scene.drives));
   OutputFiles files(request.common);
-  const bool driven = !request.drives.empty() && has_range(request.drives.front());
   progress.now("balancing the bodies");
-  ForcesAnswer answer = driven                   ? over_range(model, request)
-                        : request.motion.empty() ? ForcesAnswer{in_place(scene), forces_in_place(model)}
-                                                 : along_motion(model, request.motion);
+  ForcesAnswer answer = driven                   ? over_range(model, request, contacts)
+                        : request.motion.empty() ? in_one_place(model, contacts)
+                                                 : along_motion(model, request.motion, contacts);
   if (!request.drives.empty()) answer.drives = drives_in_words(scene, each(scene.drives, &Drive::name));
   const ForcesAlong& found = answer.found;
   const Result result = forces_result(model, answer, show, request.common.settings);
@@ -136,7 +180,8 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   }
   if (files.wants_html() && any) pictures.figures = {forces_figure(scene, found, found.balanced())};
   return finish(request.common, result, &files, pictures,
-                (found.complete || found.stop) && any && found.balanced() && is_decided(found), progress, palette);
+                (found.complete || found.stop) && any && found.balanced() && !pulls(answer) && is_decided(found),
+                progress, palette);
 }
 
 }  // namespace
@@ -152,6 +197,9 @@ Command forces_command() {
   command.add({"--rate", &request->rate, "NUMBER",
                "Move at this speed, scene's units per second, with all inertia\n(without it: standing still in every "
                "position)"});
+  command.add({"--lift-off", &request->lift_off, "NAME",
+               "Over a range: the smallest rate of the drive at which this cam,\nrope or chain would have to pull, and "
+               "where; of a guided cam that\nat which it changes sides; several times"});
   command.add({"--flywheel", &request->flywheel, "NUMBER",
                "Over whole turns at --rate: the fluctuation of the torque of the\ndrive, and the flywheel that holds "
                "(largest - least speed) / mean\nto this number, say 0.02"});

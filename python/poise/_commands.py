@@ -653,6 +653,7 @@ class SceneCommands:
         set: Settings | None = None,
         drive: Ranges | None = None,
         rate: float | None = None,
+        lift_off: Words | None = None,
         flywheel: float | None = None,
         steps: int | None = None,
         motion: Path | Found | None = None,
@@ -678,6 +679,9 @@ class SceneCommands:
             or a dictionary, {NAME: (FROM, TO)}, {NAME: NUMBER} or {NAME: None}
         rate: Move at this speed, scene's units per second, with all inertia
             (without it: standing still in every position)
+        lift_off: Over a range: the smallest rate of the drive at which this cam,
+            rope or chain would have to pull, and where; of a guided cam that
+            at which it changes sides; several times
         flywheel: Over whole turns at --rate: the fluctuation of the torque of the
             drive, and the flywheel that holds (largest - least speed) / mean
             to this number, say 0.02
@@ -693,6 +697,7 @@ class SceneCommands:
             "--set": set,
             "--drive": drive,
             "--rate": rate,
+            "--lift-off": lift_off,
             "--flywheel": flywheel,
             "--steps": steps,
             "--motion": motion,

@@ -130,6 +130,87 @@ TEST(ShakyMechanism, IsNoParallelogram) {
   }
 }
 
+// An eccentric of 10 mm lifts its follower: N = m w^2 e cos + k e (1 - cos) + F0 + m g.
+std::string eccentric(const std::string& guided) {
+  return R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.cam]
+points = { O = [0, 0] }
+inertia = 0.01
+[body.follower]
+points = { T = [0, 0] }
+mass = 0.5
+[[pin]]
+points = ["ground.O", "cam.O"]
+[[slide]]
+name = "guide"
+points = ["ground.O", "follower.T"]
+axis = [0, 1]
+[[cam]]
+name = "lobe"
+bodies = ["ground", "cam"]
+follower = { slide = "guide" }
+base = 0.05
+lift = 0.02
+guided = )" + guided + R"(
+law = [{ to = 3.14159265358979312, lift = 1, law = "harmonic" },
+       { to = 6.28318530717958623, lift = 0, law = "harmonic" }]
+[[spring]]
+slide = "guide"
+stiffness = 800
+free_length = 0.025
+[start]
+cam = 0
+guide = 0.05
+)";
+}
+
+TEST(ForcesCommand, SaysWhereACamWouldHaveToPull) {
+  const TempFolder folder;
+  const std::string scene = folder.write("eccentric.toml", eccentric("false"));
+  const std::vector<std::string> at_rate{"forces", scene, "--drive", "cam=0..6.2831853", "--rate", "100"};
+  const ProgramRun run = run_poise(at_rate);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.out.find("cam \"lobe\" would have to pull, with 9.095 N at cam = 3.141592"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("lifts off at 2.44"), std::string::npos) << run.out;
+  const json r = json_of(folder, at_rate, 1);
+  const double off = std::acos(-(8 + 20 + 0.5 * 9.81) / (50.0 - 8));
+  ASSERT_EQ(r["contacts"].size(), 1U);
+  const json& contact = r["contacts"][0];
+  EXPECT_EQ(contact["name"], "lobe");
+  EXPECT_EQ(contact["pulls"], true);
+  EXPECT_NEAR(contact["least_force"], 16 + 20 + 0.5 * 9.81 - 50, 1e-9);
+  EXPECT_NEAR(contact["changes"][0]["at"], off, 1e-12);
+  EXPECT_EQ(contact["changes"][0]["what"], "lifts off");
+  EXPECT_EQ(contact["changes"][1]["what"], "presses again");
+  EXPECT_EQ(run_poise({"forces", scene, "--drive", "cam=0..6.2831853", "--rate", "80"}).exit_code, 0);
+}
+
+TEST(ForcesCommand, SaysWhereAGuidedCamChangesSides) {
+  const TempFolder folder;
+  const json r = json_of(folder, {"forces", folder.write("eccentric.toml", eccentric("true")), "--drive",
+                                  "cam=0..6.2831853", "--rate", "100"},
+                         0);
+  EXPECT_EQ(r["contacts"][0]["pulls"], false);
+  ASSERT_EQ(r["contacts"][0]["changes"].size(), 2U);
+  EXPECT_EQ(r["contacts"][0]["changes"][0]["what"], "changes side");
+}
+
+TEST(ForcesCommand, FindsTheSpeedOfLiftOff) {
+  const TempFolder folder;
+  const std::string scene = folder.write("eccentric.toml", eccentric("false"));
+  const json r =
+      json_of(folder, {"forces", scene, "--drive", "cam=0..6.2831853", "--steps", "20", "--lift-off", "lobe"}, 0);
+  EXPECT_NEAR(r["lift_off"][0]["rate"], 90.4488805901, 1e-9);
+  EXPECT_NEAR(r["lift_off"][0]["at"], M_PI, 1e-7);
+  const ProgramRun wrong = run_poise({"forces", scene, "--drive", "cam=0..6", "--lift-off", "lobes"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("did you mean \"lobe\"?"), std::string::npos) << wrong.err;
+  EXPECT_EQ(run_poise({"forces", scene, "--lift-off", "lobe"}).exit_code, 2);
+}
+
 TEST(ModesCommand, ReportsWhetherItIsStable) {
   const TempFolder folder;
   const std::string scene = folder.write("motor.toml", motor);

@@ -10,6 +10,7 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/cams.hpp"
+#include "app/results/motion/contacts.hpp"
 #include "app/results/motion/kinematics.hpp"
 #include "app/results/parts.hpp"
 #include "app/results/statics/quantities.hpp"
@@ -87,11 +88,12 @@ std::string without_forces(const Scene& scene, const ForcesAlong& found) {
   return listed(out);
 }
 
-Line verdict(const Scene& scene, const ForcesAlong& found, const std::string& dead) {
+Line verdict(const Scene& scene, const ForcesAlong& found, const std::string& dead, const std::string& pulls) {
   const bool ended = !found.complete && !found.stop;
   if (ended) return bad("Driven in part only: " + found.why + ".");
   if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
   if (found.poses.empty()) return bad("No position was reached.");
+  if (!pulls.empty()) return bad("The motion asks for a contact that pulls: " + pulls + ".");
   if (!found.balanced()) {
     return bad(found.poses.front().drives.empty()
                    ? "Out of balance: the forces below do not hold the load; name a drive by --drive."
@@ -575,7 +577,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   const std::string dead = dead_points(model, found);
   const std::vector<ForceCourse> courses = force_courses(model.scene(), found);
   const std::vector<LoadedParallel> parallels = loaded_parallels(model, courses);
-  out.verdict = verdict(model.scene(), found, dead);
+  out.verdict = verdict(model.scene(), found, dead, pulls_in_words(model, answer));
   add_warnings(out, model, found, dead, courses, parallels);
   content.fact("position", answer.how);
   content.data("drives", answer.drives);
@@ -585,6 +587,7 @@ Result forces_result(const MotionModel& model, const ForcesAnswer& answer, const
   add_quantity_columns(add_data(content, model, answer, courses, parallels), show, shown, model.scene().units, true,
                        false);
   if (found.poses.empty()) return out;
+  add_contacts(content, model, answer);
   const bool moving = moves(found);
   if (found.at.empty()) {
     const Forces& forces = found.poses.front();

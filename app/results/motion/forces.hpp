@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/result/result.hpp"
+#include "motion/contact_forces.hpp"
 #include "motion/fluctuation.hpp"
 #include "motion/forces_along.hpp"
 #include "statics/quantities/quantity.hpp"
@@ -17,6 +18,8 @@ struct ForcesAnswer {
   ForcesAlong found;
   std::optional<Fluctuation> fluctuation{};  ///< where a flywheel was asked for
   double coefficient = 0.0;                  ///< of fluctuation of the speed, that it is to hold
+  std::vector<ContactCourse> contacts{};
+  std::vector<LiftOff> lift_offs{};   ///< where they were asked for
   std::vector<std::string> drives{};  ///< what the drives of the command line are: "upper: angle of upper in the world"
 };
 
