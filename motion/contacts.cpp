@@ -435,6 +435,7 @@ double Contacts::violation_of(const std::vector<std::size_t>& candidates, const 
 StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double t, double ahead,
                                    const std::vector<double>& q, const std::vector<double>& v,
                                    std::optional<Touch> left) {
+  if (!act()) return friction.choose(motion, t, ahead);
   std::vector<std::size_t> candidates;
   const Configuration<double> at = place(q.data());
   std::uint32_t first = 0;
@@ -477,8 +478,10 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
     return false;
   };
   StickSlip::Choice failure = StickSlip::Choice::none;
+  const std::vector<int> branches = motion.branches();
   const auto attempt = [&](const std::vector<std::size_t>& touched) {
     const Reduced::Status status = set(motion, &friction, t, q, v, touched);
+    motion.set_branches(branches);  // of which friction may let one turn
     if (!friction.acts()) return status == Reduced::Status::ok ? StickSlip::Choice::made : StickSlip::Choice::failed;
     return friction.choose(motion, t, ahead);
   };

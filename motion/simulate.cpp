@@ -531,7 +531,8 @@ class Simulation {
     events_here_ = t > last_event_ + 1e-14 * options_.duration ? 0 : events_here_ + 1;
     last_event_ = t;
     if (events_here_ > most_events_here) {
-      stop(MotionStatus::stuck, fmt::format("at t = {:.9g} s what is touched or held changes without end", t));
+      stop(MotionStatus::stuck,
+           fmt::format("at t = {:.9g} s what friction holds, or touches a stop, changes without end", t));
       return false;
     }
     const std::size_t n = q_start_.size();
