@@ -605,10 +605,11 @@ class Simulation {
         const std::size_t k = hit.sides[i];
         const double rate = hit.impact.rate[i], falls = contacts_.acceleration(k, reduced_);
         const double loss = 1 - contacts_.rebound(k);
-        if (!(hit.before[i] < 0.0 && rate > 0.0 && falls < 0.0 && loss > 0.0) || plastic[k] != 0) continue;
+        if (!(hit.before[i] < 0.0 && rate > 0.0 && falls < 0.0) || plastic[k] != 0) continue;
         if (!(rate * rate < -2 * falls * least_bounce)) continue;
         plastic[k] = 1;
-        rests[k] = t + 2 * rate / (-falls * loss);
+        // With restitution 1 it is what it hits besides that has taken the energy.
+        rests[k] = loss > 0.0 ? t + 2 * rate / (-falls * loss) : t;
         again = true;
       }
       if (again) continue;
