@@ -183,14 +183,14 @@ std::vector<double> equal_parts(int steps) {
 }
 
 /// Changes of sign of sampled values, which are refined by `of`, and the least value; places are shares.
-struct Course {
+struct PressCourse {
   Extreme least{0.0, no_press};
   std::vector<std::pair<double, bool>> changes;  ///< and whether p is positive from there on
 };
 
-Course course_of(const Over& of, const std::vector<double>& shares, const std::vector<double>& values,
+PressCourse course_of(const Over& of, const std::vector<double>& shares, const std::vector<double>& values,
                  double rounding) {
-  Course out;
+  PressCourse out;
   std::vector<std::pair<double, double>> known;  // shares and values, with extremes between
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (std::isnan(values[k])) continue;
@@ -311,7 +311,7 @@ std::vector<ContactCourse> contact_courses(const MotionModel& model, const std::
     std::vector<double> values;
     for (const Forces& forces : found.poses) values.push_back(press_of(model.scene(), contact, forces));
     const double rounding = rounding_of(model, contact, largest_of(found.poses));
-    const Course course = course_of(of, shares, values, rounding);
+    const PressCourse course = course_of(of, shares, values, rounding);
     const auto drive = [&](double share) { return range.from + share * (range.to - range.from); };
     ContactCourse& one = out.emplace_back();
     one.contact = contact;
@@ -355,7 +355,7 @@ std::vector<ContactCourse> contact_courses(const Scene& scene, const std::vector
       }
       return between;
     };
-    const Course course = course_of(of, at, values, rounding);
+    const PressCourse course = course_of(of, at, values, rounding);
     one.least = course.least.value;
     one.least_at = course.least.place;
     one.pulls = one.least < -rounding;
