@@ -646,7 +646,10 @@ class Stepper {
         q_(as_small(mechanism.start)),
         v_(as_small(mechanism.start_rates)),
         states_(mechanism.contacts.size() * 2 + mechanism.rubs.size(), 0) {
-    for (std::size_t c = 0; c < m_.contacts.size(); ++c) states_[c] = m_.gap(c, 0.0, q_) <= closed_within ? 1 : 0;
+    for (std::size_t c = 0; c < m_.contacts.size(); ++c) {
+      const double rate = m_.row(c, 0.0, q_).dot(v_) + m_.driven_rate(c, 0.0, q_);
+      states_[c] = m_.gap(c, 0.0, q_) <= closed_within && std::abs(rate) <= closed_within ? 1 : 0;
+    }
   }
 
   double t() const { return t_; }
@@ -733,7 +736,8 @@ class Stepper {
     if (!is_shortest) {
       if (states != states_) return false;
       for (std::size_t c = 0; c < n; ++c) {
-        if (states[c] == 0 && m_.gap(c, end, next) < 0) return false;
+        const bool is_row = std::any_of(rows.begin(), rows.end(), [c](const Row& row) { return row.state == c; });
+        if (!is_row && m_.gap(c, end, next) < 0) return false;
       }
     }
     q_ = next;
@@ -752,7 +756,7 @@ class Stepper {
   }
 
  private:
-  static constexpr double closed_within = 1e-12;  // at the start, m or rad
+  static constexpr double closed_within = 1e-12;  // at the start, m or rad, and per second
   static constexpr double kept_within = 1e-6;     // of a contact that was closed
 
   const ContactMechanism& m_;
