@@ -683,7 +683,7 @@ class Stepper {
     for (std::size_t c = 0; c < n; ++c) {
       const double gap = m_.gap(c, middle, half);
       const bool was_closed = states_[c] != 0;
-      if (gap > (was_closed ? kept_within : 0.0)) continue;
+      if (gap > (was_closed ? kept_within : touched_within)) continue;
       Row normal{.of = Row::Of::normal, .state = c, .row = m_.row(c, middle, half)};
       normal.driven = m_.driven_rate(c, end, half);
       const double before = normal.row.dot(v_) + m_.driven_rate(c, t_, half);
@@ -756,8 +756,9 @@ class Stepper {
   }
 
  private:
-  static constexpr double closed_within = 1e-12;  // at the start, m or rad, and per second
-  static constexpr double kept_within = 1e-6;     // of a contact that was closed
+  static constexpr double closed_within = 1e-12;   // at the start, m or rad, and per second
+  static constexpr double touched_within = 1e-14;  // rounding: flights that low would have no end
+  static constexpr double kept_within = 1e-6;      // of a contact that was closed
 
   const ContactMechanism& m_;
   double t_ = 0.0;
@@ -905,8 +906,9 @@ JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, co
       if (out.until && times[s] >= *out.until) break;
       const double finest = judged[2].q[s][i];
       const double apart = std::abs(read[s][k] - finest);
+      // Steps in which something changes leave errors that differ in sign from length to length.
       const double unknown =
-          std::max({2 * std::abs(finest - judged[1].q[s][i]), std::abs(finest - judged[0].q[s][i]) / 3, 1e-11});
+          std::max({4 * std::abs(finest - judged[1].q[s][i]), std::abs(finest - judged[0].q[s][i]), 1e-10});
       const double beyond = apart / (unknown + out.error * (most - least));
       if (!(beyond > out.beyond)) continue;
       out.beyond = beyond;
