@@ -209,14 +209,14 @@ std::vector<std::string> left_out(const Scene& scene, bool periodic) {
 
 std::vector<std::string> stops_of(const Scene& scene, const SmallMotions& motions) {
   std::vector<std::string> out;
-  for (const int stop : motions.stops) out.push_back(scene.stops[static_cast<std::size_t>(stop)].name);
+  for (const TouchedStop& one : motions.stops) out.push_back(scene.stops[static_cast<std::size_t>(one.stop)].name);
   return out;
 }
 
 std::string stops_in_words(const Scene& scene, const SmallMotions& motions) {
   std::vector<std::string> out;
-  for (const int stop : motions.stops) {
-    const Stop& one = scene.stops[static_cast<std::size_t>(stop)];
+  for (const TouchedStop& touched : motions.stops) {
+    const Stop& one = scene.stops[static_cast<std::size_t>(touched.stop)];
     out.push_back(fmt::format("{} \"{}\"", one.table, one.name));
   }
   return listed(out);
