@@ -93,7 +93,7 @@ Line verdict(const Scene& scene, const ForcesAlong& found, const std::string& de
   if (ended) return bad("Driven in part only: " + found.why + ".");
   if (!dead.empty() && !found.balanced()) return bad("Dead point: " + dead + ".");
   if (found.poses.empty()) return bad("No position was reached.");
-  if (!pulls.empty()) return bad("The motion asks for a contact that pulls: " + pulls + ".");
+  if (!pulls.empty()) return bad("It would take a contact that pulls: " + pulls + ".");
   if (!found.balanced()) {
     return bad(found.poses.front().drives.empty()
                    ? "Out of balance: the forces below do not hold the load; name a drive by --drive."

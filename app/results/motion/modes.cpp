@@ -137,11 +137,9 @@ void add_contacts_of_modes(Result& result, const MotionModel& model, const Modes
                                        : "just touches: the modes are of motion away from it";
               }));
   if (modes.just_touched.empty() || !modes.known) return;
-  result.warnings.push_back(doubtful(
-      fmt::format("{} {} without a force and may be left on one side only. The modes are those of motion on that side; "
-                  "a motion that comes back strikes it.",
-                  listed(each(modes.just_touched, [&](const TouchedStop& one) { return name_of_stop(model, one); })),
-                  modes.just_touched.size() == 1 ? "touches" : "touch")));
+  result.warnings.push_back(doubtful(fmt::format(
+      "Touched without a force: {}. The modes are those of motion on the free side; a motion that comes back strikes.",
+      listed(each(modes.just_touched, [&](const TouchedStop& one) { return name_of_stop(model, one); })))));
 }
 
 void add_modes(Group& group, const MotionModel& model, const Modes& modes) {
