@@ -91,7 +91,7 @@ class Simulation {
         columns_(model, options, first_choice()),
         step_(model, options, reduced_, columns_.count()),
         nodes_(model, options, columns_, q_start_, out_),
-        error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts()),
+        error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts(), borders_.of_laws()),
         ends_(reduced_, step_, friction_, contacts_, borders_) {
     out_.freedoms = columns_.freedoms();
     out_.independent = columns_.independent();

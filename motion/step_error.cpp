@@ -15,12 +15,15 @@ constexpr double larger_for_sensitivities = 1e4;
 }  // namespace
 
 double StepError::of_state(double t, double h, double accuracy) const {
-  const double of_motion = reduced_.freedoms() == 0 ? of_work(t, h, accuracy) : of_coordinates(h, accuracy);
-  return std::max(of_motion, of_sensitivities(accuracy));
+  const bool all_driven = reduced_.freedoms() == 0;
+  const double of_motion = all_driven ? 0.0 : of_coordinates(h, accuracy);
+  const double by_energy = all_driven || has_borders_ ? of_work(t, h, accuracy) : 0.0;
+  return std::max({of_motion, by_energy, of_sensitivities(accuracy)});
 }
 
-// All is driven. Work alone is integrated, of whose error the method's estimate knows nothing where it depends on time
-// only; the energies at both ends do.
+// Where all is driven, work alone is integrated, of whose error the method's estimate knows nothing where it depends on
+// time only; the energies at both ends do. The same holds of forces that begin at a border: over the first step they
+// nearly depend on time only, and derivatives of some have no bound there.
 double StepError::of_work(double t, double h, double accuracy) const {
   const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
   const double unbalanced = std::abs(energy - nodes_.energy() - (step_.y_new[0] - step_.y[0]));

@@ -9,15 +9,17 @@ namespace poise {
 /// How large the errors of a step are relative to what the accuracy of a motion allows. Private to simulate().
 class StepError {
  public:
-  /// All must outlive this. `acts_at_rest`: something may begin to act on a mechanism at rest, and let it go.
+  /// All must outlive this. `acts_at_rest`: something may begin to act on a mechanism at rest, and let it go;
+  /// `has_borders`: laws of force elements have (ProfileBorders).
   StepError(const ReducedMotion<double>& reduced, const MotionStep& step, const MotionWriter& nodes,
-            const SensitivityColumns& columns, const std::vector<double>& q_start, bool acts_at_rest)
+            const SensitivityColumns& columns, const std::vector<double>& q_start, bool acts_at_rest, bool has_borders)
       : reduced_(reduced),
         step_(step),
         nodes_(nodes),
         columns_(columns),
         q_start_(q_start),
-        acts_at_rest_(acts_at_rest) {}
+        acts_at_rest_(acts_at_rest),
+        has_borders_(has_borders) {}
 
   /// The fastest rate of change at the start of the motion, 1/s.
   void set_fastest(double fastest) { fastest_ = fastest; }
@@ -45,6 +47,7 @@ class StepError {
   const SensitivityColumns& columns_;
   const std::vector<double>& q_start_;
   bool acts_at_rest_;
+  bool has_borders_;
   double fastest_ = 0.0;
 };
 

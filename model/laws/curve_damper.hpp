@@ -189,9 +189,14 @@ class CurveDamperOf {
     curve_ = std::make_shared<const ForceCurve>(points_->all_rates(), points_->all(points_->forces.data()));
   }
 
-  // F and dF/dw.
+  // F and dF/dw; without rounding at rest.
   template <class S>
   std::pair<S, S> force(const S& rate) const {
+    const auto [value, slope] = through_points(rate);
+    return {select(rate == S(0), S(slope * rate), value), slope};
+  }
+  template <class S>
+  std::pair<S, S> through_points(const S& rate) const {
     if constexpr (!std::is_same_v<N, double>) {
       if (forces_ != nullptr) return CurveThrough<N>(curve_->x(), forces_->data()).force(rate);
     }

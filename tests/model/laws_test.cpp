@@ -26,8 +26,7 @@ std::vector<Law> every_law() {
   add(std::make_index_sequence<std::variant_size_v<Law>>{});
   using Falls = DryFriction::Falls;
   for (const Falls falls : {Falls::exponential, Falls::hyperbolic}) {
-    laws.emplace_back(DryFriction{.falls = falls});
-    laws.emplace_back(DryFriction{.width = 0.0, .falls = falls});
+    laws.emplace_back(DryFriction{.static_force = 10.0, .falls = falls});
   }
   laws.emplace_back(GasStrut{.damps = true});
   laws.emplace_back(CompliantStop{.has_min = true, .has_max = false});

@@ -342,16 +342,16 @@ TEST(Resistance, GasStrutsDampMoreAtTheEndOfTheirWayOut) {
   )",
                                   "strut.toml");
   const MotionModel model(scene);
-  const Motion motion = test::moved(model, test::released(model, {{{"guide", 0.5}}, {{"guide", 1.2}}}), 0.6, 1e-12);
+  const Motion motion = test::moved(model, test::released(model, {{{"guide", 0.5}}, {{"guide", 1.0}}}), 0.6, 1e-12);
   const auto rate_at = [](double x) {
-    const double before = 1.2 - 3 * (x - 0.5) / mass, in = std::max(0.0, x - 0.8);
+    const double before = 1.0 - 3 * (x - 0.5) / mass, in = std::max(0.0, x - 0.8);
     return before - 20 / 0.1 * in * in / (2 * mass);
   };
   for (const double t : {0.1, 0.35, 0.45, 0.6}) {
     const test::Reading now = test::read_at(motion, {t}).front();
     EXPECT_NEAR(now.v[0], rate_at(now.q[0]), 1e-12) << t;
   }
-  EXPECT_GT(test::read_at(motion, {0.6}).front().q[0], 0.82) << "it has reached the end";
+  EXPECT_GT(test::read_at(motion, {0.6}).front().q[0], 0.81) << "it has reached the end";
 }
 
 // A spring of one stiffness in tension and another in compression: half swings of both.
@@ -366,9 +366,9 @@ TEST(Resistance, StepsEndAtCornersOfSprings) {
   EXPECT_LT(swing.motion.energy_error, 1e-13);
 }
 
-/// Derivatives by start values and by these numbers agree with differences of motions.
+/// Derivatives by these numbers, and by start values unless something is held there, agree with differences of motions.
 void expect_derivatives(const Scene& scene, const test::Release& release, const std::vector<std::string>& paths,
-                        const std::vector<double>& times) {
+                        const std::vector<double>& times, bool starts = true) {
   const MotionModel model(scene);
   MotionOptions options;
   options.duration = times.back();
@@ -426,7 +426,7 @@ void expect_derivatives(const Scene& scene, const test::Release& release, const 
         },
         paths[p]);
   }
-  for (std::size_t k = 0; k < 2 * f; ++k) {
+  for (std::size_t k = 0; starts && k < 2 * f; ++k) {
     const int moved = motion.independent[k % f];
     expect_column(
         k, 1.0,
@@ -447,7 +447,8 @@ void expect_derivatives(const Scene& scene, const test::Release& release, const 
 
 TEST(Resistance, HasExactDerivativesWhereStaticFrictionBreaks) {
   expect_derivatives(belt("force = 0.5\nstatic = 1\nname = \"rub\"\n"), {{{"guide", 0.3}}, {{"guide", 0.2}}},
-                     {"friction.rub.force", "friction.rub.static", "spring.spring 1.stiffness"}, {3.0, 4.5, 6.0, 11.0});
+                     {"friction.rub.force", "friction.rub.static", "spring.spring 1.stiffness"}, {3.0, 4.5, 6.0, 11.0},
+                     false);
   expect_derivatives(
       belt("force = 0.2\nstatic = 1\nstribeck_rate = 0.3\nstribeck_exponent = 2\nname = \"rub\"\n"),
       {{{"guide", 0.3}}, {{"guide", 0.25}}},
