@@ -25,6 +25,13 @@ namespace {
 using nlohmann::json;
 using solvers::RandomStream;
 
+/// A load of which the mechanism knows when it jumps.
+Load noted_load(ContactMechanism& mechanism, RandomStream& random, double size) {
+  Load out = random_load(random, size, mechanism.duration);
+  if (out.course.kind == Course::Kind::step) mechanism.jumps.push_back(out.course.a[2]);
+  return out;
+}
+
 double some_restitution(RandomStream& random) {
   constexpr std::array choices{0.0, 0.3, 0.8, 1.0};
   return choices[static_cast<std::size_t>(pick(random, 0, 3))];
@@ -93,7 +100,7 @@ struct BlocksOnRail : ContactMechanism {
         b.length = start.back() + random.uniform(-0.4, 0.4);
       }
       if (chance(random, 0.3)) b.damping = random.uniform(0.1, 1.0);
-      if (chance(random, 0.7)) b.along = random_load(random, 4.0, duration);
+      if (chance(random, 0.7)) b.along = noted_load(*this, random, 4.0);
       const std::string name = fmt::format("s{}", k + 1);
       scene += fmt::format("[body.b{}]\npoints = {{ C = [0, 0] }}\nmass = {:.17g}\n", k + 1, b.mass);
       later +=
@@ -249,7 +256,7 @@ struct StrikingLinks : ContactMechanism {
         one.relaxed = angle - (k > 0 ? q[k - 1] : 0.0) + random.uniform(-0.5, 0.5);
       }
       if (chance(random, 0.3)) one.damping = random.uniform(0.02, 0.2);
-      if (chance(random, 0.5)) one.turning = random_load(random, 4.0, duration);
+      if (chance(random, 0.5)) one.turning = noted_load(*this, random, 4.0);
       q[k] = angle;
       const std::string name = fmt::format("l{}", k + 1), before = k == 0 ? "ground" : fmt::format("l{}", k);
       scene += fmt::format(
@@ -356,8 +363,8 @@ struct StrikingCrank : ContactMechanism {
       stiffness = random.uniform(20.0, 200.0);
       relaxed = slope(angle).x + random.uniform(-0.05, 0.05);
     }
-    if (chance(random, 0.8)) torque = random_load(random, 1.5, duration);
-    if (torque.size == 0 || chance(random, 0.6)) push = random_load(random, 8.0, duration);
+    if (chance(random, 0.8)) torque = noted_load(*this, random, 1.5);
+    if (torque.size == 0 || chance(random, 0.6)) push = noted_load(*this, random, 8.0);
     scene = fmt::format(
         "gravity = [0, 0]\n[ground]\npoints = {{ O = [0, 0] }}\n"
         "[body.crank]\npoints = {{ O = [0, 0], A = [{:.17g}, 0] }}\ninertia = {:.17g}\n"
@@ -450,8 +457,8 @@ struct FlyingPoint : ContactMechanism {
       stiffness = random.uniform(5.0, 50.0);
       relaxed = x + random.uniform(-0.3, 0.3);
     }
-    if (chance(random, 0.6)) along = random_load(random, 5.0, duration);
-    if (chance(random, 0.4)) up = random_load(random, gravity > 0 ? 8.0 : 4.0, duration);
+    if (chance(random, 0.6)) along = noted_load(*this, random, 5.0);
+    if (chance(random, 0.4)) up = noted_load(*this, random, gravity > 0 ? 8.0 : 4.0);
     scene = fmt::format(
         "gravity = [0, {}]\n[ground]\npoints = {{ O = [0, 0] }}\n[body.cart]\npoints = {{ C = [0, 0] }}\n"
         "mass = {:.17g}\n[body.ball]\npoints = {{ C = [0, 0] }}\nmass = {:.17g}\n"
@@ -593,7 +600,7 @@ struct LiftingCam : ContactMechanism {
         drive.phase = random.uniform(-3.0, 3.0);
       }
     } else if (chance(random, 0.7)) {
-      turning = random_load(random, 0.5, duration);
+      turning = noted_load(*this, random, 0.5);
     }
     const double turn = full_turn;
     const char* const law = is_harmonic ? "harmonic" : "cycloidal";
@@ -810,7 +817,11 @@ SteppedMotion step_motion(const ContactMechanism& mechanism, const StepLengths& 
         out.complete = false;
         return out;
       }
-      const double left = time - stepper.t();
+      double until = time;
+      for (const double jump : mechanism.jumps) {
+        if (jump - stepper.t() > lengths.shortest / 2) until = std::min(until, jump);
+      }
+      const double left = until - stepper.t();
       const bool ends = h >= left;
       const double now = ends ? left : h;
       if (stepper.take(now, now <= lengths.shortest)) {

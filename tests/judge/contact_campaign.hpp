@@ -34,6 +34,7 @@ struct ContactMechanism {
   double duration = 0.0, accuracy = 0.0;
   std::vector<OneSidedContact> contacts;
   std::vector<DryContact> rubs;
+  std::vector<double> jumps;  ///< times at which loads jump, where steps end: friction would hide part of a step
 
   virtual ~ContactMechanism() = default;
   virtual SmallSquare mass(const Small& q) const = 0;
