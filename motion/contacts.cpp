@@ -116,6 +116,9 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
       Side side{.at = {static_cast<int>(s), upper}, .on = {}, .varied = {}, .limit = limit};
       side.on = {scene, model.layout(), phasors, stop.on};
       scratch = std::max(scratch, side.on.scratch_size());
+      for (const int i : side.on.support()) {
+        if (i < model.layout().angles) angles_.push_back(i);
+      }
       if (const int element = stop_friction_element(scene, side.at.stop); element >= 0) {
         side.slip = {scene, model.layout(), phasors, scene.elements[static_cast<std::size_t>(element)].on};
         scratch = std::max(scratch, side.slip->scratch_size());
@@ -128,6 +131,8 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
       if (stop.impact_law) law_ = *stop.impact_law;
     }
   }
+  std::sort(angles_.begin(), angles_.end());
+  angles_.erase(std::unique(angles_.begin(), angles_.end()), angles_.end());
   pose_.resize(static_cast<std::size_t>(phasors.pose_size() + scratch));
 }
 
@@ -223,6 +228,29 @@ double Contacts::first_hit(const Reduced& motion, double h) {
     hit_ = k;
   }
   return hit_ == none ? 0.0 : first * h;
+}
+
+std::vector<double> Contacts::ends(const Reduced& motion) {
+  std::vector<double> out;
+  for (const Side& side : sides_) {
+    const Gap gap = gap_of(side, motion);
+    out.insert(out.end(), {gap.value, gap.rate, gap.acceleration});
+  }
+  return out;
+}
+
+bool Contacts::are_followed(const Reduced& motion, double h, const std::vector<double>& ends) {
+  constexpr double well = 1e-6, far = 30.0;
+  const Configuration<double> here = place(motion.q());
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const Side& side = sides_[k];
+    if (side.touched || side.idle) continue;
+    const double* end = &ends[3 * k];
+    const Quintic p{h, side.gap, side.rate, side.acceleration, end[0], end[1], end[2]};
+    const double gap = sign(side) * (side.on.value(here) - side.limit), off = std::abs(gap - p.at(0.5));
+    if (off > well && std::min({gap, p.at(0.5), p.at(0.25), p.at(0.75)}) < far * off) return false;
+  }
+  return true;
 }
 
 Contacts::Miss Contacts::miss(const Reduced& motion) {

@@ -47,6 +47,11 @@ class Contacts {
     double gap = 0.0, time = 0.0;
   };
   Miss miss(const ReducedMotion<double>& motion);
+  /// Whether first_hit() would follow the gaps: where `motion` is, half-way in a step of h that ends in `ends`, they
+  /// are those of the polynomials, or far from zero in comparison.
+  bool are_followed(const ReducedMotion<double>& motion, double h, const std::vector<double>& ends);
+  /// Gaps, their rates and accelerations where `motion` is, of all sides.
+  std::vector<double> ends(const ReducedMotion<double>& motion);
   /// The least distance by which a gap passed zero since the last node without touching: its polynomial comes nearer to
   /// zero than `within` and rises again. None if none does.
   std::optional<Touch> grazed(const ReducedMotion<double>& motion, double h, double within);
@@ -79,6 +84,8 @@ class Contacts {
     return gap_of(sides_[side], motion).acceleration;
   }
   double rebound(std::size_t side) const { return stop_of(sides_[side]).rebound(); }
+  /// Coordinates that are angles on which gaps depend.
+  const std::vector<int>& angles() const { return angles_; }
   /// Whether some side has friction.
   bool rub() const { return rubs_; }
 
@@ -125,6 +132,7 @@ class Contacts {
   const MotionModel& model_;
   std::vector<Variation> variations_;
   std::vector<Side> sides_;
+  std::vector<int> angles_;
   ImpactLaw law_ = ImpactLaw::energetic;
   bool rubs_ = false;
   std::vector<Planar<double>> pose_;

@@ -32,9 +32,7 @@ std::vector<BorderedTerm> bordered_terms(const Scene& scene) {
         out.push_back({on, k, stop});
     }
   };
-  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
-    if (scene.stops[s].holds()) take(scene.stops[s].on, static_cast<int>(s));
-  }
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) take(scene.stops[s].on, static_cast<int>(s));
   for (const Drive& drive : scene.drives) take(drive.on, -1);
   for (const Element& element : scene.elements) take(element.on, -1);
   return out;

@@ -29,7 +29,13 @@ void StepEnds::watch() {
 }
 
 bool StepEnds::meets_hit(double t) {
-  constexpr int most_repeats = 6;
+  // Over small angles gaps are polynomials of the time as coordinates are; half-way in a step of several turns they may
+  // be so by chance.
+  constexpr double little = 0.3, too_far = 1.0;
+  constexpr int most_repeats = 6, most_halvings = 12;
+  for (int k = 0; k < most_halvings && turned() > little && (turned() > too_far || !follows_gaps(t)); ++k) {
+    step_.repeat(t, step_.length / 2, [] { return 0.0; });
+  }
   const double whole = step_.length;
   double at = contacts_.first_hit(reduced_, whole);
   if (at == 0.0) return false;
@@ -52,9 +58,7 @@ bool StepEnds::meets_hit(double t) {
   return false;
 }
 
-bool StepEnds::is_of_friction() {
-  return friction_margin() <= contacts_.force_margin(reduced_);
-}
+bool StepEnds::is_of_friction() { return friction_margin() <= contacts_.force_margin(reduced_); }
 
 bool StepEnds::meets_event(double t) {
   const auto margin = [this] { return this->margin(); };
@@ -84,9 +88,9 @@ bool StepEnds::meets_event(double t) {
   return met;
 }
 
-// Computes the margin of friction a part x of the way through the step just made, at the state of the quintic through
-// places, rates and accelerations at both ends; NaN where that fails.
-double StepEnds::margin_within(double t, double x) {
+// Sets `within_` to the state a part x of the way through the step just made, of the quintic through places, rates and
+// accelerations at both ends.
+void StepEnds::state_within(double x) {
   const auto f = static_cast<std::size_t>(reduced_.freedoms());
   const double h = step_.length;
   const std::vector<double>&y = step_.y, &y_new = step_.y_new, &dydt = step_.dydt, &dydt_new = step_.dydt_new;
@@ -100,10 +104,40 @@ double StepEnds::margin_within(double t, double x) {
     within_[k] = y[k] + x * (v0 + x * (a0 + x * (c3 + x * (c4 + x * c5))));
     within_[f + k] = (v0 + x * (2 * a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
   }
-  if (reduced_.evaluate(t + x * h, within_.data(), within_.data() + f) != ReducedMotion<double>::Status::ok) {
+}
+
+// Computes the margin there; NaN where that fails.
+double StepEnds::margin_within(double t, double x) {
+  state_within(x);
+  if (reduced_.evaluate(t + x * step_.length, within_.data(), within_.data() + reduced_.freedoms()) !=
+      ReducedMotion<double>::Status::ok) {
     return std::numeric_limits<double>::quiet_NaN();
   }
   return margin();
+}
+
+// The angle by which something turns in the step just made on which gaps depend.
+double StepEnds::turned() const {
+  double most = 0.0;
+  for (const int i : contacts_.angles()) {
+    const double way = std::abs(reduced_.q()[i] - step_.node[static_cast<std::size_t>(i)]);
+    most = std::max({most, way, step_.length * std::abs(reduced_.v()[i])});
+  }
+  return most;
+}
+
+// Whether the gaps half-way in the step just made are those of their polynomials, or not near zero.
+bool StepEnds::follows_gaps(double t) {
+  const std::vector<double> ends = contacts_.ends(reduced_);
+  end_.assign(reduced_.q(), reduced_.q() + n_);
+  state_within(0.5);
+  reduced_.expect(step_.node.data());
+  step_.evaluate(t);
+  const bool placed = reduced_.place(t + step_.length / 2, within_.data()) == ReducedMotion<double>::Status::ok;
+  const bool follows = placed && contacts_.are_followed(reduced_, step_.length, ends);
+  reduced_.expect(end_.data());
+  step_.evaluate_end(t);
+  return follows;
 }
 
 // Finds the time within the step just made at which a margin that is positive at the node has passed zero, 0 if it does

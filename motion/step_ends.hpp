@@ -56,6 +56,9 @@ class StepEnds {
     return reduced_.sliding() == nullptr ? std::numeric_limits<double>::infinity() : friction_.margin(reduced_);
   }
   double margin() { return std::min(friction_margin(), contacts_.force_margin(reduced_)); }
+  double turned() const;
+  bool follows_gaps(double t);
+  void state_within(double x);
   double margin_within(double t, double x);
   double first_passing(double t, double margin_at_end);
 
