@@ -175,6 +175,33 @@ TEST(Contacts, AHookHoldsItsBolt) {
   EXPECT_LT(test::place_of(model, out.x, "bolt.C").x, -0.1) << "the hook has let it go";
 }
 
+// The tip of the pawl of the dataset, a circle of 1 mm, is where it touches the face of a tooth and the back of the one
+// before: its centre is where lines beside both, 1 mm away, cross. There two forces of one outline balance the weight's
+// torque and the pawl's spring.
+TEST(Contacts, AWheelIsLockedByItsPawl) {
+  const StaticModel model(read_scene(test::dataset("ratchet.toml")));
+  const auto point = [](double radius, double angle) { return radius * unit(angle); };
+  const Vec2 root = point(42, pi / 2), tip = point(50, pi / 2 + 0.03), before = point(50, 2 * pi / 3 + 0.03);
+  const auto left_of = [](Vec2 from, Vec2 to) { return quarter_turn((1 / norm(to - from)) * (to - from)); };
+  const Vec2 back = left_of(before, root), face = left_of(root, tip);
+  const double h_back = dot(back, root) + 1, h_face = dot(face, root) + 1, area = cross(back, face);
+  const Vec2 centre{(h_back * face.y - h_face * back.y) / area, (back.x * h_face - face.x * h_back) / area};
+  for (const Equilibrium& found : found_both_ways(model)) {
+    const Vec2 at = 1000.0 * test::place_of(model, found.x, "pawl.tip");
+    EXPECT_NEAR(norm(at), norm(centre), 1e-4) << "points of the file have four decimals";
+    const double turned = std::atan2(cross(centre, at), dot(centre, at));
+    EXPECT_NEAR(test::angle_of(model, found.x, "wheel"), turned, 1e-5);
+    const Vec2 n_back = back * unit(turned), n_face = face * unit(turned), arm = at - Vec2{-60, 50};
+    // Moments about the axle and the pin of the pawl, N mm.
+    const double spring = 2 * (-30 - test::angle_of(model, found.x, "pawl") * 180 / pi);
+    const double a = cross(at, n_back), b = cross(at, n_face), c = cross(arm, n_back), d = cross(arm, n_face);
+    const double of_back = (500 * d + spring * b) / (a * d - b * c),
+                 of_face = (-spring * a - 500 * c) / (a * d - b * c);
+    EXPECT_NEAR(size_of(found.check, "tip part 3"), of_back, 1e-3);
+    EXPECT_NEAR(size_of(found.check, "tip part 8"), of_face, 1e-3);
+  }
+}
+
 // A wheel with a backlash of 2 degrees turns to the flank that its torque presses it on.
 TEST(Contacts, TeethWithBacklashLieOnTheSideThatTheyArePressedOn) {
   for (const double torque : {3.0, -3.0}) {
@@ -203,7 +230,7 @@ TEST(Contacts, TeethWithBacklashLieOnTheSideThatTheyArePressedOn) {
       free_angle = 0
       [[torque]]
       name = "M"
-      body = "b"
+      on = "b"
       value = {}
     )",
                                                 torque),
