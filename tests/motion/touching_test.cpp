@@ -16,7 +16,7 @@
 #include "motion/simulate.hpp"
 #include "tests/support/motions.hpp"
 
-namespace poise::contacts_test {
+namespace poise::touching_test {
 namespace {
 
 using Kind = ContactEvent::Kind;
@@ -60,7 +60,7 @@ y = 1
 }
 
 // Times of impacts: t1, then flights of 2 v e^k / g; the end of all at t1 (1 + e) / (1 - e).
-TEST(Contacts, ABallBouncesAndComesToRestAtTheLimitOfItsTimes) {
+TEST(Touching, ABallBouncesAndComesToRestAtTheLimitOfItsTimes) {
   constexpr double e = 0.8;
   const double t1 = std::sqrt(2 / g), v1 = std::sqrt(2 * g);
   const Motion motion = moved(ball(e), 5.0);
@@ -86,14 +86,14 @@ TEST(Contacts, ABallBouncesAndComesToRestAtTheLimitOfItsTimes) {
   EXPECT_EQ(motion.trajectory.v.back(), 0.0);
 }
 
-TEST(Contacts, ABounceCostsAFewSteps) {
+TEST(Touching, ABounceCostsAFewSteps) {
   const Motion motion = moved(ball(0.95), 6.0);
   const std::size_t bounces = of_kind(motion, Kind::impact).size();
   ASSERT_GE(bounces, 8U);
   EXPECT_LE(motion.evaluations, 13 * 5 * static_cast<int>(bounces) + 500);
 }
 
-TEST(Contacts, WithoutRestitutionItStays) {
+TEST(Touching, WithoutRestitutionItStays) {
   const Motion motion = moved(ball(0.0), 2.0);
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
   EXPECT_EQ(motion.events.size(), 1U);
@@ -102,7 +102,7 @@ TEST(Contacts, WithoutRestitutionItStays) {
 }
 
 // With restitution 1 nothing is lost.
-TEST(Contacts, AnElasticBallRisesAsHighAgain) {
+TEST(Touching, AnElasticBallRisesAsHighAgain) {
   const double t1 = std::sqrt(2 / g);
   const Motion motion = moved(ball(1.0), 2 * t1);
   EXPECT_NEAR(motion.trajectory.q.back(), 1.0, 1e-11);
@@ -111,7 +111,7 @@ TEST(Contacts, AnElasticBallRisesAsHighAgain) {
 
 // A mass on a rope of length L that hangs from a point at the height of its start, thrown sideways: it falls until
 // the rope is taut, whose impulse takes the rate along it; then it swings as a pendulum, with m v^2 / L + m g cos.
-TEST(Contacts, ARopeSnapsTautAndSwings) {
+TEST(Touching, ARopeSnapsTautAndSwings) {
   const std::string text = R"(
 gravity = [0, -9.81]
 [ground]
@@ -191,7 +191,7 @@ guide = 0
                      rpm * 6);
 }
 
-TEST(Contacts, ACamLiftsItsFollowerOffAboveItsSpeed) {
+TEST(Touching, ACamLiftsItsFollowerOffAboveItsSpeed) {
   const double turn = 60 / 1625.77;
   const Motion below = moved(cam(1625.5), turn);
   ASSERT_EQ(below.status, MotionStatus::completed) << below.why;
@@ -205,7 +205,7 @@ TEST(Contacts, ACamLiftsItsFollowerOffAboveItsSpeed) {
 
 // x'' + 2 z x' + x = F cos(W t) and a wall at x = 1 with restitution 0.8: from a state just behind the impact of the
 // periodic motion (phase and rate of ../shared/benchmarks.md 1.9) it hits once in each period, with that rate.
-TEST(Contacts, AnImpactOscillatorHitsOnceInEachPeriod) {
+TEST(Touching, AnImpactOscillatorHitsOnceInEachPeriod) {
   const double period = 2 * std::numbers::pi / 0.8;
   const std::string text = R"toml(
 gravity = [0, 0]
@@ -251,7 +251,7 @@ x = 1
 }
 
 // Two rods in series hit their stops: energy balances, and no stop is passed.
-TEST(Contacts, NothingPassesItsStop) {
+TEST(Touching, NothingPassesItsStop) {
   const std::string text = R"(
 gravity = [0, -9.81]
 [ground]
@@ -300,10 +300,10 @@ lower = 0.3
   }
 }
 
-TEST(Contacts, AStartInsideAStopIsRefused) { EXPECT_THROW(moved(ball(0.5), 1.0, {{{"y", -0.1}}, {}}), InputError); }
+TEST(Touching, AStartInsideAStopIsRefused) { EXPECT_THROW(moved(ball(0.5), 1.0, {{{"y", -0.1}}, {}}), InputError); }
 
 // A drive that pushes its own slide against the stop.
-TEST(Contacts, ADriveThatPushesAgainstAStopEndsTheMotion) {
+TEST(Touching, ADriveThatPushesAgainstAStopEndsTheMotion) {
   const MotionModel model(parse_scene(ball(0.5) + R"(
 [[drive]]
 name = "ram"
@@ -320,7 +320,7 @@ rate = -1
 }
 
 // Derivatives across impacts, contact that lasts and lift-off are those of motions that differ a little.
-TEST(Contacts, SensitivitiesJumpWithTheMotion) {
+TEST(Touching, SensitivitiesJumpWithTheMotion) {
   const auto end = [&](double x0, double rate, double t, bool sensitive) {
     const std::string text = R"(
 gravity = [0, -9.81]
@@ -432,7 +432,7 @@ Motion slide(double mu, double degrees, double omega, double duration) {
 }
 
 // N p + b = 0 with p = 1 + 3 cos^2 - 3 mu sin cos, b = l omega^2 sin - g, where that has one solution.
-TEST(Contacts, ARoughFloorCarriesASlidingRod) {
+TEST(Touching, ARoughFloorCarriesASlidingRod) {
   for (const auto& [mu, degrees, N] : {std::tuple{1.2, 60.0, 51.3198048696}, std::tuple{2.0, 20.0, 5.70115542078}}) {
     const Motion motion = slide(mu, degrees, 0.0, 1e-3);
     ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
@@ -443,7 +443,7 @@ TEST(Contacts, ARoughFloorCarriesASlidingRod) {
   }
 }
 
-TEST(Contacts, PainlevesRodIsNamed) {
+TEST(Touching, PainlevesRodIsNamed) {
   const Motion none = slide(2.0, 60.0, 0.0, 0.1);
   EXPECT_EQ(none.status, MotionStatus::stuck);
   EXPECT_NE(none.why.find("Painleve"), std::string::npos) << none.why;
@@ -455,7 +455,7 @@ TEST(Contacts, PainlevesRodIsNamed) {
 // A block of half width 0.1 and half height 0.5 that rocks on its corners without sliding (G. W. Housner, 1963):
 // quarter periods of the exact equation, and the rates after each impact over those before, 1 - 1.5 sin^2 alpha =
 // 49/52.
-TEST(Contacts, ABlockRocks) {
+TEST(Touching, ABlockRocks) {
   const double alpha = std::atan(0.2), from = 0.5 * alpha, R = std::hypot(0.1, 0.5);
   // Tipped about its right corner by `from`, clockwise.
   const double x = 0.1 - R * std::sin(alpha - from), y = R * std::cos(alpha - from);
@@ -508,7 +508,7 @@ block = {}
 
 // P. Flores, R. Leine, C. Glocker, Multibody System Dynamics 23, 2010: a slider with clearance in its guide, whose
 // upper corners hit the guide first at once (../shared/benchmarks.md 1.7).
-TEST(Contacts, ASliderWithClearanceHitsItsGuide) {
+TEST(Touching, ASliderWithClearanceHitsItsGuide) {
   std::string text = R"(
 gravity = [0, -9.81]
 [ground]
@@ -564,7 +564,7 @@ slider = 0
 }
 
 // A cart of 1 kg that hits the end stop of its crank drive: the impulse through the stop is that of the reduced mass.
-TEST(Contacts, ASliderCrankHitsItsEndStop) {
+TEST(Touching, ASliderCrankHitsItsEndStop) {
   const std::string text = R"(
 [ground]
 points = { O = [0, 0] }
@@ -625,7 +625,7 @@ Motion of_dataset(const std::string& name, double duration) {
 }
 
 // The clamp comes to rest where statics finds it, and where the static stop holds it.
-TEST(Contacts, TheToggleClampClosesOntoItsStop) {
+TEST(Touching, TheToggleClampClosesOntoItsStop) {
   const Motion motion = of_dataset("toggle_clamp_closing", 0.05);
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
   EXPECT_NEAR(motion.trajectory.q[motion.trajectory.q.size() - 3], 1.6337822873154150442, 1e-9);
@@ -634,7 +634,7 @@ TEST(Contacts, TheToggleClampClosesOntoItsStop) {
   EXPECT_LT(motion.energy_error, 1e-9);
 }
 
-TEST(Contacts, ALandingGearFallsIntoItsLock) {
+TEST(Touching, ALandingGearFallsIntoItsLock) {
   const Motion motion = of_dataset("landing_gear_drop", 2.0);
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
   EXPECT_NEAR(of_kind(motion, Kind::impact).front().t, 0.737, 1e-3);
@@ -644,4 +644,4 @@ TEST(Contacts, ALandingGearFallsIntoItsLock) {
 }
 
 }  // namespace
-}  // namespace poise::contacts_test
+}  // namespace poise::touching_test
