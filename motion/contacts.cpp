@@ -435,8 +435,21 @@ double Contacts::hit_time_by(const Reduced& motion, std::size_t side_index, cons
   return rate == 0.0 ? 0.0 : -change / rate;
 }
 
+/// The acceleration that a unit force on the gap of a side gives it, as `motion` is set.
+double Contacts::mobility(const Side& side, const Reduced& motion) {
+  const auto n = static_cast<std::size_t>(motion.coordinates()), f = static_cast<std::size_t>(motion.freedoms());
+  std::vector<double> slope(n, 0.0), dw(f);
+  side.on.add_gradient(place(motion.q()), 1.0, slope.data());
+  motion.respond(slope.data(), dw.data());
+  double out = 0.0;
+  for (std::size_t k = 0; k < f; ++k) {
+    out += dw[k] * std::inner_product(slope.begin(), slope.end(), motion.B(static_cast<int>(k)), 0.0);
+  }
+  return out;
+}
+
 /// By how much forces of the touched ones, and accelerations of the gaps of the others, have the wrong sign, over the
-/// largest force and the terms of these; negative where all are right.
+/// largest force, and over what that would give and the terms of these; negative where all are right.
 double Contacts::violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
                               const Reduced& motion) {
   double strongest = strongest_;
@@ -455,7 +468,7 @@ double Contacts::violation_of(const std::vector<std::size_t>& candidates, const 
       sum += term;
       terms += std::abs(term);
     });
-    worst = std::max(worst, -sign(side) * sum / (terms + tiny));
+    worst = std::max(worst, -sign(side) * sum / (terms + strongest * mobility(side, motion) + tiny));
   }
   return worst;
 }

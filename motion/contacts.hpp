@@ -126,6 +126,7 @@ class Contacts {
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, StickSlip* friction, double t,
                                     const std::vector<double>& q, const std::vector<double>& v,
                                     const std::vector<std::size_t>& touched);
+  double mobility(const Side& side, const ReducedMotion<double>& motion);
   double violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
                       const ReducedMotion<double>& motion);
 

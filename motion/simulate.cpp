@@ -228,6 +228,7 @@ class Simulation {
     bool hits = false;            ///< the gap of a stop closes
     bool of_friction = false;     ///< something begins to slide or is held
     std::optional<Touch> left{};  ///< the force at a limit of a stop that is touched falls to zero
+    double nudge = 0.0;           ///< time by which the formulas that hold from here on are those of later
   };
 
   bool can_switch() const { return friction_.acts() || !reduced_.touching().empty(); }
@@ -520,6 +521,7 @@ class Simulation {
     if (!can_switch() || !ends_.is_past()) return true;
     Event event;
     if (!friction_.acts() || !ends_.is_of_friction()) event.left = contacts_.least();
+    event.nudge = nudge;
     return change_mode(t, event);
   }
 
@@ -542,7 +544,8 @@ class Simulation {
     read_changes();
     if (event.of_friction && !changes_.empty()) friction_.begin_to_slide(reduced_, t, ahead_);
     if (event.left && !event.hits) add_event({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
-    if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t, q, v, event.left))) return false;
+    if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t + event.nudge, q, v, event.left)))
+      return false;
     if (event.of_friction && !event.hits && nodes_.nodes() > 1) {
       for (Change& one : changes_) {
         one.later = friction_.event_time_by(reduced_, one.dq.data(), one.dv.data(), one.influence_index);
@@ -558,7 +561,7 @@ class Simulation {
     }
     write_changes();
     step_.remake();
-    if (!step_.evaluate(t)) {
+    if (!step_.evaluate(t + event.nudge)) {
       give_up(t);
       return false;
     }
