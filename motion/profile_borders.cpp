@@ -128,30 +128,48 @@ Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) 
   return {phasors, pose_.data(), pose_.data() + phasors.pose_size()};
 }
 
+/// use(border) with the borders of an argument of the value u, of a profile those of the turn before to the turn
+/// behind.
+template <class Use>
+void ProfileBorders::for_borders(const Argument& argument, double u, Use use) {
+  if (argument.law) {
+    for (const double at : argument.law->borders) use(at / argument.law->size);
+    return;
+  }
+  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
+  const bool is_periodic = argument.at.of.profile->periodic();
+  const double turn = is_periodic ? std::floor(u) : 0.0;
+  for (const double shift : {-1.0, 0.0, 1.0}) {
+    if (!is_periodic && shift != 0.0) continue;
+    use(pieces.front().from + turn + shift);
+    for (const Profile::Piece& piece : pieces) use(piece.to + turn + shift);
+  }
+}
+
 void ProfileBorders::note(Argument& argument, double u, double rate) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   argument.lower = -unlimited;
   argument.upper = unlimited;
-  const auto border = [&](double at) {
+  for_borders(argument, u, [&](double at) {
     const bool is_here = std::abs(u - at) <= at_border;
     if (is_here ? rate >= 0 : at < u)
       argument.lower = std::max(argument.lower, is_here ? at - room_behind : at);
     else
       argument.upper = std::min(argument.upper, is_here ? at + room_behind : at);
-  };
-  if (argument.law) {
-    for (const double at : argument.law->borders) border(at / argument.law->size);
-    return;
+  });
+}
+
+double ProfileBorders::nudge_at_border(const ReducedMotion<double>& motion) {
+  const Configuration<double> at = here(motion);
+  double out = 0.0;
+  for (const Argument& argument : arguments_) {
+    const double u = value(argument, at, motion), speed = std::abs(rate(argument, at, motion));
+    if (speed == 0.0) continue;
+    for_borders(argument, u, [&](double border) {
+      if (std::abs(u - border) <= at_border) out = std::max(out, (nudged_by + std::abs(u - border)) / speed);
+    });
   }
-  const std::vector<Profile::Piece>& pieces = argument.at.of.profile->pieces();
-  const double turn = argument.at.of.profile->periodic() ? std::floor(u) : 0.0;
-  const auto borders_of_turn = [&](double shift) {
-    border(pieces.front().from + shift);
-    for (const Profile::Piece& piece : pieces) border(piece.to + shift);
-  };
-  for (const double shift : {-1.0, 0.0, 1.0}) {
-    if (argument.at.of.profile->periodic() || shift == 0.0) borders_of_turn(turn + shift);
-  }
+  return out;
 }
 
 void ProfileBorders::watch(const ReducedMotion<double>& motion) {

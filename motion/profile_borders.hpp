@@ -33,8 +33,10 @@ class ProfileBorders {
   double margin(const ReducedMotion<double>& motion);
   /// Of the argument of the last margin(): the time in which it moves by 3e-13.
   double nudge(const ReducedMotion<double>& motion);
-  /// Of the same: the derivative of the time at which it passes the border u_k along changes of q and v, and by an
-  /// influence if its index is not negative:  -(du/dp - du_k/dp) / (du/dt).
+  /// The time by which the state must go on to be behind a border that an argument is at; 0 where none is at one.
+  double nudge_at_border(const ReducedMotion<double>& motion);
+  /// Of the border found by margin(): the derivative of the time at which it passes the border u_k along changes of q
+  /// and v, and by an influence if its index is not negative:  -(du/dp - du_k/dp) / (du/dt).
   double passing_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv, int influence);
 
  private:
@@ -66,6 +68,8 @@ class ProfileBorders {
   Configuration<double> here(const ReducedMotion<double>& motion);
   double value(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
   double rate(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
+  template <class Use>
+  static void for_borders(const Argument& argument, double u, Use use);
   static void note(Argument& argument, double u, double rate);
   double law_passing_time_by(const ReducedMotion<double>& motion, const OfLaw& law, const double* dq, const double* dv,
                              int influence);

@@ -241,6 +241,8 @@ class Simulation {
       friction_.meet(reduced_);
     else
       event.left = contacts_.least();
+    // A force may fall to zero at a border, where accelerations jump: from here on the next piece holds.
+    if (borders_.act()) event.nudge = std::min(borders_.nudge_at_border(reduced_), 1e-10 * options_.duration);
   }
 
   void note_grazing(double t) {
@@ -538,7 +540,9 @@ class Simulation {
       return false;
     }
     const std::size_t n = q_start_.size();
-    const std::vector<double> q(reduced_.q(), reduced_.q() + n), before(reduced_.v(), reduced_.v() + n);
+    std::vector<double> q(reduced_.q(), reduced_.q() + n);
+    const std::vector<double> before(reduced_.v(), reduced_.v() + n);
+    for (std::size_t i = 0; i < n; ++i) q[i] += event.nudge * before[i];
     std::vector<double> v = before;
     double work = step_.work();
     read_changes();
