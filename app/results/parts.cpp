@@ -431,6 +431,12 @@ void warn_of_friction(Result& result, const Scene& scene) {
   for (const Stop& rope : scene.stops) {
     if (!rubbing_rims(rope.on).empty()) names.push_back("\"" + rope.name + "\"");
   }
+  for (const Stop& stop : scene.stops) {
+    // The parts of a contact share their name.
+    if (stop.friction.value_or(0.0) != 0.0 && !stop.table.starts_with("contact_part")) {
+      names.push_back("\"" + stop.name + "\"");
+    }
+  }
   if (names.empty()) return;
   result.warnings.push_back(
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
