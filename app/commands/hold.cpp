@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
@@ -36,6 +38,13 @@ VariedNumber read_vary(const std::string& text, const Scene& scene) {
 }
 
 void expect_friction(const Scene& scene) {
+  for (const Stop& stop : scene.stops) {
+    if (!stop.friction) continue;
+    throw InputError(
+        fmt::format("{}:{}: {} \"{}\".friction: poise hold does not treat friction across stops; expected "
+                    "friction of joints and pulleys, or tables [[friction]]; leave the key out there",
+                    scene.file, stop.line, stop.family(), stop.name));
+  }
   if (has_friction(scene)) return;
   throw InputError(scene.file +
                    ": expected friction, found none: give a pin friction = { coefficient = 0.1, radius = 5 }, a slide "
