@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "motion/motion_model.hpp"
-#include "motion/small_motions.hpp"
+#include "motion/touched_stop.hpp"
+#include "statics/model/mobility.hpp"
 
 namespace poise {
 

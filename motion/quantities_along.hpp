@@ -56,12 +56,12 @@ class MovingQuantities {
 };
 
 /// The forces in a motion that was simulated, by inverse dynamics of the bodies cut free (forces_of()), with scaled
-/// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Of stops those act that are touched and stay so. `then` is the
-/// scene of the instant, at_time(). Friction of joints that slide is their bound under the joint forces that it makes
-/// itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what the accelerations need it
-/// to be, undetermined where it shares a load with others: where rates are below 1e-9 of the fastest of v and
-/// `fastest`. Of the checks there is the imbalance only. With `efforts` those of the drives of `then` are given, N m or
-/// N, in place of being found.
+/// coordinates x of the model, their rates v (per s) and accelerations a (per s^2). Of stops those act that are touched
+/// and stay so. `then` is the scene of the instant, at_time(). Friction of joints that slide is their bound under the
+/// joint forces that it makes itself. Friction where nothing slides, of joints and of [[friction]] of width 0, is what
+/// the accelerations need it to be, undetermined where it shares a load with others: where rates are below 1e-9 of the
+/// fastest of v and `fastest`. Of the checks there is the imbalance only. With `efforts` those of the drives of `then`
+/// are given, N m or N, in place of being found.
 Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
                         const std::vector<double>& v, const std::vector<double>& a, double fastest = 0.0,
                         const std::vector<double>* efforts = nullptr);

@@ -60,7 +60,7 @@ enum class MotionStatus {
   torn,        ///< a joint or drive opened whose equation repeated others at the start
   no_inertia,  ///< a degree of freedom has no inertia
   step_limit,
-  jammed,      ///< a drive pushes against a stop, or a law of impact would add energy
+  jammed,  ///< a drive pushes against a stop, or a law of impact would add energy
 };
 
 std::string to_string(MotionStatus status);
@@ -105,7 +105,7 @@ struct Motion {
   MotionStatus status = MotionStatus::not_started;
   std::string why;  ///< one sentence if it did not complete
   Trajectory trajectory;
-  std::vector<int> independent;                  ///< coordinates whose start values the sensitivities refer to
+  std::vector<int> independent;  ///< coordinates whose start values the sensitivities refer to
   /// Per node, J; work: done by drives, follower loads, resistances, and (negative) impacts.
   std::vector<double> kinetic, potential, work;
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N

@@ -6,16 +6,10 @@
 
 #include "motion/body_motion.hpp"
 #include "motion/motion_model.hpp"
+#include "motion/touched_stop.hpp"
 #include "statics/model/mobility.hpp"
 
 namespace poise {
-
-/// A stop that is touched in equilibrium.
-struct TouchedStop {
-  int stop = 0;         ///< index into Scene::stops
-  bool at_max = false;  ///< the limit that is touched; of equal ones that which presses
-  double force = 0.0;   ///< with which it presses, N or N m; 0 of one that only touches
-};
 
 /// The equations of small motions  q = q0 + N y  about an equilibrium at the scaled coordinates x of a model,
 ///   M y'' + C y' + K y = (a small force),

@@ -15,8 +15,8 @@ struct MovingState {
 
 /// States of a simulated motion at its times. Between the steps of the integrator coordinates and rates are those of
 /// TrajectoryReader, the dependent ones closed; accelerations are those of the equations of motion there. Near singular
-/// poses and where something in the scene can stick, or a stop is touched, all three are those of its polynomials. One object per thread: it
-/// holds the last state.
+/// poses and where something in the scene can stick, or a stop is touched, all three are those of its polynomials. One
+/// object per thread: it holds the last state.
 class StatesAlong {
  public:
   /// Both must outlive this; the motion has two nodes at least.

@@ -240,7 +240,7 @@ struct StrikingLinks : ContactMechanism {
     kind = "links";
     duration = random.uniform(0.8, 1.8);
     const int n = chance(random, 0.45) ? 1 : chance(random, 0.8) ? 2 : 3;
-    gravity = chance(random, 0.7) ? weight : 0.0;
+    gravity = chance(random, 0.7) ? earth_gravity : 0.0;
     scene = fmt::format("gravity = [0, {}]\n[ground]\npoints = {{ b = [0, 0] }}\n", -gravity);
     std::string later, starts = "[start]\n";
     Small q(n);
@@ -418,7 +418,7 @@ struct FlyingPoint : ContactMechanism {
     double sign = 1.0, value = 0.0;
   };
   std::vector<Limit> limits;
-  double cart = 0.1, ball = 1.0, gravity = weight, stiffness = 0.0, relaxed = 0.0;
+  double cart = 0.1, ball = 1.0, gravity = earth_gravity, stiffness = 0.0, relaxed = 0.0;
   Load along{}, up{};
 
   SmallSquare mass(const Small&) const override {
@@ -451,7 +451,7 @@ struct FlyingPoint : ContactMechanism {
     duration = random.uniform(0.8, 2.0);
     cart = random.uniform(0.05, 1.0);
     ball = random.uniform(0.3, 2.0);
-    gravity = chance(random, 0.8) ? weight : 0.0;
+    gravity = chance(random, 0.8) ? earth_gravity : 0.0;
     const double x = random.uniform(-0.3, 0.3), y = -random.uniform(0.3, 0.8);
     if (chance(random, 0.4)) {
       stiffness = random.uniform(5.0, 50.0);
@@ -520,7 +520,7 @@ struct FlyingPoint : ContactMechanism {
 /// A follower on a cam that it may leave. q is its travel, and before it the angle of a cam that is not driven.
 struct LiftingCam : ContactMechanism {
   double base = 0.05, lift = 0.02, rise = 1.0, top = 2.0, fall = 3.0;  // ends of the parts, rad
-  double follower = 0.5, inertia = 0.01, gravity = weight, stiffness = 0.0, relaxed = 0.0, damping = 0.0;
+  double follower = 0.5, inertia = 0.01, gravity = earth_gravity, stiffness = 0.0, relaxed = 0.0, damping = 0.0;
   bool is_driven = true, is_harmonic = false;
   DriveCourse drive{};
   Load turning{};
@@ -585,7 +585,7 @@ struct LiftingCam : ContactMechanism {
     is_harmonic = chance(random, 0.2);
     follower = random.uniform(0.2, 1.0);
     inertia = random.uniform(0.002, 0.02);
-    gravity = chance(random, 0.7) ? weight : 0.0;
+    gravity = chance(random, 0.7) ? earth_gravity : 0.0;
     if (gravity == 0.0 || chance(random, 0.7)) {
       stiffness = random.uniform(100.0, 1500.0);
       relaxed = base - random.uniform(0.01, 0.05);

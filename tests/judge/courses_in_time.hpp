@@ -17,7 +17,7 @@
 namespace poise::judge {
 
 inline constexpr double full_turn = 2 * std::numbers::pi;
-inline constexpr double weight = 9.81;
+inline constexpr double earth_gravity = 9.81;
 
 inline int pick(solvers::RandomStream& random, int from, int to) {
   return std::min(to, from + static_cast<int>(random.uniform(0.0, 1.0) * (to - from + 1)));

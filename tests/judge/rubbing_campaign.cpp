@@ -60,7 +60,7 @@ struct Blocks : RubbingMechanism {
     const auto of = static_cast<std::size_t>(rubs[static_cast<std::size_t>(contact)]);
     double normal = 0.0;
     for (std::size_t k = 0; k < blocks.size(); ++k) {
-      const double borne = blocks[k].mass * weight + blocks[k].down.mean(t, 0.0);
+      const double borne = blocks[k].mass * earth_gravity + blocks[k].down.mean(t, 0.0);
       normal += carries[k][static_cast<Eigen::Index>(of)] * borne;
     }
     return blocks[of].force + blocks[of].coefficient * std::abs(normal);
@@ -72,7 +72,7 @@ struct Blocks : RubbingMechanism {
     const int n = pick(random, 1, 4);
     const bool has_belt = chance(random, 0.3), grips = chance(random, 0.3);
     if (has_belt) belt = DriveCourse::random(random, duration);
-    scene = fmt::format("gravity = [0, {}]\n[ground]\npoints = {{ O = [0, 0] }}\n", -weight);
+    scene = fmt::format("gravity = [0, {}]\n[ground]\npoints = {{ O = [0, 0] }}\n", -earth_gravity);
     if (has_belt) {
       scene +=
           "[body.belt]\npoints = { C = [0, 0] }\nmass = 1\n[[slide]]\nname = \"sbelt\"\n"
@@ -303,7 +303,7 @@ struct Links : RubbingMechanism {
     kind = "links";
     duration = random.uniform(0.8, 2.0);
     const int n = pick(random, 1, 4);
-    gravity = chance(random, 0.6) ? weight : 0.0;
+    gravity = chance(random, 0.6) ? earth_gravity : 0.0;
     if (chance(random, 0.5)) pull = random_load(random, 5.0, duration);
     scene = fmt::format("gravity = [0, {}]\n[ground]\npoints = {{ b = [0, 0] }}\n", -gravity);
     std::string later, starts;
