@@ -84,7 +84,18 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
     add_force("stop." + scene.stops[s].name, effort_of(scene.stops[s].on),
               [&scene, s](const Forces& f) { return stop_force(scene, s, f); });
   }
-  for (std::size_t i = 0; i < scene.elements.size(); ++i) {
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    if (!scene.stops[s].friction) continue;
+    add_force("stop_friction." + scene.stops[s].name, Quantity::force, [s](const Forces& f) {
+      for (const SlidingStop& one : f.friction.stops) {
+        if (one.stop == static_cast<int>(s)) return one.effort;
+      }
+      return 0.0;
+    });
+  }
+  // Those that stand for the friction of joints and stops in a scene in motion have no forces of their own.
+  const std::size_t elements = std::min(scene.elements.size(), forces.poses.front().element_force.size());
+  for (std::size_t i = 0; i < elements; ++i) {
     const Element& element = scene.elements[i];
     const double sign = element.on.is_angle() ? -1.0 : 1.0;
     add(element.table + "." + element.name, effort_of(element.on),
