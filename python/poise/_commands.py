@@ -140,6 +140,7 @@ class SceneCommands:
         curve: str | None = None,
         from_: str | None = None,
         follow: str | None = None,
+        snap: str | None = None,
         branches: bool = False,
         search: int | None = None,
         at: Numbers | None = None,
@@ -172,6 +173,9 @@ class SceneCommands:
             start (the default); equilibrium: the one nearest to the start
         follow: unstable: the curve through its folds (the default); jump: stable
             equilibria only, snapping at folds, there and back
+        snap: settle: snaps land where the mechanism settles with heavy damping (the
+            default); dynamic: show also their motion with its inertia and dampers,
+            what it hits, how fast, and where it comes to rest
         branches: Follow all curves that cross at branch points too
         search: Search also for curves that are not connected with the start, by
             deflation from N starts at each of five values (0)
@@ -195,6 +199,7 @@ class SceneCommands:
             "--curve": curve,
             "--from": from_,
             "--follow": follow,
+            "--snap": snap,
             "--branches": branches,
             "--search": search,
             "--at": at,
