@@ -633,7 +633,8 @@ class Simulation {
       const Scales& scales = model_.scales();
       const bool turns = model_.scene().stops[static_cast<std::size_t>(side.at.stop)].on.is_angle();
       const double unit = turns ? 1.0 : scales.length;
-      const double impulse = hit.impact.impulse[i], before = hit.before[i], after = hit.impact.rate[i];
+      const double impulse = hit.impact.impulse[i], before = hit.before[i];
+      const double after = std::abs(hit.impact.rate[i]) > 1e-12 * std::abs(before) ? hit.impact.rate[i] : 0.0;
       // It would have turned round just behind the limit, or not have come so far.
       const bool grazes =
           side.acceleration > 0.0 && before * before < 2 * side.acceleration * grazing * options_.accuracy;
