@@ -1,5 +1,7 @@
 #include "statics/model/static_numbers.hpp"
 
+#include <string_view>
+
 #include "model/dependent_number.hpp"
 
 namespace poise {
@@ -39,8 +41,13 @@ bool acts_in_statics(const Scene& scene, const ParameterPlace& place) {
       const Joint& joint = scene.joints[static_cast<std::size_t>(place.item)];
       return place.number < static_cast<int>(joint.numbers().size() - joint.friction_numbers().size());
     }
-    case Owner::coupling:  // of ropes behind their length friction on pulleys
-      return place.number == 0 || scene.stops[static_cast<std::size_t>(place.item)].table != "rope";
+    case Owner::stop:
+    case Owner::coupling: {
+      const Stop& stop = scene.stops[static_cast<std::size_t>(place.item)];
+      const std::string_view key = stop.numbers()[static_cast<std::size_t>(place.number)].key;
+      if (key == "restitution" || key == "friction") return false;
+      return place.number == 0 || stop.table != "rope";  // behind its length is friction on pulleys
+    }
     default:
       return true;
   }

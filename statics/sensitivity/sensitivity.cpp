@@ -70,7 +70,7 @@ std::vector<Column> columns_of(const NumberedEquations& equations, const LinearR
     // A named number that is an expression is but a step to those that follow from it.
     if (place.owner == Owner::number && dependent_number(scene, place) != nullptr) continue;
     if (!acts_in_statics(scene, place)) {
-      ++without;
+      without += value_at(scene, place) ? 1 : 0;
       continue;
     }
     if (!std::isfinite(equations.numbers()[k])) continue;
