@@ -67,6 +67,9 @@ std::string outline_in_words(const Scene& scene, const Outline& outline) {
   if (outline.form != Outline::Form::polygon) {
     return fmt::format("the arc {} to {} around {}", name(1), name(2), name(0));
   }
+  constexpr std::size_t most = 4;
+  if (outline.points.size() > most)
+    return fmt::format("{} points {} to {}", outline.points.size(), name(0), name(outline.points.size() - 1));
   std::string out = name(0);
   for (std::size_t k = 1; k < outline.points.size(); ++k) out += ", " + name(k);
   return out;
