@@ -91,7 +91,7 @@ class Simulation {
         columns_(model, options, first_choice()),
         step_(model, options, reduced_, columns_.count()),
         nodes_(model, options, columns_, q_start_, out_),
-        error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts(), borders_.of_laws()),
+        error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts()),
         ends_(reduced_, step_, friction_, contacts_, borders_) {
     out_.freedoms = columns_.freedoms();
     out_.independent = columns_.independent();
@@ -303,6 +303,7 @@ class Simulation {
     if (can_switch() && (StickSlip::holds(reduced_) || !reduced_.touching().empty())) {
       h = std::min(h, shortest_period_ / 4);
     }
+    error_.set_behind_border(departures_ > 0 && borders_.of_laws());
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);

@@ -17,7 +17,7 @@ constexpr double larger_for_sensitivities = 1e4;
 double StepError::of_state(double t, double h, double accuracy) const {
   const bool all_driven = reduced_.freedoms() == 0;
   const double of_motion = all_driven ? 0.0 : of_coordinates(h, accuracy);
-  const double by_energy = all_driven || has_borders_ ? of_work(t, h, accuracy) : 0.0;
+  const double by_energy = all_driven || is_behind_border_ ? of_work(t, h, accuracy) : 0.0;
   return std::max({of_motion, by_energy, of_sensitivities(accuracy)});
 }
 

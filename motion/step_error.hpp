@@ -9,20 +9,20 @@ namespace poise {
 /// How large the errors of a step are relative to what the accuracy of a motion allows. Private to simulate().
 class StepError {
  public:
-  /// All must outlive this. `acts_at_rest`: something may begin to act on a mechanism at rest, and let it go;
-  /// `has_borders`: laws of force elements have (ProfileBorders).
+  /// All must outlive this. `acts_at_rest`: something may begin to act on a mechanism at rest, and let it go.
   StepError(const ReducedMotion<double>& reduced, const MotionStep& step, const MotionWriter& nodes,
-            const SensitivityColumns& columns, const std::vector<double>& q_start, bool acts_at_rest, bool has_borders)
+            const SensitivityColumns& columns, const std::vector<double>& q_start, bool acts_at_rest)
       : reduced_(reduced),
         step_(step),
         nodes_(nodes),
         columns_(columns),
         q_start_(q_start),
-        acts_at_rest_(acts_at_rest),
-        has_borders_(has_borders) {}
+        acts_at_rest_(acts_at_rest) {}
 
   /// The fastest rate of change at the start of the motion, 1/s.
   void set_fastest(double fastest) { fastest_ = fastest; }
+  /// Whether the next steps begin just behind a border of the law of a force element (ProfileBorders).
+  void set_behind_border(bool behind) { is_behind_border_ = behind; }
 
   /// Error of the step just made, of length h from t, relative to the tolerance `accuracy`. Rounding errors, which
   /// shorter steps do not reduce, are left out.
@@ -47,7 +47,7 @@ class StepError {
   const SensitivityColumns& columns_;
   const std::vector<double>& q_start_;
   bool acts_at_rest_;
-  bool has_borders_;
+  bool is_behind_border_ = false;
   double fastest_ = 0.0;
 };
 

@@ -390,6 +390,7 @@ TEST(JsonDocs, Path) {
                 {{{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--at", "30"}, with_csv},
                  {{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--follow", "jump"}},
                  {{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--at", "10"}},
+                 {{"path", scene("toggle_clamp"), "--vary", "load.P=0..40", "--follow", "jump", "--snap", "dynamic"}},
                  {{"path", scene("toggle_press"), "--vary", "angle.crank=120..160", "--show",
                    "force.crank,max(travel.gib),mean(energy)"},
                   with_csv},
