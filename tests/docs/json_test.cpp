@@ -718,6 +718,42 @@ crank = 1
 rail = 3.4
 )";
 
+/// A follower that a cam at 3000 turns a minute loses, and that rubs along a wall.
+constexpr const char* valve = R"(gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.cam]
+points = { O = [0, 0] }
+[body.follower]
+points = { P = [0, 0] }
+mass = 0.35
+[[pin]]
+name = "shaft"
+points = ["ground.O", "cam.O"]
+[[slide]]
+name = "guide"
+points = ["ground.O", "follower.P"]
+axis = [0, 1]
+[[cam]]
+name = "valve"
+bodies = ["ground", "cam"]
+follower = { slide = "guide" }
+law = [{ to = 2, lift = 1, law = "cycloidal" }, { to = 4, lift = 0, law = "cycloidal" }, { to = 6.283185307179586, law = "dwell" }]
+lift = 0.01
+base = 0
+[[spring]]
+slide = "guide"
+stiffness = 12000
+free_length = -0.0125
+[[stop]]
+name = "wall"
+x = "follower.P"
+max = 0.1
+friction = 0.1
+[start]
+cam = 0
+)";
+
 TEST(JsonDocs, Forces) {
   const TempFolder folder;
   check_section(
@@ -733,6 +769,9 @@ TEST(JsonDocs, Forces) {
        {{"forces", scene("offset_cam"), "--drive", "cam=30"}},
        {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
        {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}},
+       {{"forces", folder.write("valve.toml", valve), "--drive", "cam=0..6.28", "--rate", "314", "--steps", "9",
+         "--lift-off", "valve"},
+        with_csv},
        {{"forces", scene("toggle_press"), "--drive", "crank=0..360", "--rate", "360", "--flywheel", "0.02"}}});
 }
 
