@@ -637,20 +637,35 @@ void follow_curve(Stop* rows) {
   if (first.to_end) first.max = length;
 }
 
-std::span<const Number> Stop::numbers() const {
-  if (table == "cam" || table == "curved_slot" || is_rolling_profile(*this)) {
-    const CurveNumbers points = curve_numbers_of(*this);
-    std::span<const Number> all = coupling_kind(*this)->numbers;
-    if (closed && table != "curved_slot") {
-      all = is_on_circle(*this) ? std::span<const Number>(closed_circle_profile_numbers) : closed_profile_numbers;
+namespace {
+
+std::span<const Number> all_numbers_of(const Stop& stop) {
+  if (stop.table == "cam" || stop.table == "curved_slot" || is_rolling_profile(stop)) {
+    const CurveNumbers points = curve_numbers_of(stop);
+    std::span<const Number> all = coupling_kind(stop)->numbers;
+    if (stop.closed && stop.table != "curved_slot") {
+      all = is_on_circle(stop) ? std::span<const Number>(closed_circle_profile_numbers) : closed_profile_numbers;
     }
     return all.first(static_cast<std::size_t>(points.first + points.points * points.components));
   }
-  if (table == "rope") return std::span(rubbing_rope_numbers).first(rope_numbers_before + rubbing_rims(on).size());
-  const CouplingKind* const kind = coupling_kind(*this);
-  if (kind == nullptr) return limits;
-  const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(*this) < 0;
+  if (stop.table == "rope") {
+    return std::span(rubbing_rope_numbers).first(rope_numbers_before + rubbing_rims(stop.on).size());
+  }
+  const CouplingKind* const kind = coupling_kind(stop);
+  if (kind == nullptr) return Stop::limits;
+  const bool is_full_circle = kind->table == "circular_slot" && line_of_centres(stop) < 0;
   return is_full_circle ? kind->numbers.first(1) : kind->numbers;
+}
+
+}  // namespace
+
+// Numbers of impacts that the scene does not give are none where they stand behind all others.
+std::span<const Number> Stop::numbers() const {
+  std::span<const Number> out = all_numbers_of(*this);
+  while (!out.empty() && (out.back().key == "restitution" || out.back().key == "friction") && !out.back().get(this)) {
+    out = out.first(out.size() - 1);
+  }
+  return out;
 }
 
 std::optional<Measure> Stop::tangent() const {

@@ -71,7 +71,10 @@ class CouplingReader {
     check_meshing(table, stop);
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
-    if (stop.table == "cam" || stop.table == "rope") read_impact(table, stop);
+    if (stop.table == "cam" || stop.table == "rope") {
+      read_numbers(table, std::span(Stop::limits).subspan(2, 1), &stop, &stop.on);
+      read_impact(table, stop);
+    }
     return stop;
   }
 

@@ -494,9 +494,10 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
   const std::vector<const Trial*> possible = agreeing;
   const Trial* const best =
       agreeing.size() == 1 ? agreeing.front() : tell_apart(motion, node, std::move(agreeing), ahead);
-  for (const Trial* const one : possible) {
-    const Trial& trial = *one;
+  for (const Trial& trial : trials) {
     if (!grows_ || trial.violation > no_acceleration) continue;
+    // Of those that agree some may have been left out, which slide where others hold.
+    if (!trial.is_locked && std::find(possible.begin(), possible.end(), &trial) == possible.end()) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
       const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);
       if (apart > consistent * largest[k]) return Choice::several;

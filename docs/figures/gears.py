@@ -48,7 +48,7 @@ def mark(panel: Panel, center: complex, radius: float, angle: float) -> None:
 
 
 def gear() -> Drawing:
-    drawing = Drawing("Gear: ratio, phase and carrier", 320)
+    drawing = Drawing("Gear: ratio, phase and carrier", 338)
     a, b, r_a, r_b, angle, phase = 0, 160, 64.0, 96.0, 60.0, 80.0
     panel = drawing.panel(104 + 152j)
     wheel(panel, a, r_a, 16, angle)
@@ -71,7 +71,8 @@ def gear() -> Drawing:
     panel.text(b + 110 - 26j, "b", down=4)
     panel.leader(24, 24 + 100j, "`carrier` c: the line of the shafts", "middle")
     panel.texts(-92 - 134j, ['`bodies` = ["a", "b"];  `ratio` = r_a / r_b = teeth of a / of b',
-                             "angle(b) = `phase` - `ratio` · angle(a), both from the carrier"])
+                             "angle(b) = `phase` - `ratio` · angle(a), both from the carrier",
+                             "`backlash`: by so much less than this to so much more, half of it each way"])
     return drawing
 
 
@@ -180,7 +181,7 @@ def rack() -> Drawing:
     panel.dot(0)
     panel.texts(96 + 142j, ["`pinion`: turns on the", "`carrier`, by default", "the body of a.P",
                             "`radius` > 0: as drawn", "`radius` < 0: back", "`pressure_angle`: the",
-                            "teeth press at the dot"])
+                            "teeth press at the dot", "`backlash`: play along s"])
     return drawing
 
 
