@@ -72,7 +72,7 @@ def gear() -> Drawing:
     panel.leader(24, 24 + 100j, "`carrier` c: the line of the shafts", "middle")
     panel.texts(-92 - 134j, ['`bodies` = ["a", "b"];  `ratio` = r_a / r_b = teeth of a / of b',
                              "angle(b) = `phase` - `ratio` · angle(a), both from the carrier",
-                             "`backlash`: by so much less than this to so much more, half of it each way"])
+                             "`backlash`: or up to half of it less or more"])
     return drawing
 
 
