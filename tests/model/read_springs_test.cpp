@@ -265,7 +265,7 @@ TEST(ReadSprings, RefuseGasStrutsThatCannotBe) {
   EXPECT_EQ(
       refusal(begin + "gas = { preload = 1, length = 5, stroke = 2, ratio = 1.5, volume = -1 }\n"),
       "rail.toml:13: spring \"s\".gas.volume: expected one of the keys friction, friction_width, preload, length, "
-      "stroke, ratio, exponent");
+      "stroke, ratio, exponent, damping, end_damping, end_stroke");
   EXPECT_EQ(refusal(begin + "gas = { preload = 1, length = 5, stroke = 2, ratio = 1.5, friction_width = 1 }\n"),
             "rail.toml:13: spring \"s\".gas: expected the key friction beside friction_width; add it");
   EXPECT_EQ(refusal("[[spring]]\nbodies = [\"ground\", \"block\"]\ngas = { preload = 1 }\n"),

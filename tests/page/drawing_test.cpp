@@ -228,9 +228,10 @@ TEST(Drawing, EveryToolWritesWhatIsRead) {
                                                                      : std::vector<double>{270.28, 0});
           break;
         case Pick::point:
-          at.push_back(at.empty()                      ? std::vector<double>{0, 200}
-                       : tool.picks[0] == Pick::moving ? std::vector<double>{300, 0}
-                                                       : std::vector<double>{50, 86.6});
+          at.push_back(at.empty() ? std::vector<double>{0, 200}
+                       : tool.picks[0] == Pick::moving
+                           ? std::vector<double>{250.0 + 50.0 * static_cast<double>(at.size()), 0}
+                           : std::vector<double>{50, 86.6});
           break;
         case Pick::body:
         case Pick::link:
