@@ -296,7 +296,7 @@ std::vector<TomlText> TomlTable::texts(std::string_view key) const {
   for (const toml::node& element : *node->as_array()) {
     TomlPlace place = at(place_of(key), element.source());
     if (!element.is_string()) place.fail(expected);
-    result.push_back({element.as_string()->get(), std::move(place)});
+    result.push_back({element.as_string()->get(), std::move(place), &element});
   }
   return result;
 }

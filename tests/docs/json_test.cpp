@@ -479,7 +479,10 @@ TEST(JsonDocs, CompareTolerances) {
                  {{"compare", scene("hard/follower_four_bar"), "--tolerances", "1e-2,1e-8", "--repeat", "1"}}});
 }
 
-TEST(JsonDocs, Modes) { check_section("modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}}); }
+TEST(JsonDocs, Modes) {
+  check_section(
+      "modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}, {{"modes", scene("toggle_clamp")}}});
+}
 
 TEST(JsonDocs, Equations) {
   check_section("equations", {{{"equations", scene("lift")}, with_csv}, {{"equations", scene("slider_crank")}}});
@@ -685,6 +688,7 @@ TEST(JsonDocs, Motion) {
        {{"motion", scene("nfb2"), "--from", "start", "--release-rate", "post0=-1", "--duration", "2"}},
        {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
        {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show", "force.oil,max(force.oil)"}},
+       {{"motion", scene("landing_gear_drop"), "--from", "start", "--duration", "1.2"}},
        {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv},
        {{"motion", folder.write("press.toml", driven_press), "--duration", "2", "--rate", "20", "--forces"}, with_csv},
        {{"motion", scene("three_motor_robot"), "--duration", "0.1", "--rate", "50", "--motors", "shoulder,elbow"}}});
