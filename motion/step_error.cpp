@@ -25,15 +25,16 @@ double StepError::of_state(double t, double h, double accuracy) const {
 // time only; the energies at both ends do. The same holds of forces that begin at a border: over the first step they
 // nearly depend on time only, and derivatives of some have no bound there.
 double StepError::of_work(double t, double h, double accuracy) const {
+  const auto work = static_cast<std::size_t>(2 * reduced_.freedoms());  // its place in the state
   const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
-  const double unbalanced = std::abs(energy - nodes_.energy() - (step_.y_new[0] - step_.y[0]));
+  const double unbalanced = std::abs(energy - nodes_.energy() - (step_.y_new[work] - step_.y[work]));
   // Rounding is that of energies, of places to which loops and drives are closed, and of the times at which power is
   // taken.
   const double rounding = 100 * eps * (std::abs(energy) + std::abs(nodes_.energy())) +
                           10 * eps * reduced_.work_of_gaps() +
-                          4 * eps * (t + h) * (std::abs(step_.dydt[0]) + std::abs(step_.dydt_new[0]));
+                          4 * eps * (t + h) * (std::abs(step_.dydt[work]) + std::abs(step_.dydt_new[work]));
   return std::max(0.0, unbalanced - rounding) /
-         (1000 * accuracy * std::max(nodes_.exchanged(), std::abs(step_.y_new[0])) + stepping::tiny);
+         (1000 * accuracy * std::max(nodes_.exchanged(), std::abs(step_.y_new[work])) + stepping::tiny);
 }
 
 double StepError::of_coordinates(double h, double accuracy) const {
