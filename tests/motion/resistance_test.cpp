@@ -268,12 +268,14 @@ TEST(Resistance, StopsThatYieldThrowBackByTheirRatio) {
                                      "{:.17g}\n",
                                      n, d / v),
                          -0.05, v, 1.0);
-      EXPECT_NEAR(thrown.v(1.0), -e * v, 3e-11 * v) << d << ", " << n;
+      // Derivatives of the force with the exponent 1.5 have no bound where it begins.
+      const double within = n == 1.5 ? 3e-9 * v : 3e-11 * v;
+      EXPECT_NEAR(thrown.v(1.0), -e * v, within) << d << ", " << n;
       const Block at_min(fmt::format("[[stop]]\nslide = \"guide\"\nmin = 0\nstiffness = 1e5\nexponent = {}\ndamping = "
                                      "{:.17g}\n",
                                      n, d / v),
                          0.05, -v, 1.0);
-      EXPECT_NEAR(at_min.v(1.0), e * v, 3e-11 * v) << d << ", " << n;
+      EXPECT_NEAR(at_min.v(1.0), e * v, within) << d << ", " << n;
     }
   }
 }
