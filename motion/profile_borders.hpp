@@ -25,8 +25,6 @@ class ProfileBorders {
 
   /// Whether the scene has profiles or laws of more than one piece.
   bool act() const { return !arguments_.empty(); }
-  /// Whether some are those of laws.
-  bool of_laws() const { return !arguments_.empty() && arguments_.back().law.has_value(); }
   /// Notes the piece that each argument is in, at a border that into which it moves.
   void watch(const ReducedMotion<double>& motion);
   /// Least distance of an argument from the ends of the piece noted: negative where it has left it.

@@ -303,7 +303,6 @@ class Simulation {
     if (can_switch() && (StickSlip::holds(reduced_) || !reduced_.touching().empty())) {
       h = std::min(h, shortest_period_ / 4);
     }
-    error_.set_behind_border(departures_ > 0 && borders_.of_laws());
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);

@@ -15,26 +15,22 @@ constexpr double larger_for_sensitivities = 1e4;
 }  // namespace
 
 double StepError::of_state(double t, double h, double accuracy) const {
-  const bool all_driven = reduced_.freedoms() == 0;
-  const double of_motion = all_driven ? 0.0 : of_coordinates(h, accuracy);
-  const double by_energy = all_driven || is_behind_border_ ? of_work(t, h, accuracy) : 0.0;
-  return std::max({of_motion, by_energy, of_sensitivities(accuracy)});
+  const double of_motion = reduced_.freedoms() == 0 ? of_work(t, h, accuracy) : of_coordinates(h, accuracy);
+  return std::max(of_motion, of_sensitivities(accuracy));
 }
 
-// Where all is driven, work alone is integrated, of whose error the method's estimate knows nothing where it depends on
-// time only; the energies at both ends do. The same holds of forces that begin at a border: over the first step they
-// nearly depend on time only, and derivatives of some have no bound there.
+// All is driven. Work alone is integrated, of whose error the method's estimate knows nothing where it depends on time
+// only; the energies at both ends do.
 double StepError::of_work(double t, double h, double accuracy) const {
-  const auto work = static_cast<std::size_t>(2 * reduced_.freedoms());  // its place in the state
   const double energy = reduced_.kinetic_energy() + reduced_.potential_energy();
-  const double unbalanced = std::abs(energy - nodes_.energy() - (step_.y_new[work] - step_.y[work]));
+  const double unbalanced = std::abs(energy - nodes_.energy() - (step_.y_new[0] - step_.y[0]));
   // Rounding is that of energies, of places to which loops and drives are closed, and of the times at which power is
   // taken.
   const double rounding = 100 * eps * (std::abs(energy) + std::abs(nodes_.energy())) +
                           10 * eps * reduced_.work_of_gaps() +
-                          4 * eps * (t + h) * (std::abs(step_.dydt[work]) + std::abs(step_.dydt_new[work]));
+                          4 * eps * (t + h) * (std::abs(step_.dydt[0]) + std::abs(step_.dydt_new[0]));
   return std::max(0.0, unbalanced - rounding) /
-         (1000 * accuracy * std::max(nodes_.exchanged(), std::abs(step_.y_new[work])) + stepping::tiny);
+         (1000 * accuracy * std::max(nodes_.exchanged(), std::abs(step_.y_new[0])) + stepping::tiny);
 }
 
 double StepError::of_coordinates(double h, double accuracy) const {

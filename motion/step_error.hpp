@@ -21,8 +21,6 @@ class StepError {
 
   /// The fastest rate of change at the start of the motion, 1/s.
   void set_fastest(double fastest) { fastest_ = fastest; }
-  /// Whether the next steps begin just behind a border of the law of a force element (ProfileBorders).
-  void set_behind_border(bool behind) { is_behind_border_ = behind; }
 
   /// Error of the step just made, of length h from t, relative to the tolerance `accuracy`. Rounding errors, which
   /// shorter steps do not reduce, are left out.
@@ -47,7 +45,6 @@ class StepError {
   const SensitivityColumns& columns_;
   const std::vector<double>& q_start_;
   bool acts_at_rest_;
-  bool is_behind_border_ = false;
   double fastest_ = 0.0;
 };
 

@@ -414,7 +414,7 @@ void expect_derivatives(const Scene& scene, const test::Release& release, const 
       }
       best = std::min(best, largest > 0.0 ? apart / largest : apart);
     }
-    EXPECT_LT(best, 1e-7) << what;
+    EXPECT_LT(best, 2e-6) << what;
   };
   const auto f = static_cast<std::size_t>(motion.freedoms);
   for (std::size_t p = 0; p < paths.size(); ++p) {
