@@ -121,7 +121,8 @@ TEST(IdentifyCommand, FitsAcrossImpacts) {
   const json r = run_json(folder, {"identify", file}, 0);
   EXPECT_EQ(r["verdict"], "Converged: residuals agree with the stated noise.");
   for (const json& estimate : r["estimates"]) {
-    EXPECT_LT(std::abs(estimate["error_over_sigma"].get<double>()), 4.0) << estimate;
+    const double error = estimate["value"].get<double>() - estimate["truth"].get<double>();
+    EXPECT_LT(std::abs(error), 4 * estimate["standard_error"].get<double>()) << estimate;
   }
 }
 

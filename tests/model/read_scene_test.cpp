@@ -700,7 +700,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
                  "torsion_damper, friction, bump_stop, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
-            "loose_pin, loose_slot, contact, drive, force, "
+                 "loose_pin, loose_slot, contact, drive, force, "
                  "distributed_load, torque, stop, start, outputs, frame; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
@@ -1085,7 +1085,8 @@ INSTANTIATE_TEST_SUITE_P(
     StopsAndStart, ReadBadScene,
     testing::Values(
         after("StopKey", "[[stop]]\nbody = ['ground', 'rod']\n",
-              "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, rope, sum, min, max"),
+              "8: stop 1.body: expected one of the keys name, bodies, points, slide, x, y, rope, sum, min, max, "
+              "restitution, law, friction"),
         after("StopOfNothing", "[[stop]]\nmin = 1\n", "7: stop 1: expected one of the keys " + every_measure),
         after("StopOfTwoThings", "[[stop]]\nbodies = ['ground', 'rod']\npoints = ['ground.O', 'rod.B']\nmin = 1\n",
               "7: stop 1: expected one of the keys " + every_measure),

@@ -1,5 +1,3 @@
-#include "motion/contacts.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +11,7 @@
 #include "model/joint_friction.hpp"
 #include "model/read_scene.hpp"
 #include "motion/confirmed_motion.hpp"
+#include "motion/contacts.hpp"
 #include "motion/simulate.hpp"
 #include "tests/support/motions.hpp"
 
@@ -619,14 +618,14 @@ guide = 0.37
   EXPECT_NEAR(hit.impulse, -1.5 * closing * mass(low) / (slope(low) * slope(low)), 1e-9);
 }
 
-Motion of_dataset(const std::string& name, double duration) {
+Motion of_dataset(const std::string& name, double duration, const test::Release& release = {}) {
   const MotionModel model(read_scene(std::string(POISE_SOURCE_DIR) + "/datasets/" + name + ".toml"));
-  return test::moved(model, test::released(model, {}), duration);
+  return test::moved(model, test::released(model, release), duration);
 }
 
 // The clamp comes to rest where statics finds it, and where the static stop holds it.
 TEST(Touching, TheToggleClampClosesOntoItsStop) {
-  const Motion motion = of_dataset("toggle_clamp_closing", 0.05);
+  const Motion motion = of_dataset("toggle_clamp_closing", 0.05, {{{"handle", 92.5 * std::numbers::pi / 180}}, {}});
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
   EXPECT_NEAR(motion.trajectory.q[motion.trajectory.q.size() - 3], 1.6337822873154150442, 1e-9);
   EXPECT_NEAR(of_kind(motion, Kind::impact).front().t, 0.00375, 1e-5);
