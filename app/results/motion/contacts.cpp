@@ -119,7 +119,7 @@ void add_contacts(Group& group, const MotionModel& model, const ForcesAnswer& an
       return is_along ? force + " at " + place_in_words(model, found, course.least_at) : force;
     };
     const auto changes = [&](const ContactCourse& course) {
-      const std::string words = changes_in_words(model, found, course);
+      std::string words = changes_in_words(model, found, course);
       if (!words.empty()) return words;
       if (std::isnan(course.least)) return std::string("-");
       if (course.contact.guided) return std::string("stays on one side");
