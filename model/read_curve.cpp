@@ -107,7 +107,7 @@ CurveDamper read_damper_curve(const TomlTable& table, const Measure& on) {
   if (std::find(points.x.begin(), points.x.end(), 0.0) != points.x.end()) {
     place.fail("expected rates other than 0, where a damper has no force; leave that point out");
   }
-  const CurveDamper damper(std::move(points.x), std::move(points.y), table.has("curve"));
+  CurveDamper damper(std::move(points.x), std::move(points.y), table.has("curve"));
   located(place, [&] { damper.check(); });
   return damper;
 }

@@ -199,10 +199,10 @@ using CompliantStop = CompliantStopOf<double>;
 
 template <>
 inline constexpr std::array<Number, 5> CompliantStopOf<double>::numbers = [] {
-  Number min = plain_number<&CompliantStop::min>("min", {});
-  min.measure_power = 1;
-  min.range_of_measure = true;
-  min.set = [](void* item, double value) {
+  Number lower = plain_number<&CompliantStop::min>("min", {});
+  lower.measure_power = 1;
+  lower.range_of_measure = true;
+  lower.set = [](void* item, double value) {
     auto& stop = *static_cast<CompliantStop*>(item);
     stop.expect_limits(value, stop.max);
     stop.min = value;
@@ -218,16 +218,16 @@ inline constexpr std::array<Number, 5> CompliantStopOf<double>::numbers = [] {
     if (!(value >= 1.0)) throw InputError("expected an exponent of at least 1; 1.5 is that of round bodies");
     static_cast<CompliantStop*>(item)->exponent = value;
   };
-  Number max = min;
-  max.key = "max";
-  max.get = [](const void* item) { return std::optional<double>(static_cast<const CompliantStop*>(item)->max); };
-  max.set = [](void* item, double value) {
+  Number upper = lower;
+  upper.key = "max";
+  upper.get = [](const void* item) { return std::optional<double>(static_cast<const CompliantStop*>(item)->max); };
+  upper.set = [](void* item, double value) {
     auto& stop = *static_cast<CompliantStop*>(item);
     stop.expect_limits(stop.min, value);
     stop.max = value;
   };
-  max.scale = [](void* item, double factor) { static_cast<CompliantStop*>(item)->max *= factor; };
-  return std::array{min, k, a, n, max};
+  upper.scale = [](void* item, double factor) { static_cast<CompliantStop*>(item)->max *= factor; };
+  return std::array{lower, k, a, n, upper};
 }();
 
 template <>
