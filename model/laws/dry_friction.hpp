@@ -170,7 +170,7 @@ struct DryFrictionOf {
       return {left, -left, S(0)};
     }
     const S size = choose(
-        x < S(0), [&] { return S(-x); }, [&] { return x; });
+        x < S(0), [&] { return S(-x); }, [&] { return S(x); });
     const S power = power_of(size, d);
     const S left = exp(-power);
     return {left, -left * d * power_of(size, S(d - S(1))), -left * power * log_of(size)};
