@@ -319,7 +319,7 @@ class ExperimentReader {
     if (!unknown.of_sensor) {
       // First, because it fails for a path that does not exist.
       const double value = located(path.place, [&] { return get_value(experiment_.scene, path.value); });
-      if (path.value.starts_with("start.") || path.value.starts_with("stop.")) {
+      if (path.value.starts_with("start.")) {
         path.place.fail(
             "expected a number that the motion depends on; start values of a run are estimated unless start_known = "
             "true");

@@ -12,10 +12,13 @@ std::optional<SceneParameter> SceneParameter::find(const Scene& scene, std::stri
   const std::optional<ParameterRow> row = find_parameter(scene, path);
   if (!row) return std::nullopt;
   // Motion depends on none of these.
-  if (row->place.owner == Owner::start || row->place.owner == Owner::stop || row->place.owner == Owner::section) {
+  if (row->place.owner == Owner::start || row->place.owner == Owner::section) return std::nullopt;
+  const std::optional<double> value = value_at(scene, row->place);
+  if (!value || !std::isfinite(*value)) return std::nullopt;
+  // A stop that holds its measure is a part of the mechanism.
+  if (row->place.owner == Owner::stop && scene.stops[static_cast<std::size_t>(row->place.item)].holds()) {
     return std::nullopt;
   }
-  if (!value_at(scene, row->place)) return std::nullopt;
   return SceneParameter(*row);
 }
 
@@ -32,7 +35,7 @@ bool SceneParameter::allows(const Scene& scene, double si) const {
   if (is_friction_ && path_.ends_with(".friction.length")) return si > 0;
   // An exponent, or the ratio of a gas strut, may have to be more than 1.
   const bool has_law = place_.owner == Owner::element && range_ == Range::positive;
-  if (!is_named() && place_.owner != Owner::time && place_.owner != Owner::coupling && !has_law) {
+  if (!is_named() && !is_of_stop() && place_.owner != Owner::time && place_.owner != Owner::coupling && !has_law) {
     return range_ != Range::positive || si > 0;
   }
   if (range_ == Range::positive && si <= 0) return false;

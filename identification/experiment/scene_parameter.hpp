@@ -10,7 +10,8 @@
 
 namespace poise {
 
-/// A number of a scene that its motion depends on: all of parameter_table() but stops and start guesses.
+/// A number of a scene that its motion depends on: all of parameter_table() but start guesses,
+/// sections, and limits and coefficients that a stop does not have.
 class SceneParameter {
  public:
   /// Empty where the scene has no such number, or motion does not depend on it.
@@ -51,9 +52,13 @@ class SceneParameter {
   bool is_dimension() const { return is_dimension(place_.owner) && !is_friction_; }
   /// Of the friction of a joint.
   bool is_friction() const { return is_friction_; }
+  /// A limit of a stop, or a coefficient of its impacts.
+  bool is_of_stop() const { return place_.owner == Owner::stop; }
   /// One whose derivatives follow from a Variation: one of these, gravity, a number of a joint's friction, or a named
   /// number, which may move all of them.
-  bool is_geometric() const { return is_dimension() || is_friction_ || place_.owner == Owner::scene || is_named(); }
+  bool is_geometric() const {
+    return is_dimension() || is_friction_ || is_of_stop() || place_.owner == Owner::scene || is_named();
+  }
 
  private:
   SceneParameter(const ParameterRow& row)

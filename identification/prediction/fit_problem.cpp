@@ -33,10 +33,10 @@ bool switches_over(const Scene& scene) {
 SceneParameter scene_number(const Experiment& experiment, const Unknown& unknown) {
   const std::optional<SceneParameter> number = SceneParameter::find(experiment.scene_of(unknown.part), unknown.path);
   if (number) return *number;
-  throw InputError(fmt::format(
-      "{}:{}: unknown \"{}\": expected a number that the motion depends on: none of a stop or of [start], and no "
-      "start that its drive leaves out",
-      experiment.file_of(unknown.part), unknown.line, unknown.path));
+  throw InputError(
+      fmt::format("{}:{}: unknown \"{}\": expected a number that the motion depends on: none of [start], no limit "
+                  "or coefficient that a stop does not have, and no start that its drive leaves out",
+                  experiment.file_of(unknown.part), unknown.line, unknown.path));
 }
 
 /// How much more than in its first tenth a motion multiplies changes of its start, and so errors, in all: the largest

@@ -6,6 +6,7 @@
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/random_states.hpp"
 #include "identification/prediction/run_model.hpp"
+#include "motion/contacts.hpp"
 #include "solvers/random_stream.hpp"
 
 namespace poise {
@@ -23,6 +24,8 @@ constexpr double lost_in_whole = 50 * std::numeric_limits<double>::epsilon();
 constexpr std::size_t states_of_motion = 20;
 /// Poses nearer to a dead point are left out: rounding would grow with their condition.
 constexpr double least_pivot = 1e-3;
+/// Further impacts at the same limit tell the same.
+constexpr std::ptrdiff_t most_impacts_of_side = 2;
 
 /// Every number that a motion depends on changed at random by a relative `disturbance` at most.
 Scene disturbed(Scene scene) {
@@ -137,6 +140,36 @@ struct Acting {
     return out;
   }
 
+  /// Of the impact at these independent coordinates and rates, d(jump of the rates)/dp, and below these rows in the
+  /// first of as many d(time of the impact)/dp; one column for each influence. Empty where nothing hits there.
+  Eigen::MatrixXd at_impact(double t, const double* z, const double* w) {
+    if (reduced.evaluate(t, z, w) != Reduced::Status::ok) return {};
+    const auto n = static_cast<std::size_t>(reduced.coordinates());
+    const std::vector<double> q(reduced.q(), reduced.q() + n), v(reduced.v(), reduced.v() + n), still(n, 0.0);
+    Contacts contacts(model, variations);
+    Reduced hits(model.scaled_scene(), model.mechanism(), model.inertia());
+    hits.set_inputs(model.scaled_scene(), reduced.inputs());
+    const Contacts::Hit hit = contacts.hit(hits, t, q, v);
+    if (hit.outcome != Contacts::Hit::Outcome::done || contacts.rub()) return {};
+    hits.set_variations(variations);
+    hits.linearize();
+    reduced.linearize();
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(2 * rows(), static_cast<Eigen::Index>(influences.size()));
+    std::vector<double> change(n), alpha(static_cast<std::size_t>(reduced.freedoms()));
+    for (std::size_t p = 0; p < influences.size(); ++p) {
+      reduced.influence(influences[p], alpha.data());
+      const double* const q_p = influences[p].moves() ? reduced.q_p() : still.data();
+      const double* const v_p = influences[p].moves() ? reduced.v_p() : still.data();
+      contacts.jump_by(hits, hit, v, q_p, v_p, &influences[p], change.data());
+      for (int k = 0; k < reduced.freedoms(); ++k) {
+        out(k, static_cast<Eigen::Index>(p)) = change[static_cast<std::size_t>(reduced.independent()[k])];
+      }
+      out(rows(), static_cast<Eigen::Index>(p)) =
+          contacts.hit_time_by(hits, hit.first, v.data(), q_p, influences[p].variation);
+    }
+    return out;
+  }
+
   struct Read {
     double value = 0.0, measure = 0.0, change = 0.0;  // the change along q' and v'
   };
@@ -230,6 +263,46 @@ class RunModel::ActionRows {
         rows_.push_back(std::move(here));
         rows_again_.push_back(std::move(there));
         add_state(changed[j].jump.at);
+      }
+    }
+  }
+
+  /// Limits of stops and what their impacts give back act in impacts alone, and so do masses of bodies that no force
+  /// moves.
+  void add_impacts(const Motion& motion) {
+    std::vector<Touch> met;
+    for (const ContactEvent& event : motion.events) {
+      if (event.kind != ContactEvent::Kind::impact) continue;
+      if (std::count(met.begin(), met.end(), event.at) == most_impacts_of_side) continue;
+      met.push_back(event.at);
+      const Trajectory& path = motion.trajectory;
+      const auto node = static_cast<std::size_t>(
+          std::lower_bound(path.t.begin(), path.t.end(), event.t - 1e-12 * run_.span()) - path.t.begin());
+      if (node >= path.nodes()) continue;
+      const std::vector<double> q = at_node(path.q, node);
+      z_ = independent_in(q);
+      w_ = independent_in(at_node(path.v, node));
+      own_.reduced.expect(q.data());
+      changed_.reduced.expect(q.data());
+      Eigen::MatrixXd here = own_.at_impact(path.t[node], z_.data(), w_.data());
+      Eigen::MatrixXd there = changed_.at_impact(path.t[node], z_.data(), w_.data());
+      if (here.rows() == 0 || there.rows() == 0) continue;
+      if (run_.set_by_equilibrium_) {
+        here.leftCols(p_) += here.col(p_) * own_follows_;
+        there.leftCols(p_) += there.col(p_) * changed_follows_;
+      }
+      if (!here.allFinite() || !there.allFinite()) continue;
+      out_.has_impacts = true;
+      for (const Eigen::Index first : {Eigen::Index{0}, own_.rows()}) {
+        errors_.emplace_back(Eigen::MatrixXd::Zero(own_.rows(), run_.unknowns()));
+        rows_.push_back(errors_.back());
+        rows_.back().leftCols(p_) = here.block(first, 0, own_.rows(), p_);
+        rows_again_.push_back(errors_.back());
+        rows_again_.back().leftCols(p_) = there.block(first, 0, own_.rows(), p_);
+        add_state(path.t[node]);
+        if (!shifts_) continue;
+        rates_.emplace_back(Eigen::VectorXd::Zero(own_.rows()));
+        rates_again_.push_back(rates_.back());
       }
     }
   }
@@ -416,13 +489,14 @@ RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisan
   Actions none;
   const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
   if (!built.model) return none;
-  const Trajectory path = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr).trajectory;
+  const Motion motion = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr);
   ActionRows rows(*this, built, unknowns);
   none.scene = built.model->scene();
   if (!rows.follow_equilibrium()) return none;
   rows.add_random_states(states);
-  rows.add_motion(path);
-  rows.add_jumps(path);
+  rows.add_motion(motion.trajectory);
+  rows.add_jumps(motion.trajectory);
+  rows.add_impacts(motion);
   return rows.take();
 }
 

@@ -110,6 +110,7 @@ class RunModel {
     /// d(reading)/d(time) of the rows, of both: a start that is estimated can make up for it, the same part of it in
     /// all rows. Empty where the start is known, time acts on the motion, or no delay is unknown.
     Eigen::VectorXd rate, rate_again;
+    bool has_impacts = false;   ///< some rows are of impacts
     Scene scene;                ///< of the rows, SI
     std::vector<State> states;  ///< of the rows
   };

@@ -126,6 +126,101 @@ TEST(IdentifyCommand, FitsAcrossImpacts) {
   }
 }
 
+// Where the bar is and what it gives back are unknown as well.
+TEST(IdentifyCommand, FindsWhereAStopIsAndWhatItGivesBack) {
+  const TempFolder folder;
+  const std::string file = experiment(folder, std::string(wheel_unknowns) +
+                                                  "[[unknown]]\npath = \"stop.bar.min\"\nstart = -9.5\n"
+                                                  "[[unknown]]\npath = \"stop.bar.restitution\"\nstart = 0.6\n" +
+                                                  one_run);
+  const auto with_bar_at = [&](const char* limit) {
+    folder.write("wheel.toml", std::string(wheel) +
+                                   "[[stop]]\nname = \"bar\"\nbodies = [\"ground\", \"wheel\"]\nmin = " + limit +
+                                   "\nrestitution = 0.7\n");
+  };
+  with_bar_at("-10");
+  const json r = run_json(folder, {"identify", file}, 0);
+  EXPECT_EQ(r["verdict"], "Converged: residuals agree with the stated noise.");
+  ASSERT_EQ(r["estimates"].size(), 4U);
+  for (const json& estimate : r["estimates"]) {
+    ASSERT_TRUE(estimate["withheld"].is_null()) << estimate;
+    const double error = estimate["value"].get<double>() - estimate["truth"].get<double>();
+    EXPECT_LT(std::abs(error), 4 * estimate["standard_error"].get<double>()) << estimate;
+  }
+  EXPECT_LT(r["estimates"][3]["standard_error"].get<double>(), 0.01);
+}
+
+// Without forces masses act in impacts alone: one cart hits another, whose mass follows from their rates before and
+// after; what a stop gives back that nothing reaches does not.
+TEST(IdentifyCommand, FindsTheMassThatImpactsAloneTell) {
+  const TempFolder folder;
+  folder.write("carts.toml", R"(
+[ground]
+points = { O = [0, 0] }
+[body.a]
+points = { C = [0, 0] }
+mass = 1
+[body.b]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "a"
+points = ["ground.O", "a.C"]
+axis = [1, 0]
+[[slide]]
+name = "b"
+points = ["ground.O", "b.C"]
+axis = [1, 0]
+[[stop]]
+name = "buffer"
+points = ["a.C", "b.C"]
+min = 0.1
+restitution = 0.5
+[[stop]]
+name = "far"
+slide = "b"
+max = 9
+restitution = 0.5
+[start]
+a = 0
+b = 0.5
+)");
+  const std::string file = folder.write("experiment.toml", R"(
+scene = "carts.toml"
+[[sensor]]
+name = "a"
+slide = "a"
+noise = 1e-4
+[[sensor]]
+name = "b"
+slide = "b"
+noise = 1e-4
+[[unknown]]
+path = "body.b.mass"
+start = 1.5
+[[unknown]]
+path = "stop.buffer.restitution"
+start = 0.4
+[[unknown]]
+path = "stop.far.restitution"
+start = 0.4
+[[run]]
+release = { a = 0, b = 0.5 }
+release_rate = { a = 1 }
+duration = 1
+rate = 100
+seed = 2
+)");
+  const json r = run_json(folder, {"identify", file}, 0);
+  for (int i = 0; i < 2; ++i) {
+    const json& estimate = r["estimates"][i];
+    ASSERT_TRUE(estimate["withheld"].is_null()) << estimate;
+    const double error = estimate["value"].get<double>() - estimate["truth"].get<double>();
+    EXPECT_LT(std::abs(error), 4 * estimate["standard_error"].get<double>()) << estimate;
+  }
+  EXPECT_EQ(r["estimates"][2]["withheld"], "not identifiable from these data");
+}
+
 TEST(IdentifyCommand, FindsTheLift) {
   const TempFolder folder;
   const json r = run_json(folder, {"identify", dataset("lift_experiment")}, 0);

@@ -183,7 +183,7 @@ std::optional<Matrix50> all_rows(const FitProblem& problem, const std::vector<Ru
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel::Actions& of = actions[r];
     if (of.states.empty()) continue;
-    if (!has_50_digits(problem.run(r), of.scene)) return std::nullopt;
+    if (of.has_impacts || !has_50_digits(problem.run(r), of.scene)) return std::nullopt;
     const std::optional<Matrix50> rows = rows_of(problem, r, disturb ? displaced(of.scene) : of.scene, of.states);
     if (!rows) return std::nullopt;
     const Eigen::Index before = out.rows();
