@@ -164,11 +164,11 @@ mass = 1
 points = { C = [0, 0] }
 mass = 2
 [[slide]]
-name = "a"
+name = "A"
 points = ["ground.O", "a.C"]
 axis = [1, 0]
 [[slide]]
-name = "b"
+name = "B"
 points = ["ground.O", "b.C"]
 axis = [1, 0]
 [[stop]]
@@ -178,22 +178,22 @@ min = 0.1
 restitution = 0.5
 [[stop]]
 name = "far"
-slide = "b"
+slide = "B"
 max = 9
 restitution = 0.5
 [start]
-a = 0
-b = 0.5
+A = 0
+B = 0.5
 )");
   const std::string file = folder.write("experiment.toml", R"(
 scene = "carts.toml"
 [[sensor]]
-name = "a"
-slide = "a"
+name = "A"
+travel = "A"
 noise = 1e-4
 [[sensor]]
-name = "b"
-slide = "b"
+name = "B"
+travel = "B"
 noise = 1e-4
 [[unknown]]
 path = "body.b.mass"
@@ -205,8 +205,8 @@ start = 0.4
 path = "stop.far.restitution"
 start = 0.4
 [[run]]
-release = { a = 0, b = 0.5 }
-release_rate = { a = 1 }
+release = { A = 0, B = 0.5 }
+release_rate = { A = 1 }
 duration = 1
 rate = 100
 seed = 2
