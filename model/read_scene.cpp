@@ -105,10 +105,10 @@ class SceneReader {
       if (!stop.impact_law) continue;
       if (first == nullptr) first = &stop;
       if (*stop.impact_law == *first->impact_law) continue;
-      throw InputError(fmt::format("{}:{}: {} \"{}\".law: expected the law of {} \"{}\" (line {}), because both may be hit "
-                                   "at once; give all stops the same",
-                                   scene_.file, stop.line, stop.family(), stop.name, first->family(), first->name,
-                                   first->line));
+      throw InputError(
+          fmt::format("{}:{}: {} \"{}\".law: expected the law of {} \"{}\" (line {}), because both may be hit "
+                      "at once; give all stops the same",
+                      scene_.file, stop.line, stop.family(), stop.name, first->family(), first->name, first->line));
     }
   }
 

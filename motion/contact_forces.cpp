@@ -189,7 +189,7 @@ struct PressCourse {
 };
 
 PressCourse course_of(const Over& of, const std::vector<double>& shares, const std::vector<double>& values,
-                 double rounding) {
+                      double rounding) {
   PressCourse out;
   std::vector<std::pair<double, double>> known;  // shares and values, with extremes between
   for (std::size_t k = 0; k < values.size(); ++k) {

@@ -43,8 +43,8 @@ struct Stop {
   /// Coefficient of restitution of impacts at its limits, 0 where the scene gives none.
   std::optional<double> restitution{};
   std::optional<ImpactLaw> impact_law{};  ///< where the scene gives one
-  /// Coefficient of the Coulomb friction across the measure, where that is x or y of a point or the clearance of a contact;
-  /// motion alone has it.
+  /// Coefficient of the Coulomb friction across the measure, where that is x or y of a point or the clearance of a
+  /// contact; motion alone has it.
   std::optional<double> friction{};
 
   /// Of the first of the stops of a contact: of how many convex parts its outline is made (model/outline_parts.hpp).
