@@ -9,6 +9,7 @@
 #include "model/input_error.hpp"
 #include "model/laws/law_force.hpp"
 #include "model/laws/one_way.hpp"
+#include "model/laws/powers.hpp"
 #include "model/number.hpp"
 
 namespace poise {
@@ -40,14 +41,14 @@ struct BumpStopOf {
   template <class S>
   S energy(const S& g) const {
     return pieces(g, [&](const S& y, double) {
-      return S(force) * S(depth) / (S(exponent) + S(1)) * power(y, S(exponent) + S(1));
+      return S(force) * S(depth) / (S(exponent) + S(1)) * power_of(y, S(S(exponent) + S(1)));
     });
   }
 
   template <class S>
   LawForce<S> at_rest(const S& g) const {
     return pieces(g, [&](const S& y, double side) {
-      const S slope = S(force) * power(y, S(exponent) - S(1));
+      const S slope = S(force) * power_of(y, S(S(exponent) - S(1)));
       return LawForce<S>{S(side) * slope * y, slope * S(exponent) / S(depth), S(0)};
     });
   }
@@ -56,7 +57,7 @@ struct BumpStopOf {
   S force_by(int number, const S& g, const S&) const {
     if (number == 1) return -at_rest(g).by_measure;
     return pieces(g, [&](const S& y, double side) -> S {
-      S unit = S(side) * power(y, S(exponent));
+      S unit = S(side) * power_of(y, S(exponent));
       if (number == 0) return unit;
       if (number == 2) return -S(force) * S(exponent) / S(depth) * unit;
       return S(force) * unit * log_of(y);
@@ -83,23 +84,6 @@ struct BumpStopOf {
       if (piece == 0) return acts == Acts::tension ? decltype(f(u, 1.0)){} : f(S(-part), -1.0);
       return acts == Acts::compression ? decltype(f(u, 1.0)){} : f(part, 1.0);
     });
-  }
-
-  // y^a for y >= 0, a > 0.
-  template <class S>
-  static S power(const S& y, const S& a) {
-    using std::exp;
-    using std::log;
-    return choose(
-        y == S(0), [] { return S(0); }, [&] { return S(exp(a * log(y))); });
-  }
-
-  // log y where it is multiplied by a power of y, whose product is zero for y = 0.
-  template <class S>
-  static S log_of(const S& y) {
-    using std::log;
-    return choose(
-        y == S(0), [] { return S(0); }, [&] { return S(log(y)); });
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "model/input_error.hpp"
 #include "model/laws/law_force.hpp"
+#include "model/laws/powers.hpp"
 #include "model/number.hpp"
 #include "model/plain_value.hpp"
 
@@ -153,7 +154,7 @@ struct CompliantStopOf {
   template <class S>
   S power(const S& depth) const {
     const S x = depth / S(unit);
-    return is_just(exponent, 1.0) ? x : raised(x, S(exponent));
+    return is_just(exponent, 1.0) ? x : power_of(x, S(exponent));
   }
   template <class S>
   S force(const S& depth) const {
@@ -162,7 +163,7 @@ struct CompliantStopOf {
   template <class S>
   S slope(const S& depth) const {
     if (is_just(exponent, 1.0)) return S(stiffness);
-    return S(stiffness) * S(exponent) * raised(S(depth / S(unit)), S(S(exponent) - S(1)));
+    return S(stiffness) * S(exponent) * power_of(S(depth / S(unit)), S(S(exponent) - S(1)));
   }
 
   // a d', and -1 where that is less, with its derivatives by d' and by a.
@@ -176,22 +177,6 @@ struct CompliantStopOf {
   S damping_part_by_damping(const S& inwards) const {
     return by_pieces(S(S(damping) * inwards), std::array{-1.0},
                      [&](std::size_t piece, const S&) { return piece == 0 ? S(0) : inwards; });
-  }
-
-  // x^a for x >= 0, a > 0.
-  template <class S>
-  static S raised(const S& x, const S& a) {
-    using std::exp;
-    using std::log;
-    return choose(
-        x == S(0), [] { return S(0); }, [&] { return S(exp(a * log(x))); });
-  }
-  // log x where it is multiplied by a power of x, whose product is zero for x = 0.
-  template <class S>
-  static S log_of(const S& x) {
-    using std::log;
-    return choose(
-        x == S(0), [] { return S(0); }, [&] { return S(log(x)); });
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "model/input_error.hpp"
 #include "model/laws/law_force.hpp"
+#include "model/laws/powers.hpp"
 #include "model/number.hpp"
 #include "model/plain_value.hpp"
 
@@ -94,7 +95,7 @@ struct DryFrictionOf {
         });
   }
 
-  /// Of sliding().
+  /// The derivative of sliding() by a number.
   template <class S>
   S sliding_by(int number, int direction, const S& rate) const {
     if (direction == 0 || number == 1) return S(0);
@@ -116,7 +117,7 @@ struct DryFrictionOf {
   static constexpr std::array tables{LawTable{"friction"}};
   /// Force and width; all_numbers() has those that one that falls has behind them.
   static const std::array<Number, 2> numbers;
-  /// Of one that falls, as many as it has.
+  /// The numbers behind these of one that falls, as many as it has.
   static const std::array<Number, 3> numbers_of_falling;
   std::span<const Number> all_numbers() const;
 
@@ -174,21 +175,6 @@ struct DryFrictionOf {
     const S power = power_of(size, d);
     const S left = exp(-power);
     return {left, -left * d * power_of(size, S(d - S(1))), -left * power * log_of(size)};
-  }
-
-  // x^a for x >= 0, a > 0; for x = 0 also log x where it is multiplied by that.
-  template <class S>
-  static S power_of(const S& x, const S& a) {
-    using std::exp;
-    using std::log;
-    return choose(
-        x == S(0), [] { return S(0); }, [&] { return S(exp(a * log(x))); });
-  }
-  template <class S>
-  static S log_of(const S& x) {
-    using std::log;
-    return choose(
-        x == S(0), [] { return S(0); }, [&] { return S(log(x)); });
   }
 };
 
