@@ -12,6 +12,7 @@
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
 #include "model/mechanism_impl.hpp"
+#include "motion/private/quintic.hpp"
 
 namespace poise {
 namespace {
@@ -19,7 +20,6 @@ namespace {
 using Reduced = ReducedMotion<double>;
 using Dual = VariedModel::Dual;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double tiny = std::numeric_limits<double>::min();
 /// Gaps below this, in sizes of the mechanism or rad, are zero: events are located more closely, and what rests against
 /// a stop at the start less.
@@ -35,49 +35,10 @@ constexpr std::size_t most_sides = 10;
 /// Choices that agree are told apart after these parts of the time ahead.
 constexpr double parts_of_time_ahead[] = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2};
 
-/// The polynomial of degree 5 on 0 <= x <= 1 through values, rates and accelerations at both ends.
-struct Quintic {
-  double c[6];
-
-  Quintic(double h, double g0, double v0, double a0, double g1, double v1, double a1) {
-    v0 *= h;
-    v1 *= h;
-    a0 *= h * h / 2;
-    a1 *= h * h / 2;
-    const double far = g1 - g0 - v0 - a0, fast = v1 - v0 - 2 * a0, bends = a1 - a0;
-    c[0] = g0;
-    c[1] = v0;
-    c[2] = a0;
-    c[3] = 10 * far - 4 * fast + bends;
-    c[4] = -15 * far + 7 * fast - 2 * bends;
-    c[5] = 6 * far - 3 * fast + bends;
-  }
-  double at(double x) const { return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))); }
-  double slope(double x) const { return c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5]))); }
-  /// Whether it is positive everywhere: all its coefficients in Bernstein's basis are.
-  bool is_positive() const {
-    constexpr double choose[6][6] = {{1, 0, 0, 0, 0, 0},       {1, 0.2, 0, 0, 0, 0},       {1, 0.4, 0.1, 0, 0, 0},
-                                     {1, 0.6, 0.3, 0.1, 0, 0}, {1, 0.8, 0.6, 0.4, 0.2, 0}, {1, 1, 1, 1, 1, 1}};
-    for (const auto& row : choose) {
-      double b = 0.0;
-      for (int k = 0; k < 6; ++k) b += row[k] * c[k];
-      if (!(b > 0.0)) return false;
-    }
-    return true;
-  }
-  /// Where the slope, of opposite signs at both ends, or else the value, is zero.
-  template <class F>
-  static double zero(F f, double low, double high) {
-    const bool falls = f(low) > 0;
-    for (int k = 0; k < 60 && high - low > eps; ++k) {
-      const double middle = (low + high) / 2;
-      ((f(middle) > 0) == falls ? low : high) = middle;
-    }
-    return (low + high) / 2;
-  }
-};
-
 constexpr int looked_at = 16;
+
+/// Whether a gap is zero at this time.
+bool is_closed(double gap, double t) { return gap < (t > 0.0 ? no_gap : no_gap_at_start); }
 
 /// The first x at which it falls through zero by more than `past`; 0 if it does not.
 double first_fall(const Quintic& p, double past) {
@@ -143,7 +104,7 @@ const Stop& Contacts::stop_of(const Side& side) const {
 std::string Contacts::name_of(const Touch& at) const {
   const Stop& stop = model_.scene().stops[static_cast<std::size_t>(at.stop)];
   const bool has_two = std::isfinite(stop.min) && std::isfinite(stop.max);
-  return fmt::format("{} \"{}\"{}", stop.family(), stop.name, !has_two ? "" : at.upper ? " (max)" : " (min)");
+  return stop.title() + (!has_two ? "" : at.upper ? " (max)" : " (min)");
 }
 
 Configuration<double> Contacts::place(const double* q) {
@@ -158,17 +119,27 @@ double Contacts::still(const Side& side, const std::vector<double>& v) {
   return std::max(no_rate_of_gap * side.speed, rounding_of_gap_rate * fastest);
 }
 
-Contacts::Gap Contacts::gap_of(const Side& side, const Reduced& motion) {
-  const Configuration<double> here = place(motion.q());
-  const double s = sign(side);
-  return {s * (side.on.value(here) - side.limit), s * side.on.along(here, motion.v()),
-          s * (side.on.along(here, motion.a()) + side.on.second(here, motion.v(), motion.v()))};
+double Contacts::gap(const Side& side, const Configuration<double>& at) {
+  return sign(side) * (side.on.value(at) - side.limit);
+}
+
+double Contacts::rate(const Side& side, const Configuration<double>& at, const double* v) {
+  return sign(side) * side.on.along(at, v);
+}
+
+Contacts::Gap Contacts::gap_of(const Side& side, const Configuration<double>& here, const Reduced& motion) {
+  const double second = side.on.along(here, motion.a()) + side.on.second(here, motion.v(), motion.v());
+  return {gap(side, here), rate(side, here, motion.v()), sign(side) * second};
+}
+
+double Contacts::acceleration(std::size_t side, const Reduced& motion) {
+  return gap_of(sides_[side], place(motion.q()), motion).acceleration;
 }
 
 void Contacts::refuse_start(const double* q) {
   const Configuration<double> here = place(q);
   for (Side& side : sides_) {
-    side.gap = sign(side) * (side.on.value(here) - side.limit);
+    side.gap = gap(side, here);
     if (side.gap >= -no_gap_at_start) continue;
     const Stop& stop = model_.scene().stops[static_cast<std::size_t>(side.at.stop)];
     const double unit = stop.on.is_angle() ? 1.0 : model_.scales().length;
@@ -181,12 +152,13 @@ void Contacts::refuse_start(const double* q) {
 }
 
 void Contacts::watch(const Reduced& motion) {
+  const Configuration<double> here = place(motion.q());
   for (Side& side : sides_) {
-    const Gap gap = gap_of(side, motion);
-    side.gap = gap.value;
-    side.rate = gap.rate;
-    side.acceleration = gap.acceleration;
-    side.speed = std::max(side.speed, std::abs(gap.rate));
+    const Gap now = gap_of(side, here, motion);
+    side.gap = now.value;
+    side.rate = now.rate;
+    side.acceleration = now.acceleration;
+    side.speed = std::max(side.speed, std::abs(now.rate));
   }
   for (std::size_t k = 0; k < motion.touching().size(); ++k) {
     strongest_ = std::max(strongest_, std::abs(motion.pushing_force(k)));
@@ -217,10 +189,11 @@ double Contacts::first_hit(const Reduced& motion, double h) {
   double first = std::numeric_limits<double>::infinity();
   hit_ = none;
   constexpr double past = 1e-14;
+  const Configuration<double> here = place(motion.q());
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     const Side& side = sides_[k];
     if (side.touched || side.idle) continue;
-    const Gap end = gap_of(side, motion);
+    const Gap end = gap_of(side, here, motion);
     const double x =
         first_fall({h, side.gap, side.rate, side.acceleration, end.value, end.rate, end.acceleration}, past);
     if (x == 0.0 || !(x < first)) continue;
@@ -232,9 +205,10 @@ double Contacts::first_hit(const Reduced& motion, double h) {
 
 std::vector<double> Contacts::ends(const Reduced& motion) {
   std::vector<double> out;
+  const Configuration<double> here = place(motion.q());
   for (const Side& side : sides_) {
-    const Gap gap = gap_of(side, motion);
-    out.insert(out.end(), {gap.value, gap.rate, gap.acceleration});
+    const Gap now = gap_of(side, here, motion);
+    out.insert(out.end(), {now.value, now.rate, now.acceleration});
   }
   return out;
 }
@@ -247,21 +221,22 @@ bool Contacts::are_followed(const Reduced& motion, double h, const std::vector<d
     if (side.touched || side.idle) continue;
     const double* end = &ends[3 * k];
     const Quintic p{h, side.gap, side.rate, side.acceleration, end[0], end[1], end[2]};
-    const double gap = sign(side) * (side.on.value(here) - side.limit), off = std::abs(gap - p.at(0.5));
-    if (off > well && std::min({gap, p.at(0.5), p.at(0.25), p.at(0.75)}) < far * off) return false;
+    const double now = gap(side, here), off = std::abs(now - p.at(0.5));
+    if (off > well && std::min({now, p.at(0.5), p.at(0.25), p.at(0.75)}) < far * off) return false;
   }
   return true;
 }
 
 Contacts::Miss Contacts::miss(const Reduced& motion) {
-  const Gap gap = gap_of(sides_[hit_], motion);
-  return {gap.value, -gap.value / gap.rate};
+  const Gap now = gap_of(sides_[hit_], place(motion.q()), motion);
+  return {now.value, -now.value / now.rate};
 }
 
 std::optional<Touch> Contacts::grazed(const Reduced& motion, double h, double within) {
+  const Configuration<double> here = place(motion.q());
   for (const Side& side : sides_) {
     if (side.touched || side.idle) continue;
-    const Gap end = gap_of(side, motion);
+    const Gap end = gap_of(side, here, motion);
     if (!(side.rate < 0 && end.rate > 0)) continue;
     const Quintic p{h, side.gap, side.rate, side.acceleration, end.value, end.rate, end.acceleration};
     const double low = Quintic::zero([&](double x) { return p.slope(x); }, 0.0, 1.0);
@@ -270,9 +245,9 @@ std::optional<Touch> Contacts::grazed(const Reduced& motion, double h, double wi
   return std::nullopt;
 }
 
-bool Contacts::is_moved(const Side& side, const Reduced& motion) {
+bool Contacts::is_moved(const Side& side, const Configuration<double>& here, const Reduced& motion) {
   std::vector<double> slope(static_cast<std::size_t>(motion.coordinates()), 0.0);
-  side.on.add_gradient(place(motion.q()), 1.0, slope.data());
+  side.on.add_gradient(here, 1.0, slope.data());
   for (int k = 0; k < motion.freedoms(); ++k) {
     double change = 0.0, terms = 0.0;
     for (std::size_t i = 0; i < slope.size(); ++i) {
@@ -313,16 +288,15 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
   double fastest = 0.0;
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     const Side& side = sides_[k];
-    const double gap = sign(side) * (side.on.value(here) - side.limit);
-    if (!(gap < (t > 0.0 ? no_gap : no_gap_at_start))) continue;
-    const double rate = sign(side) * side.on.along(here, v.data());
-    if (rate < -still(side, v) && (!closes || rate < fastest)) {
+    if (!is_closed(gap(side, here), t)) continue;
+    const double before = rate(side, here, v.data());
+    if (before < -still(side, v) && (!closes || before < fastest)) {
       closes = true;
-      fastest = rate;
+      fastest = before;
       out.first = k;
     }
     out.sides.push_back(k);
-    out.before.push_back(rate);
+    out.before.push_back(before);
   }
   if (!closes) return out;
   const std::size_t m = out.sides.size(), n = static_cast<std::size_t>(motion.coordinates());
@@ -333,19 +307,18 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
   for (std::size_t i = 0; i < m; ++i) {
     const std::size_t k = out.sides[i];
     const Side& side = sides_[k];
-    if (out.before[i] < 0.0 && !is_moved(side, motion)) {
+    if (out.before[i] < 0.0 && !is_moved(side, here, motion)) {
       out.first = k;
       out.outcome = Hit::Outcome::pushed;
       return out;
     }
     const bool is_plastic = !plastic.empty() && plastic[k] != 0;
     sides.push_back({out.before[i], is_plastic ? 0.0 : stop_of(side).rebound()});
-    const Configuration<double> there = place(motion.q());
-    side.on.add_gradient(there, sign(side), &slopes[i * n]);
+    side.on.add_gradient(here, sign(side), &slopes[i * n]);
     if (!side.slip) continue;
     sides.back().friction = *stop_of(side).friction;
-    sides.back().slip = side.slip->along(there, v.data());
-    side.slip->add_gradient(there, 1.0, &slopes[(m + i) * n]);
+    sides.back().slip = side.slip->along(here, v.data());
+    side.slip->add_gradient(here, 1.0, &slopes[(m + i) * n]);
   }
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j < f; ++j) {
@@ -370,7 +343,7 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     out.outcome = Hit::Outcome::gains;
     return out;
   }
-  // The same jump with the gaps that are pushed as rows, which gives all impulses.
+  // Made once more with the gaps that are pushed as rows, the jump gives all impulses.
   std::vector<std::size_t> active;
   std::vector<double> steps, rubbing(n, 0.0);
   for (std::size_t i = 0; i < m; ++i) {
@@ -436,10 +409,10 @@ double Contacts::hit_time_by(const Reduced& motion, std::size_t side_index, cons
 }
 
 /// The acceleration that a unit force on the gap of a side gives it, as `motion` is set.
-double Contacts::mobility(const Side& side, const Reduced& motion) {
+double Contacts::mobility(const Side& side, const Configuration<double>& here, const Reduced& motion) {
   const auto n = static_cast<std::size_t>(motion.coordinates()), f = static_cast<std::size_t>(motion.freedoms());
   std::vector<double> slope(n, 0.0), dw(f);
-  side.on.add_gradient(place(motion.q()), 1.0, slope.data());
+  side.on.add_gradient(here, 1.0, slope.data());
   motion.respond(slope.data(), dw.data());
   double out = 0.0;
   for (std::size_t k = 0; k < f; ++k) {
@@ -468,7 +441,7 @@ double Contacts::violation_of(const std::vector<std::size_t>& candidates, const 
       sum += term;
       terms += std::abs(term);
     });
-    worst = std::max(worst, -sign(side) * sum / (terms + strongest * mobility(side, motion) + tiny));
+    worst = std::max(worst, -sign(side) * sum / (terms + strongest * mobility(side, here, motion) + tiny));
   }
   return worst;
 }
@@ -482,11 +455,8 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
   std::uint32_t first = 0;
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     Side& side = sides_[k];
-    const double gap = sign(side) * (side.on.value(at) - side.limit);
-    const double rate = sign(side) * side.on.along(at, v.data());
-    const bool near = gap < (t > 0.0 ? no_gap : no_gap_at_start) && std::abs(rate) <= still(side, v);
     side.idle = false;
-    if (!near) continue;
+    if (!is_closed(gap(side, at), t) || !(std::abs(rate(side, at, v.data())) <= still(side, v))) continue;
     if (!(left && *left == side.at)) first |= std::uint32_t{1} << candidates.size();
     candidates.push_back(k);
     if (candidates.size() > most_sides) return StickSlip::Choice::failed;
@@ -575,8 +545,9 @@ StickSlip::Choice Contacts::choose(Reduced& motion, StickSlip& friction, double 
   if (attempt(best->touched) != StickSlip::Choice::made) return StickSlip::Choice::failed;
   for (Side& side : sides_) side.touched = false;
   for (const std::size_t k : best->touched) sides_[k].touched = true;
+  const Configuration<double> here = place(motion.q());
   for (const std::size_t k : candidates) {
-    sides_[k].idle = !sides_[k].touched && !is_moved(sides_[k], motion);
+    sides_[k].idle = !sides_[k].touched && !is_moved(sides_[k], here, motion);
   }
   return StickSlip::Choice::made;
 }

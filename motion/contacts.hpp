@@ -80,9 +80,7 @@ class Contacts {
   /// After watch(): whether a gap is zero.
   bool is_near() const;
   /// The acceleration of the gap of a side where `motion` is.
-  double acceleration(std::size_t side, const ReducedMotion<double>& motion) {
-    return gap_of(sides_[side], motion).acceleration;
-  }
+  double acceleration(std::size_t side, const ReducedMotion<double>& motion);
   double rebound(std::size_t side) const { return stop_of(sides_[side]).rebound(); }
   /// Coordinates that are angles on which gaps depend.
   const std::vector<int>& angles() const { return angles_; }
@@ -117,16 +115,20 @@ class Contacts {
     double value, rate, acceleration;
   };
   Configuration<double> place(const double* q);
-  double sign(const Side& side) const { return side.at.upper ? -1.0 : 1.0; }
-  Gap gap_of(const Side& side, const ReducedMotion<double>& motion);
+  static double sign(const Side& side) { return side.at.upper ? -1.0 : 1.0; }
+  static double gap(const Side& side, const Configuration<double>& at);
+  /// The rate of the gap at the rates v of all coordinates.
+  static double rate(const Side& side, const Configuration<double>& at, const double* v);
+  /// `here` is where `motion` is.
+  static Gap gap_of(const Side& side, const Configuration<double>& here, const ReducedMotion<double>& motion);
   const Stop& stop_of(const Side& side) const;
   /// The rate of a gap that is none, at these rates of all coordinates.
   static double still(const Side& side, const std::vector<double>& v);
-  bool is_moved(const Side& side, const ReducedMotion<double>& motion);
+  static bool is_moved(const Side& side, const Configuration<double>& here, const ReducedMotion<double>& motion);
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, StickSlip* friction, double t,
                                     const std::vector<double>& q, const std::vector<double>& v,
                                     const std::vector<std::size_t>& touched);
-  double mobility(const Side& side, const ReducedMotion<double>& motion);
+  static double mobility(const Side& side, const Configuration<double>& here, const ReducedMotion<double>& motion);
   double violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
                       const ReducedMotion<double>& motion);
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/private/quintic.hpp"
+
 namespace poise {
 namespace {
 
@@ -96,13 +98,9 @@ void StepEnds::state_within(double x) {
   const std::vector<double>&y = step_.y, &y_new = step_.y_new, &dydt = step_.dydt, &dydt_new = step_.dydt_new;
   within_.resize(2 * f);
   for (std::size_t k = 0; k < f; ++k) {
-    const double v0 = h * y[f + k], v1 = h * y_new[f + k];
-    const double a0 = h * h * dydt[f + k] / 2, a1 = h * h * dydt_new[f + k] / 2;
-    const double far = y_new[k] - y[k] - v0 - a0, fast = v1 - v0 - 2 * a0, bends = a1 - a0;
-    const double c3 = 10 * far - 4 * fast + bends, c4 = -15 * far + 7 * fast - 2 * bends;
-    const double c5 = 6 * far - 3 * fast + bends;
-    within_[k] = y[k] + x * (v0 + x * (a0 + x * (c3 + x * (c4 + x * c5))));
-    within_[f + k] = (v0 + x * (2 * a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h;
+    const Quintic p{h, y[k], y[f + k], dydt[f + k], y_new[k], y_new[f + k], dydt_new[f + k]};
+    within_[k] = p.at(x);
+    within_[f + k] = p.slope(x) / h;
   }
 }
 

@@ -51,7 +51,7 @@ class StepEnds {
   void forget_approach() { approaches_ = 0; }
 
  private:
-  // Of friction nothing is known before it is decided what is at rest.
+  // Nothing is known of friction before it is decided what is at rest.
   double friction_margin() {
     return reduced_.sliding() == nullptr ? std::numeric_limits<double>::infinity() : friction_.margin(reduced_);
   }
