@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "tests/judge/chain_of_links.hpp"
 #include "tests/judge/courses_in_time.hpp"
 
 namespace poise::judge {
@@ -164,41 +165,17 @@ struct StrikingLinks : ContactMechanism {
   std::vector<int> rubbing;
   double gravity = 0.0;
 
-  double coupling(std::size_t i, std::size_t j) const {
-    double behind = 0.0;
-    for (std::size_t k = j + 1; k < links.size(); ++k) behind += links[k].mass;
-    const Link& b = links[j];
-    if (i == j) return b.inertia + b.mass * b.center * b.center + b.length * b.length * behind;
-    return links[i].length * (b.mass * b.center + b.length * behind);
-  }
-  SmallSquare mass(const Small& q) const override {
-    SmallSquare out(q.size(), q.size());
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      for (Eigen::Index j = i; j < q.size(); ++j) {
-        out(i, j) = out(j, i) =
-            coupling(static_cast<std::size_t>(i), static_cast<std::size_t>(j)) * std::cos(q[j] - q[i]);
-      }
-    }
-    return out;
-  }
+  SmallSquare mass(const Small& q) const override { return mass_of_chain<SmallSquare>(links, q); }
   Small force(double t, double h, const Small& q, const Small& v) const override {
     Small out = Small::Zero(q.size());
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
-      double behind = 0.0;
-      for (std::size_t j = k + 1; j < links.size(); ++j) behind += links[j].mass;
-      out[i] += links[k].turning.mean(t, h) -
-                gravity * std::cos(q[i]) * (links[k].mass * links[k].center + links[k].length * behind);
+      out[i] += links[k].turning.mean(t, h) - gravity * std::cos(q[i]) * moment_of_chain(links, k);
       const double turn = q[i] - (i > 0 ? q[i - 1] : 0.0), turns = v[i] - (i > 0 ? v[i - 1] : 0.0);
       const double torque = links[k].stiffness * (turn - links[k].relaxed) + links[k].damping * turns;
       out[i] -= torque;
       if (i > 0) out[i - 1] += torque;
-      for (Eigen::Index j = 0; j < q.size(); ++j) {
-        const auto [low, high] = std::minmax(i, j);
-        if (i == j) continue;
-        out[i] -= coupling(static_cast<std::size_t>(low), static_cast<std::size_t>(high)) * std::sin(q[i] - q[j]) *
-                  v[j] * v[j];
-      }
+      take_centrifugal(links, i, q, v, out[i]);
     }
     return out;
   }

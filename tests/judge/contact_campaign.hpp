@@ -45,7 +45,7 @@ struct ContactMechanism {
   virtual Small row(std::size_t contact, double t, const Small& q) const = 0;
   /// Derivative of the gap by t.
   virtual double driven_rate(std::size_t, double, const Small&) const { return 0.0; }
-  /// Of a contact with friction.
+  /// The derivative by q of the way along a contact with friction.
   virtual Small tangent(std::size_t, const Small& q) const { return Small::Zero(q.size()); }
   virtual Small rub_row(std::size_t, const Small& q) const { return Small::Zero(q.size()); }
 };

@@ -14,6 +14,7 @@
 #include "model/read_scene.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "motion/motion_record.hpp"
+#include "tests/judge/chain_of_links.hpp"
 #include "tests/judge/courses_in_time.hpp"
 
 namespace poise::judge {
@@ -251,40 +252,17 @@ struct Links : RubbingMechanism {
   double gravity = 0.0;
   Load pull{};  // at the last tip, along x
 
-  double coupling(std::size_t i, std::size_t j) const {
-    double behind = 0.0;
-    for (std::size_t k = j + 1; k < links.size(); ++k) behind += links[k].mass;
-    const Link& b = links[j];
-    if (i == j) return b.inertia + b.mass * b.center * b.center + b.length * b.length * behind;
-    return links[i].length * (b.mass * b.center + b.length * behind);
-  }
-  FewByFew mass(const Few& q) const override {
-    FewByFew out(q.size(), q.size());
-    for (Eigen::Index i = 0; i < q.size(); ++i) {
-      for (Eigen::Index j = i; j < q.size(); ++j) {
-        out(i, j) = out(j, i) =
-            coupling(static_cast<std::size_t>(i), static_cast<std::size_t>(j)) * std::cos(q[j] - q[i]);
-      }
-    }
-    return out;
-  }
+  FewByFew mass(const Few& q) const override { return mass_of_chain<FewByFew>(links, q); }
   Few force(double t, double h, const Few& q, const Few& v) const override {
     Few out = Few::Zero(q.size());
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const auto k = static_cast<std::size_t>(i);
-      double behind = 0.0;
-      for (std::size_t j = k + 1; j < links.size(); ++j) behind += links[j].mass;
       out[i] += links[k].turning.mean(t, h) - pull.mean(t, h) * links[k].length * std::sin(q[i]) -
-                gravity * std::cos(q[i]) * (links[k].mass * links[k].center + links[k].length * behind);
+                gravity * std::cos(q[i]) * moment_of_chain(links, k);
       const double spring = links[k].stiffness * (q[i] - (i > 0 ? q[i - 1] : 0.0));
       out[i] -= spring;
       if (i > 0) out[i - 1] += spring;
-      for (Eigen::Index j = 0; j < q.size(); ++j) {
-        const auto [low, high] = std::minmax(i, j);
-        if (i == j) continue;
-        out[i] -= coupling(static_cast<std::size_t>(low), static_cast<std::size_t>(high)) * std::sin(q[i] - q[j]) *
-                  v[j] * v[j];
-      }
+      take_centrifugal(links, i, q, v, out[i]);
     }
     return out;
   }

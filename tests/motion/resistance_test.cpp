@@ -100,7 +100,7 @@ TEST(Resistance, CurvesOfDampersAreThoseOfTheirPoints) {
   const std::string curve = "[[damper]]\nslide = \"guide\"\nforce = {{ curve = {} }}\nscale = 2\n";
   const Block line(fmt::format(fmt::runtime(curve), "[[1, 3], [2, 6]]"), 0.0, -1.5, 3.0);
   for (const double t : {0.3, 3.0}) EXPECT_NEAR(line.v(t), -1.5 * std::exp(-2 * 3 * t / mass), 1e-12);
-  // By quadrature of dt = -m dv / T(v).
+  // The time follows by quadrature of dt = -m dv / T(v).
   const Scene scene = block(fmt::format(fmt::runtime(curve), "[[-2, -1], [-0.5, -0.6], [0.25, 1], [1, 1.5], [3, 2]]"));
   const MotionModel model(scene);
   const Law& law = scene.elements[0].law;
@@ -326,24 +326,13 @@ TEST(Resistance, StopsThatYieldAreReadInUnitsOfTheScene) {
 
 TEST(Resistance, GasStrutsDampMoreAtTheEndOfTheirWayOut) {
   // Without preload m v' = -(c + c_e y) v in x, so that  m dv = -(c + c_e y(x)) dx.
-  const Scene scene = parse_scene(R"(
-    gravity = [0, 0]
-    [ground]
-    points = { O = [0, 0] }
-    [body.block]
-    points = { c = [0, 0] }
-    mass = 2
-    [[slide]]
-    name = "guide"
-    points = ["ground.O", "block.c"]
-    axis = [1, 0]
+  const Scene scene = block(R"(
     [start]
     guide = 0.5
     [[spring]]
     points = ["ground.O", "block.c"]
     gas = { preload = 0, length = 0.9, stroke = 0.5, ratio = 1.3, damping = 3, end_damping = 20, end_stroke = 0.1 }
-  )",
-                                  "strut.toml");
+  )");
   const MotionModel model(scene);
   const Motion motion = test::moved(model, test::released(model, {{{"guide", 0.5}}, {{"guide", 1.0}}}), 0.6, 1e-12);
   const auto rate_at = [](double x) {

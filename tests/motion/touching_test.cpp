@@ -249,19 +249,19 @@ x = 1
   }
 }
 
-// Two rods in series hit their stops: energy balances, and no stop is passed.
-TEST(Touching, NothingPassesItsStop) {
-  const std::string text = R"(
+/// Two rods in series that strike the stops of their elbow and a floor, which gives back as the last key says.
+std::string two_rods(const char* floor) {
+  return fmt::format(R"(
 gravity = [0, -9.81]
 [ground]
-points = { O = [0, 0] }
+points = {{ O = [0, 0] }}
 [body.upper]
-points = { O = [0, 0], E = [1, 0] }
+points = {{ O = [0, 0], E = [1, 0] }}
 mass = 1
 inertia = 0.1
 center = [0.5, 0]
 [body.lower]
-points = { E = [0, 0], T = [1, 0] }
+points = {{ E = [0, 0], T = [1, 0] }}
 mass = 1
 inertia = 0.1
 center = [0.5, 0]
@@ -281,11 +281,17 @@ restitution = 0.5
 name = "floor"
 y = "lower.T"
 min = -1.6
-restitution = 0.3
+{}
 [start]
 upper = 0.4
 lower = 0.3
-)";
+)",
+                     floor);
+}
+
+// Two rods in series hit their stops: energy balances, and no stop is passed.
+TEST(Touching, NothingPassesItsStop) {
+  const std::string text = two_rods("restitution = 0.3");
   const Motion motion = moved(text, 4.0);
   ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
   EXPECT_GT(motion.events.size(), 5U);
@@ -321,41 +327,7 @@ rate = -1
 // Derivatives across impacts, contact that lasts and lift-off are those of motions that differ a little.
 TEST(Touching, SensitivitiesJumpWithTheMotion) {
   const auto end = [&](double x0, double rate, double t, bool sensitive) {
-    const std::string text = R"(
-gravity = [0, -9.81]
-[ground]
-points = { O = [0, 0] }
-[body.upper]
-points = { O = [0, 0], E = [1, 0] }
-mass = 1
-inertia = 0.1
-center = [0.5, 0]
-[body.lower]
-points = { E = [0, 0], T = [1, 0] }
-mass = 1
-inertia = 0.1
-center = [0.5, 0]
-[[pin]]
-name = "O"
-points = ["ground.O", "upper.O"]
-[[pin]]
-name = "E"
-points = ["upper.E", "lower.E"]
-[[stop]]
-name = "elbow"
-bodies = ["upper", "lower"]
-min = -1
-max = 0.5
-restitution = 0.5
-[[stop]]
-name = "floor"
-y = "lower.T"
-min = -1.6
-[start]
-upper = 0.4
-lower = 0.3
-)";
-    const MotionModel model(parse_scene(text, "scene.toml"));
+    const MotionModel model(parse_scene(two_rods(""), "scene.toml"));
     MotionOptions options;
     options.duration = t;
     options.accuracy = 1e-12;
