@@ -236,7 +236,7 @@ constexpr Number rim_number() {
   return number;
 }
 
-// Of a rope, behind its own those of friction on its pulleys.
+// A rope has behind its own numbers those of friction on its pulleys.
 constexpr std::size_t rope_numbers_before = 2;
 constexpr auto rubbing_rope_numbers = []<std::size_t... Rim>(std::index_sequence<Rim...>) {
   return std::array<Number, rope_numbers_before + most_rubbing_rims>{positive_value("length"),
@@ -416,7 +416,7 @@ constexpr std::array<CouplingPart, 2> circle_profile_friction{CouplingPart{Of::f
                                                               CouplingPart{Of::value, 0, 1}};
 constexpr std::array<CouplingPart, 2> circle_profile_ends{CouplingPart{Of::lower, 0, 2}, CouplingPart{Of::upper, 0, 3}};
 
-// Of the stops of a contact, which share it.
+// The stops of a contact share it.
 constexpr Number contact_radius = [] {
   Number radius{"radius", dimension::length, Range::not_negative};
   radius.get = [](const void* item) { return std::optional<double>(static_cast<const Stop*>(item)->min); };
@@ -676,5 +676,7 @@ std::optional<Measure> Stop::tangent() const {
 }
 
 std::string Stop::family() const { return is_contact(*this) ? "contact" : words_of_key(table); }
+
+std::string Stop::title() const { return fmt::format("{} \"{}\"", family(), name); }
 
 }  // namespace poise

@@ -112,7 +112,7 @@ std::string numbers_in(const std::vector<int>& numbers) {
 std::vector<std::string> remarks_of(const EquationsOfMotion& equations) {
   std::vector<std::string> stops;
   for (const Stop& stop : equations.scene.stops) {
-    if (!stop.holds()) stops.push_back(one_line(fmt::format("{} \"{}\"", stop.family(), stop.name)));
+    if (!stop.holds()) stops.push_back(one_line(stop.title()));
   }
   if (stops.empty()) return {};
   return {fmt::format("Left out, for they act at their limits only: {}.", fmt::join(stops, ", "))};

@@ -50,11 +50,6 @@ struct Shot {
   bool is_whole() const { return why.empty(); }
 };
 
-std::string name_of_stop(const MotionModel& model, const ContactEvent& event) {
-  const Stop& stop = model.scene().stops[static_cast<std::size_t>(event.at.stop)];
-  return fmt::format("{} \"{}\" at t = {:.4g} s", stop.family(), stop.name, event.t);
-}
-
 /// Period after period under the load that swings.
 class Shooting {
  public:
@@ -120,7 +115,9 @@ class Shooting {
       out.why = out.motion.why;
     } else if (!out.motion.events.empty()) {
       out.end = End::stop;
-      out.why = "it meets " + name_of_stop(*out.model, out.motion.events.front());
+      const ContactEvent& event = out.motion.events.front();
+      out.why = fmt::format("it meets {} at t = {:.4g} s",
+                            out.model->scene().stops[static_cast<std::size_t>(event.at.stop)].title(), event.t);
     } else {
       read_end(frequency, out);
     }

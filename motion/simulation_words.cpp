@@ -30,12 +30,9 @@ std::string name_of_row(const MotionModel& model, int row, const std::vector<Tou
   if (drive < scene.drives.size()) return fmt::format("drive \"{}\"", scene.drives[drive].name);
   drive -= scene.drives.size();
   for (const Stop& stop : scene.stops) {
-    if (stop.holds() && drive-- == 0) return fmt::format("{} \"{}\"", stop.family(), stop.name);
+    if (stop.holds() && drive-- == 0) return stop.title();
   }
-  if (drive < touching.size()) {
-    const Stop& stop = scene.stops[static_cast<std::size_t>(touching[drive].stop)];
-    return fmt::format("{} \"{}\"", stop.family(), stop.name);
-  }
+  if (drive < touching.size()) return scene.stops[static_cast<std::size_t>(touching[drive].stop)].title();
   return "friction that holds";
 }
 

@@ -18,7 +18,7 @@ std::string name_of_row(const MotionModel& model, int row, const std::vector<Tou
 /// Why nothing could be chosen that friction holds and that touches its stop; `rubs`: some friction sticks.
 std::string words_of(StickSlip::Choice choice, bool rubs);
 
-/// Of a stop so named, whose impact would add energy, or which a drive pushes.
+/// What ends a motion at a stop so named: an impact that would add energy, and a drive that pushes it.
 std::string gaining_impact(const std::string& stop);
 std::string pushing_drive(const std::string& stop);
 

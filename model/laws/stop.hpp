@@ -47,7 +47,8 @@ struct Stop {
   /// contact; motion alone has it.
   std::optional<double> friction{};
 
-  /// Of the first of the stops of a contact: of how many convex parts its outline is made (model/outline_parts.hpp).
+  /// The first of the stops of a contact has here of how many convex parts its outline is made
+  /// (model/outline_parts.hpp).
   int parts = 1;
 
   /// It holds its measure at one value.
@@ -58,6 +59,8 @@ struct Stop {
   bool couples() const { return holds() && table != "stop"; }
   /// "stop", "gear", for messages.
   std::string family() const;
+  /// stop "end", for messages.
+  std::string title() const;
   /// Its numbers, which depend on its table; those of a plain stop are its limits.
   std::span<const Number> numbers() const;
 

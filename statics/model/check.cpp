@@ -279,7 +279,7 @@ class EquilibriumCheck {
       const Stop& stop = scene_.stops[static_cast<std::size_t>(s)];
       const bool is_length = stop.on.kind == Measure::Kind::distance || stop.on.kind == Measure::Kind::rope;
       const bool holds_together = is_length && touching_[static_cast<std::size_t>(s)] > 0;
-      (holds_together ? pushing : pulling).push_back(fmt::format("{} \"{}\"", stop.family(), stop.name));
+      (holds_together ? pushing : pulling).push_back(stop.title());
     }
     std::vector<std::string> parts;
     if (!pushing.empty()) parts.push_back(fmt::format("{} would have to push", fmt::join(pushing, " and ")));

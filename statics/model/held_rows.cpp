@@ -87,7 +87,7 @@ std::string stops_at_limits(const ScaledModel& model, const std::vector<double>&
     const auto at = static_cast<std::size_t>(s);
     if (value < m.upper()[at] - near && value > m.lower()[at] + near) continue;
     const Stop& stop = model.scene().stops[at];
-    out += fmt::format("{}{} \"{}\"", out.empty() ? "" : " and ", stop.family(), stop.name);
+    out += (out.empty() ? "" : " and ") + stop.title();
   }
   return out;
 }

@@ -19,11 +19,6 @@ constexpr std::size_t told_changes = 6;
 
 const Stop& stop_of(const MotionModel& model, const Contact& contact) { return model.scene().stops[contact.stop]; }
 
-/// `cam "lobe"`.
-std::string name_of_contact(const MotionModel& model, const Contact& contact) {
-  return fmt::format("{} \"{}\"", stop_of(model, contact).family(), stop_of(model, contact).name);
-}
-
 std::string place_in_words(const MotionModel& model, const ForcesAlong& found, double at) {
   return found.measure ? with_unit(model, at, *found.measure, found_digits) : significant(at, found_digits) + " s";
 }
@@ -98,7 +93,7 @@ std::string pulls_in_words(const MotionModel& model, const ForcesAnswer& answer)
   for (const ContactCourse& course : answer.contacts) {
     if (!course.pulls || course.contact.guided) continue;
     const std::string most = with_unit(model, -course.least, effort_of(stop_of(model, course.contact).on));
-    std::string text = fmt::format("{} would have to pull, with {}", name_of_contact(model, course.contact), most);
+    std::string text = fmt::format("{} would have to pull, with {}", stop_of(model, course.contact).title(), most);
     if (!answer.found.at.empty()) {
       text += fmt::format(" at {} = {}", answer.found.along, place_in_words(model, answer.found, course.least_at));
       const std::string changes = changes_in_words(model, answer.found, course);
@@ -127,14 +122,14 @@ void add_contacts(Group& group, const MotionModel& model, const ForcesAnswer& an
     };
     Table& table = group.table("", "Contacts, positive where they press", Rows::list);
     table.words("", "contact", each(answer.contacts, [&](const ContactCourse& course) {
-                  return name_of_contact(model, course.contact) + (course.contact.guided ? ", guided" : "");
+                  return stop_of(model, course.contact).title() + (course.contact.guided ? ", guided" : "");
                 }));
     table.words("", "least force", each(answer.contacts, least));
     table.words("", is_along ? "along " + found.along : "here", each(answer.contacts, changes));
   }
   for (const LiftOff& lift : answer.lift_offs) {
-    const std::string what = lift.contact.guided ? "changes side" : lift.contact.at_max ? "goes slack" : "lifts off";
-    const std::string name = name_of_contact(model, lift.contact);
+    const std::string_view what = word_of_change(lift.contact, false);
+    const std::string name = stop_of(model, lift.contact).title();
     if (!lift.rate)
       group.fact("lift-off", fmt::format("{} {} at no rate", name, what));
     else if (*lift.rate == 0.0)

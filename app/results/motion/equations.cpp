@@ -158,7 +158,7 @@ Result equations_result(const EquationsAnswer& answer, const std::vector<std::st
   out.content.fact("coordinates z", listed(names));
   std::vector<std::string> stops;
   for (const Stop& stop : equations.scene.stops) {
-    if (!stop.holds()) stops.push_back(fmt::format("{} \"{}\"", stop.family(), stop.name));
+    if (!stop.holds()) stops.push_back(stop.title());
   }
   if (!stops.empty()) out.content.fact("left out", listed(stops) + ": these act at their limits only");
   if (answer.numbers.q.empty()) return out;

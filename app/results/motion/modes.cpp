@@ -105,12 +105,6 @@ void add_facts(Group& group, const MotionModel& model, const ModesAnswer& answer
   }
 }
 
-/// `stop "wall"`.
-std::string name_of_stop(const MotionModel& model, const TouchedStop& touched) {
-  const Stop& stop = model.scene().stops[static_cast<std::size_t>(touched.stop)];
-  return fmt::format("{} \"{}\"", stop.family(), stop.name);
-}
-
 /// Contacts that the modes keep closed, with their forces, and those that only touch.
 void add_contacts_of_modes(Result& result, const MotionModel& model, const Modes& modes) {
   std::vector<TouchedStop> all = modes.stops;
@@ -128,7 +122,7 @@ void add_contacts_of_modes(Result& result, const MotionModel& model, const Modes
   }
   if (all.empty()) return;
   Table& table = result.content.group("", "", Verbosity::normal).table("", "Contacts", Rows::list);
-  table.words("", "contact", each(all, [&](const TouchedStop& one) { return name_of_stop(model, one); }));
+  table.words("", "contact", each(all, [&](const TouchedStop& one) { return stop_of(one).title(); }));
   table.words("", "presses with", each(all, [&](const TouchedStop& one) {
                 return with_unit(model, one.force, effort_of(stop_of(one).on));
               }));
@@ -139,7 +133,7 @@ void add_contacts_of_modes(Result& result, const MotionModel& model, const Modes
   if (modes.just_touched.empty() || !modes.known) return;
   result.warnings.push_back(doubtful(fmt::format(
       "Touched without a force: {}. The modes are those of motion on the free side; a motion that comes back strikes.",
-      listed(each(modes.just_touched, [&](const TouchedStop& one) { return name_of_stop(model, one); })))));
+      listed(each(modes.just_touched, [&](const TouchedStop& one) { return stop_of(one).title(); })))));
 }
 
 void add_modes(Group& group, const MotionModel& model, const Modes& modes) {

@@ -464,8 +464,7 @@ class PathTracer::Walk {
       if (std::find(stops.begin(), stops.end(), change.item) == stops.end()) stops.push_back(change.item);
       std::string holding;
       for (const int stop : stops) {
-        const Stop& one = varied.scene().stops[static_cast<std::size_t>(stop)];
-        holding += fmt::format("{}{} \"{}\"", holding.empty() ? "" : " and ", one.family(), one.name);
+        holding += (holding.empty() ? "" : " and ") + varied.scene().stops[static_cast<std::size_t>(stop)].title();
       }
       return end(varied.is_driven() ? PathBranch::End::blocked : PathBranch::End::singular,
                  fmt::format("{} leave{} no motion {}", holding, stops.size() > 1 ? "" : "s", place));
