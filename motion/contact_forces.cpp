@@ -20,22 +20,22 @@ constexpr double nothing_presses = 1e-9;
 /// Parts into which an interval is cut in each round of a search: a round is one run through the range.
 constexpr int parts_of_round = 16;
 constexpr int most_rounds = 20;
-/// Of the range: extremes are found as closely as rounding of p lets them be told apart.
+/// Extremes are found within this part of the range, as closely as rounding of p lets them be told apart.
 constexpr double extreme_within = 1e-9;
 
 /// Values at shares of the range, which ascend; fewer where the range ends early.
 using Over = std::function<std::vector<double>(const std::vector<double>&)>;
 
-std::vector<double> parts_between(double from, double to) {
+std::vector<double> parts_between(double from, double to, int parts) {
   std::vector<double> out;
-  for (int k = 0; k <= parts_of_round; ++k) out.push_back(from + (to - from) * k / parts_of_round);
+  for (int k = 0; k <= parts; ++k) out.push_back(from + (to - from) * k / parts);
   return out;
 }
 
 /// Where a sign that is `before` at `from` and not at `to` changes.
 double change_between(const Over& of, const std::function<bool(double)>& before, double from, double to) {
   for (int round = 0; round < most_rounds; ++round) {
-    const std::vector<double> places = parts_between(from, to);
+    const std::vector<double> places = parts_between(from, to, parts_of_round);
     const std::vector<double> values = of(places);
     std::size_t k = 1;
     while (k + 1 < values.size() && before(values[k])) ++k;
@@ -56,7 +56,7 @@ struct Extreme {
 Extreme least_within(const Over& of, double from, double to) {
   Extreme out{from, never};
   for (int round = 0; round < most_rounds && to - from > extreme_within; ++round) {
-    const std::vector<double> places = parts_between(from, to);
+    const std::vector<double> places = parts_between(from, to, parts_of_round);
     const std::vector<double> values = of(places);
     std::size_t best = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -176,12 +176,6 @@ class DrivenContacts {
   SweepOptions options_;
 };
 
-std::vector<double> equal_parts(int steps) {
-  std::vector<double> out;
-  for (int k = 0; k <= steps; ++k) out.push_back(static_cast<double>(k) / steps);
-  return out;
-}
-
 /// Changes of sign of sampled values, which are refined by `of`, and the least value; places are shares.
 struct PressCourse {
   Extreme least{0.0, no_press};
@@ -236,6 +230,18 @@ PressCourse course_of(const Over& of, const std::vector<double>& shares, const s
         least_within(of, shares[best == 0 ? 0 : best - 1], shares[std::min(best + 1, values.size() - 1)]);
     if (refined.value < out.least.value) out.least = refined;
   }
+  return out;
+}
+
+/// The course of a contact whose places are from + share * length.
+ContactCourse in_places(const Contact& contact, const PressCourse& course, double rounding, double from,
+                        double length) {
+  ContactCourse out;
+  out.contact = contact;
+  out.least = course.least.value;
+  out.least_at = from + course.least.place * length;
+  out.pulls = out.least < -rounding;
+  for (const auto& [share, presses] : course.changes) out.changes.push_back({from + share * length, presses});
   return out;
 }
 
@@ -311,14 +317,8 @@ std::vector<ContactCourse> contact_courses(const MotionModel& model, const std::
     std::vector<double> values;
     for (const Forces& forces : found.poses) values.push_back(press_of(model.scene(), contact, forces));
     const double rounding = rounding_of(model, contact, largest_of(found.poses));
-    const PressCourse course = course_of(of, shares, values, rounding);
-    const auto drive = [&](double share) { return range.from + share * (range.to - range.from); };
-    ContactCourse& one = out.emplace_back();
-    one.contact = contact;
-    one.least = course.least.value;
-    one.least_at = drive(course.least.place);
-    one.pulls = one.least < -rounding;
-    for (const auto& [share, presses] : course.changes) one.changes.push_back({drive(share), presses});
+    out.push_back(
+        in_places(contact, course_of(of, shares, values, rounding), rounding, range.from, range.to - range.from));
   }
   return out;
 }
@@ -341,10 +341,6 @@ std::vector<ContactCourse> contact_courses(const Scene& scene, const std::vector
       at.push_back(found.at.empty() ? 0.0 : found.at[k]);
       values.push_back(press);
     }
-    ContactCourse& one = out.emplace_back();
-    one.contact = contact;
-    one.least = no_press;
-    if (values.empty()) continue;
     const double rounding = found.tolerance * largest_of(found.poses);
     const Over of = [&](const std::vector<double>& times) {
       std::vector<double> between;
@@ -355,11 +351,7 @@ std::vector<ContactCourse> contact_courses(const Scene& scene, const std::vector
       }
       return between;
     };
-    const PressCourse course = course_of(of, at, values, rounding);
-    one.least = course.least.value;
-    one.least_at = course.least.place;
-    one.pulls = one.least < -rounding;
-    for (const auto& [time, presses] : course.changes) one.changes.push_back({time, presses});
+    out.push_back(in_places(contact, course_of(of, at, values, rounding), rounding, 0.0, 1.0));
   }
   return out;
 }
@@ -368,7 +360,7 @@ std::vector<LiftOff> lift_offs(const MotionModel& model, const std::vector<Drive
                                const SweepOptions& options, const std::vector<Contact>& contacts) {
   const DrivenContacts driven(model, ranges, options);
   const DriveRange& range = ranges[first_moving(ranges)];
-  const std::vector<double> shares = equal_parts(options.steps);
+  const std::vector<double> shares = parts_between(0.0, 1.0, options.steps);
   std::vector<LiftOff> out;
   for (const Contact& contact : contacts) {
     const Over of = [&](const std::vector<double>& at) {

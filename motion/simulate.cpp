@@ -247,10 +247,9 @@ class Simulation {
 
   void note_grazing(double t) {
     const std::optional<Touch> near = contacts_.grazed(reduced_, step_.length, grazing * options_.accuracy);
-    if (near) add_event({.t = t + step_.length, .kind = ContactEvent::Kind::graze, .at = *near, .unique = false});
+    if (near)
+      out_.events.push_back({.t = t + step_.length, .kind = ContactEvent::Kind::graze, .at = *near, .unique = false});
   }
-
-  void add_event(ContactEvent event) { out_.events.push_back(event); }
 
   bool may_go_on(double t) {
     if (options_.interrupt != nullptr && options_.interrupt->load()) {
@@ -547,7 +546,8 @@ class Simulation {
     double work = step_.work();
     read_changes();
     if (event.of_friction && !changes_.empty()) friction_.begin_to_slide(reduced_, t, ahead_);
-    if (event.left && !event.hits) add_event({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
+    if (event.left && !event.hits)
+      out_.events.push_back({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
     if (!(event.hits ? rebound(t, q, v, work, event.left) : choose_mode(t + event.nudge, q, v, event.left)))
       return false;
     if (event.of_friction && !event.hits && nodes_.nodes() > 1) {
@@ -638,16 +638,16 @@ class Simulation {
       // It would have turned round just behind the limit, or not have come so far.
       const bool grazes =
           side.acceleration > 0.0 && before * before < 2 * side.acceleration * grazing * options_.accuracy;
-      add_event({.t = t,
-                 .kind = ContactEvent::Kind::impact,
-                 .at = side.at,
-                 .rate_before = before * unit,
-                 .rate_after = after * unit,
-                 .impulse = impulse * (turns ? scales.energy() : scales.force),
-                 .energy_lost = -impulse * (before + after) / 2 * scales.energy(),
-                 .unique = hit.impact.unique && !grazes});
+      out_.events.push_back({.t = t,
+                             .kind = ContactEvent::Kind::impact,
+                             .at = side.at,
+                             .rate_before = before * unit,
+                             .rate_after = after * unit,
+                             .impulse = impulse * (turns ? scales.energy() : scales.force),
+                             .energy_lost = -impulse * (before + after) / 2 * scales.energy(),
+                             .unique = hit.impact.unique && !grazes});
       if (rests[hit.sides[i]] >= 0.0) {
-        add_event({.t = rests[hit.sides[i]], .kind = ContactEvent::Kind::rest, .at = side.at});
+        out_.events.push_back({.t = rests[hit.sides[i]], .kind = ContactEvent::Kind::rest, .at = side.at});
       }
     }
   }

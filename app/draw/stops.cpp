@@ -217,8 +217,8 @@ void draw_stops(Stage& stage) {
     if (law == nullptr) continue;
     const ElementReading& reading = stage.now.elements[i];
     std::string state = stage.reading(reading.value, quantity_of(elements[i].on));
-    const Quantity effort = elements[i].on.is_angle() ? Quantity::moment : Quantity::force;
-    if (!reading.slack) state += ", pressed by " + stage.value(std::abs(reading.force), effort, reading.radius);
+    if (!reading.slack)
+      state += ", pressed by " + stage.value(std::abs(reading.force), effort_of(elements[i].on), reading.radius);
     draw_stop(stage, rigid(elements[i], *law), reading.value, nullptr, state);
   }
   stage.canvas.close();

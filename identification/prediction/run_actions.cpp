@@ -140,8 +140,8 @@ struct Acting {
     return out;
   }
 
-  /// Of the impact at these independent coordinates and rates, d(jump of the rates)/dp, and below these rows in the
-  /// first of as many d(time of the impact)/dp; one column for each influence. Empty where nothing hits there.
+  /// Gives d(jump of the rates)/dp of the impact at these independent coordinates and rates, and below these rows, in
+  /// the first of as many, d(time of the impact)/dp; one column for each influence. Empty where nothing hits there.
   Eigen::MatrixXd at_impact(double t, const double* z, const double* w) {
     if (reduced.evaluate(t, z, w) != Reduced::Status::ok) return {};
     const auto n = static_cast<std::size_t>(reduced.coordinates());
@@ -276,9 +276,8 @@ class RunModel::ActionRows {
       if (std::count(met.begin(), met.end(), event.at) == most_impacts_of_side) continue;
       met.push_back(event.at);
       const Trajectory& path = motion.trajectory;
-      const auto node = static_cast<std::size_t>(
-          std::lower_bound(path.t.begin(), path.t.end(), event.t - 1e-12 * run_.span()) - path.t.begin());
-      if (node >= path.nodes()) continue;
+      const std::size_t node = node_from(path, event.t - 1e-12 * run_.span());
+      if (node == path.nodes()) continue;
       const std::vector<double> q = at_node(path.q, node);
       z_ = independent_in(q);
       w_ = independent_in(at_node(path.v, node));
@@ -287,10 +286,7 @@ class RunModel::ActionRows {
       Eigen::MatrixXd here = own_.at_impact(path.t[node], z_.data(), w_.data());
       Eigen::MatrixXd there = changed_.at_impact(path.t[node], z_.data(), w_.data());
       if (here.rows() == 0 || there.rows() == 0) continue;
-      if (run_.set_by_equilibrium_) {
-        here.leftCols(p_) += here.col(p_) * own_follows_;
-        there.leftCols(p_) += there.col(p_) * changed_follows_;
-      }
+      let_equilibrium_follow(here, there);
       if (!here.allFinite() || !there.allFinite()) continue;
       out_.has_impacts = true;
       for (const Eigen::Index first : {Eigen::Index{0}, own_.rows()}) {
@@ -368,6 +364,13 @@ class RunModel::ActionRows {
     return true;
   }
 
+  /// Adds to the columns of the numbers what follows through the one that the equilibrium sets.
+  void let_equilibrium_follow(Eigen::MatrixXd& here, Eigen::MatrixXd& there) const {
+    if (!run_.set_by_equilibrium_) return;
+    here.leftCols(p_) += here.col(p_) * own_follows_;
+    there.leftCols(p_) += there.col(p_) * changed_follows_;
+  }
+
   /// At the pose placed.
   void add(double t, const double* z, const double* w) {
     Eigen::MatrixXd here = own_.at(w, numbers_);
@@ -381,11 +384,8 @@ class RunModel::ActionRows {
     if (here.rows() == 0 || changed_.reduced.place(t, near_z.data()) != Reduced::Status::ok) return;
     Eigen::MatrixXd there = changed_.at(near_w.data(), numbers_);
     if (there.rows() == 0) return;
-    if (run_.set_by_equilibrium_) {
-      here.leftCols(p_) += here.col(p_) * own_follows_;
-      there.leftCols(p_) += there.col(p_) * changed_follows_;
-      own_.terms.leftCols(p_) += own_.terms.col(p_) * own_follows_.cwiseAbs();
-    }
+    let_equilibrium_follow(here, there);
+    if (run_.set_by_equilibrium_) own_.terms.leftCols(p_) += own_.terms.col(p_) * own_follows_.cwiseAbs();
     if (!here.allFinite() || !there.allFinite()) return;
     errors_.push_back(lost_by_rounding());
     rows_.push_back(with_sensors(own_, here));
@@ -434,9 +434,8 @@ class RunModel::ActionRows {
   /// None where the motion does not reach the jump.
   Eigen::MatrixXd row_of(Acting& acting, const Jump& jump, std::size_t number, const Trajectory& path) {
     const double when = jump.jump.at;
-    std::size_t node = 0;
-    while (node + 1 < path.nodes() && path.t[node] < when) ++node;
-    if (when <= 0 || path.nodes() == 0 || path.t[node] < when) return {};
+    const std::size_t node = node_from(path, when);
+    if (when <= 0 || node == path.nodes()) return {};
     const std::vector<double> q = at_node(path.q, node);
     z_ = independent_in(q);
     std::fill(w_.begin(), w_.end(), 0.0);
@@ -451,6 +450,11 @@ class RunModel::ActionRows {
       out(k, static_cast<Eigen::Index>(number)) = -jump.by * jump.jump.by * alpha[static_cast<std::size_t>(k)];
     }
     return out;
+  }
+
+  /// The first node at this time or later; their number if there is none.
+  static std::size_t node_from(const Trajectory& path, double t) {
+    return static_cast<std::size_t>(std::lower_bound(path.t.begin(), path.t.end(), t) - path.t.begin());
   }
 
   std::vector<double> at_node(const std::vector<double>& of, std::size_t node) const {

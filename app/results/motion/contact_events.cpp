@@ -28,8 +28,6 @@ std::string what(const ContactEvent& event, const Stop& stop) {
   return event.kind == ContactEvent::Kind::lift_off ? "slack" : to_string(event.kind);
 }
 
-Quantity measured(const Stop& stop) { return stop.on.is_angle() ? Quantity::angle : Quantity::length; }
-
 std::string with_units(double si, Quantity quantity, const Units& units, const char* per) {
   return fmt::format("{} {}{}", significant(si / unit_value(quantity, units), 6), unit_name(quantity, units), per);
 }
@@ -45,9 +43,8 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
   double lost = 0.0;
   for (const ContactEvent& event : motion.events) {
     const Stop& stop = stop_of(scene, event);
-    const Quantity of = measured(stop);
-    // Of a force or a torque over time.
-    const Quantity effort = effort_of(stop.on);
+    const Quantity of = quantity_of(stop.on);
+    const Quantity effort = effort_of(stop.on);  // an impulse is one over time
     Group& one = events.parts.emplace_back();
     one.data("t", event.t);
     one.data("what", to_string(event.kind));
