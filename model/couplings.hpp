@@ -78,9 +78,8 @@ struct CouplingKind {
 ///     _tangent     angle of the body from the radius + `angle` = - sense pi / 2
 ///     _line        - sense times the component across + `along` = 0
 ///     _ends        of an open curve, from <= s <= to
-///   contact        clearance of a point from an outline, a convex part of it, >= radius; behind it as many as there
-///   are
-///     _part.1, ...   other parts, the same
+///   contact        clearance of a point from an outline, a convex part of it, >= radius
+///     _part.1, ...   the same of as many other parts as there are
 std::span<const CouplingKind> coupling_kinds();
 
 /// An outline is made of at most so many convex parts behind its first.

@@ -56,8 +56,7 @@ struct Outline {
 /// clearance  of point b from an outline of another body, m: the distance from what is nearest of it, an edge, a corner
 ///            or the arc; negative inside
 /// along_outline  way of the centre b of a circle along an outline, m, as its contact goes: along an edge or arc, and
-/// by
-///            `radius` times the angle around a corner. Less the circle's turning it is how far it slips (slip_on())
+///            by `radius` times the angle around a corner. Less the circle's turning it is how far it slips (slip_on())
 /// sum        sum of factor_i g_i, or of factor_i P_i(g_i), over `terms`; an angle if all terms without a profile P are
 ///            angles, otherwise a length, with factors in m/rad of angles and in m of profiles
 struct Measure {

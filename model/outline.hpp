@@ -21,7 +21,7 @@ struct PlaneValue {
   S xxx{}, xxy{}, xyy{}, yyy{};
 };
 
-/// Of scalars in lanes, and of sets of values.
+/// These are for scalars in lanes, and for sets of values.
 template <class S, int N>
 PlaneValue<S> select(const Mask<N>& condition, const PlaneValue<S>& a, const PlaneValue<S>& b) {
   const auto one = [&](const S& p, const S& q) { return select(condition, p, q); };
@@ -52,9 +52,8 @@ OutlineEdge<S> select(const Mask<N>& condition, const OutlineEdge<S>& a, const O
 /// (model/measures/outline_measure.hpp). With n the unit vector to the left of the way and d the place less what is
 /// nearest of the outline,
 ///
-///   clearance    n.d of an edge; |d| of a corner, an end of an arc; |d| - R outside of an arc around its centre, R -
-///   |d|
-///                inside of a hollow one
+///   clearance    n.d of an edge; |d| of a corner, an end of an arc; |d| - R outside of an arc around its centre,
+///                R - |d| inside of a hollow one
 ///   along        s of an edge, the way from the outline's first point; at a corner that of the corner and r times the
 ///                angle by which n.. d has turned clockwise; (R + r) a of an arc, (R - r) a of a hollow one, at its
 ///                angle a

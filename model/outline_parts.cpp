@@ -14,7 +14,7 @@ using Corners = std::vector<OutlinePoint>;
 /// The angle from one direction to another, counter-clockwise.
 double turned(Vec2 from, Vec2 to) { return std::atan2(cross(from, to), dot(from, to)); }
 
-/// By which the way turns to the left at a point of it.
+/// The angle by which the way turns to the left at a point of it.
 double turn_at(const Corners& way, std::size_t k) {
   const std::size_t n = way.size();
   const Vec2 at = way[k].at;

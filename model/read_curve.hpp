@@ -29,12 +29,12 @@ CurvePoints read_listed_points(const TomlTable& table, std::string_view key, dou
                                const PointWords& words);
 CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit_y, const PointWords& words);
 
-/// The same of a damper, of which x is a rate of the measure. Fails, too, where a force does not resist.
-CurveDamper read_damper_curve(const TomlTable& table, const Measure& on);
-
 /// The spring of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }, of which x is a value of the measure `on`
 /// and F a force on it. The file has a header and two columns; its name counts from the folder of the
 /// scene file. Throws InputError with file and line unless there are two points or more, of ascending x.
 CurveSpring read_curve(const TomlTable& table, const Measure& on);
+
+/// The same of a damper, of which x is a rate of the measure. Fails, too, where a force does not resist.
+CurveDamper read_damper_curve(const TomlTable& table, const Measure& on);
 
 }  // namespace poise

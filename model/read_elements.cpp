@@ -313,7 +313,7 @@ class ElementReader {
       const std::span<const Number> numbers = numbers_of(element.law);
       Keys keys;
       for (const Number& number : numbers) {
-        // Of a curve the scale alone.
+        // Numbers of points of a curve do not vary.
         if (number.key.find('.') == std::string_view::npos) keys.push_back(number.key_on(&element.on));
       }
       time.allow_keys(keys);
@@ -418,7 +418,7 @@ class ElementReader {
     return drive;
   }
 
-  /// Those with a stiffness yield: they are force elements.
+  /// Stops with a stiffness yield: they are force elements.
   void read_stops() {
     const std::vector<TomlTable> tables = root_.tables("stop");
     const std::vector<std::string> names = names_of(tables, numbered("stop", tables.size()), {});

@@ -60,8 +60,8 @@ std::vector<Contact> contacts_along(const Scene& scene, const std::vector<Contac
 std::vector<ContactCourse> contact_courses(const MotionModel& model, const std::vector<DriveRange>& ranges,
                                            const SweepOptions& options, bool moving,
                                            const std::vector<Contact>& contacts, const ForcesAlong& found);
-/// The same in one pose, and along a motion that is given at times, between which p is the polynomial through the six
-/// samples around. Stops that would have to pull are among them too.
+/// Gives the forces in one pose, or along a motion that is given at times, between which p is the polynomial through
+/// the six samples around. Stops that would have to pull are among them too.
 std::vector<ContactCourse> contact_courses(const Scene& scene, const std::vector<Contact>& contacts,
                                            const ForcesAlong& found);
 

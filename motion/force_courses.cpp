@@ -93,7 +93,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
       return 0.0;
     });
   }
-  // Those that stand for the friction of joints and stops in a scene in motion have no forces of their own.
+  // Elements that stand for the friction of joints and stops in a scene in motion have no forces of their own.
   const std::size_t elements = std::min(scene.elements.size(), forces.poses.front().element_force.size());
   for (std::size_t i = 0; i < elements; ++i) {
     const Element& element = scene.elements[i];

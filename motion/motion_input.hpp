@@ -111,7 +111,7 @@ class InputSpring {
   InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions);
 
   int element() const { return functions_.front().item; }
-  /// With the numbers of the time.
+  /// The law with the numbers of the time.
   const LawIn<T>& law() const { return law_; }
   void set(double t, double near);
   /// Sets the numbers by value(function), what each function has at the time.

@@ -33,7 +33,7 @@ class ProfileBorders {
   double nudge(const ReducedMotion<double>& motion);
   /// The time by which the state must go on to be behind a border that an argument is at; 0 where none is at one.
   double nudge_at_border(const ReducedMotion<double>& motion);
-  /// Of the border found by margin(): the derivative of the time at which it passes the border u_k along changes of q
+  /// The derivative of the time at which the argument found by margin() passes its border u_k along changes of q
   /// and v, and by an influence if its index is not negative:  -(du/dp - du_k/dp) / (du/dt).
   double passing_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv, int influence);
 

@@ -234,7 +234,8 @@ void StickSlip::begin_to_slide(Reduced& motion, double t, double ahead) {
   motion.set_branches(branches);
 }
 
-/// Of  Dg[a] + D2g[v, v]  along changes of q and v, by influences, and by the values at which others are held.
+/// Finds the derivatives of  Dg[a] + D2g[v, v]  along changes of q and v, by influences, and by the values at which
+/// others are held.
 void StickSlip::take_derivatives(Reduced& motion, const Contact& contact) {
   const auto n = static_cast<std::size_t>(motion.coordinates());
   const Configuration<double> here = place(contact.on, motion.q());
@@ -496,7 +497,7 @@ StickSlip::Choice StickSlip::choose(Reduced& motion, double t, double ahead) {
       agreeing.size() == 1 ? agreeing.front() : tell_apart(motion, node, std::move(agreeing), ahead);
   for (const Trial& trial : trials) {
     if (!grows_ || trial.violation > no_acceleration) continue;
-    // Of those that agree some may have been left out, which slide where others hold.
+    // Some that agree may have been left out: they slide where others hold.
     if (!trial.is_locked && std::find(possible.begin(), possible.end(), &trial) == possible.end()) continue;
     for (std::size_t k = 0; k < still.size(); ++k) {
       const double apart = std::abs(trial.acceleration[k] - best->acceleration[k]);

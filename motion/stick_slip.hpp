@@ -124,7 +124,7 @@ class StickSlip {
   double worst_after(ReducedMotion<double>& motion, const Node& node, const std::vector<int>& sliding, double h);
   const Trial* tell_apart(ReducedMotion<double>& motion, const Node& node, std::vector<const Trial*> trials,
                           double ahead);
-  /// Those trials that hold most of the contacts that drop.
+  /// Leaves the trials that hold most of the contacts that drop.
   std::vector<const Trial*> that_hold(std::vector<const Trial*> trials, const std::vector<std::size_t>& still) const;
   void take_derivatives(ReducedMotion<double>& motion, const Contact& contact);
   bool is_carried(const Contact& contact, const ReducedMotion<double>& motion);

@@ -29,7 +29,7 @@ struct DamperPoints {
     while (count < rates.size() && rates[count] < 0.0) ++count;
     return count;
   }
-  /// Of all points of the curve.
+  /// The index of a given point among all points of the curve.
   std::size_t place_of(std::size_t point) const {
     if (is_odd()) return rates.size() + 1 + point;
     return point < negative() ? point : point + 1;
@@ -82,7 +82,7 @@ class CurveDamperOf {
       : points_(std::make_shared<const DamperPoints>(DamperPoints{std::move(rates), std::move(forces)})),
         curve_(std::make_shared<const ForceCurve>(points_->all_rates(), points_->all(points_->forces.data()))),
         numbered_(numbered) {}
-  /// The same points, with other forces where they are given.
+  /// One with the points of another law, and with other forces where they are given.
   template <class M>
   CurveDamperOf(const N& c, const CurveDamperOf<M>& other, std::shared_ptr<const std::vector<N>> forces)
       : scale(c),
@@ -169,7 +169,7 @@ class CurveDamperOf {
     other.check();
     set_points(std::move(other));
   }
-  /// The same of all points.
+  /// Throws InputError unless all forces resist and those at the ends do not fall.
   void check() const { points_->check(); }
 
   static constexpr int affine_numbers = 1;

@@ -95,7 +95,7 @@ struct GasStrutOf {
   static constexpr int affine_numbers = 1;
   static constexpr std::array tables{LawTable{"spring", false, "gas"}};
   static const std::array<Number, 5> numbers;
-  /// Of one that damps.
+  /// The numbers that one that damps has behind these.
   static const std::array<Number, 3> numbers_of_damping;
   std::span<const Number> all_numbers() const;
 

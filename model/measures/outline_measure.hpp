@@ -131,7 +131,7 @@ class OutlineMeasure {
     return along_ ? outline_.along(place, radius_) : outline_.clearance(place);
   }
 
-  // Of both components by each slot, in the scratch behind that of the components.
+  // Gives the derivatives of both components by each slot, in the scratch behind that of the components.
   const Planar<T>* gradients(const Configuration<T>& at) const {
     Planar<T>* const d = at.scratch + scratch_of_components();
     std::fill(d, d + size(), Planar<T>{});

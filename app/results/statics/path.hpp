@@ -18,7 +18,7 @@ struct PathView {
   std::vector<SoughtQuantity> over_path{};  ///< shown once for each branch
   std::vector<double> at{};                 ///< SI: PathOptions::at
   PathOptions::Follow follow = PathOptions::Follow::unstable;
-  /// By index of the event: the motions of its snaps, where they were asked for.
+  /// The motions of snaps, where they were asked for, by index of the event.
   std::map<std::size_t, SnapMotion> motions{};
 };
 
