@@ -117,6 +117,10 @@ std::string with_unit(const ScaledModel& model, double si, Quantity quantity, in
                        .format = format_of(model, quantity, digits, Format::Style::significant, radius)});
 }
 
+std::string amount(double si, Quantity quantity, const Units& units, int digits, std::string_view per) {
+  return fmt::format("{} {}{}", significant(si / unit_value(quantity, units), digits), unit_name(quantity, units), per);
+}
+
 std::string in_words(const Certificate& certificate) {
   std::string text = to_string(certificate.stability);
   const auto add = [&](int number, const std::string& what) {

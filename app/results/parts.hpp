@@ -45,6 +45,8 @@ Column& add_column(Table& table, const ScaledModel& model, const std::string& ke
 /// A value with its unit: "12.5 N"; what is rounding is 0. `radius`: to which it is known, SI.
 std::string with_unit(const ScaledModel& model, double si, Quantity quantity, int digits = force_digits,
                       double radius = 0.0);
+/// "3.25 mm/s": so many digits of a value, whatever the size of others, its unit, and `per` behind that.
+std::string amount(double si, Quantity quantity, const Units& units, int digits, std::string_view per = "");
 
 /// "1 unstable direction", ...; nothing where there is none.
 std::string in_words(const Certificate& certificate);

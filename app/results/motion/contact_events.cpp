@@ -28,9 +28,7 @@ std::string what(const ContactEvent& event, const Stop& stop) {
   return event.kind == ContactEvent::Kind::lift_off ? "slack" : to_string(event.kind);
 }
 
-std::string with_units(double si, Quantity quantity, const Units& units, const char* per) {
-  return fmt::format("{} {}{}", significant(si / unit_value(quantity, units), 6), unit_name(quantity, units), per);
-}
+constexpr int digits_of_events = 6;
 
 }  // namespace
 
@@ -61,10 +59,10 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
     times.push_back(event.t);
     whats.push_back(what(event, stop) + (event.unique ? "" : " (one of several)"));
     names.push_back(fmt::format("{} ({})", stop.name, event.at.upper ? "max" : "min"));
-    before.push_back(hits ? with_units(event.rate_before, of, units, "/s") : "");
-    after.push_back(hits ? with_units(event.rate_after, of, units, "/s") : "");
-    impulses.push_back(hits ? with_units(event.impulse, effort, units, " s") : "");
-    losses.push_back(hits ? with_units(event.energy_lost, Quantity::energy, units, "") : "");
+    before.push_back(hits ? amount(event.rate_before, of, units, digits_of_events, "/s") : "");
+    after.push_back(hits ? amount(event.rate_after, of, units, digits_of_events, "/s") : "");
+    impulses.push_back(hits ? amount(event.impulse, effort, units, digits_of_events, " s") : "");
+    losses.push_back(hits ? amount(event.energy_lost, Quantity::energy, units, digits_of_events) : "");
   }
   if (motion.events.empty()) return;
   const std::size_t more = motion.events.size() - times.size();
@@ -80,7 +78,7 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
   table.words("", "impulse", std::move(impulses));
   table.words("", "energy lost", std::move(losses));
   group.fact("impacts", fmt::format("{} in all take {}{}", count(motion.events.size(), "event", "events"),
-                                    with_units(lost, Quantity::energy, units, ""),
+                                    amount(lost, Quantity::energy, units, digits_of_events),
                                     more > 0 ? fmt::format("; {} more are in the JSON", more) : ""));
 }
 

@@ -48,8 +48,7 @@ std::string changes_in_words(const MotionModel& model, const ForcesAlong& found,
 std::string rate_in_words(const MotionModel& model, const ForcesAlong& found, double rate) {
   const Quantity quantity = found.measure.value_or(Quantity::angle);
   const Units& units = model.scene().units;
-  std::string out =
-      fmt::format("{} {}/s", significant(in_unit(rate, quantity, units), found_digits), unit_name(quantity, units));
+  std::string out = amount(rate, quantity, units, found_digits, "/s");
   if (quantity == Quantity::angle) out += fmt::format(" ({} rpm)", significant(rate * 30 / M_PI, found_digits));
   return out;
 }

@@ -6,38 +6,38 @@
 
 #include <fmt/format.h>
 
+#include "app/result/each.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
 
 namespace poise::app {
 namespace {
 
-std::string amount(double si, Quantity quantity, const Units& units, const char* per = "") {
-  return fmt::format("{} {}{}", significant(si / unit_value(quantity, units), 5), unit_name(quantity, units), per);
-}
+constexpr int digits_of_snaps = 5;
 
 const Stop& stop_hit(const Scene& scene, const SnapMotion& motion) {
   return scene.stops[static_cast<std::size_t>(motion.hit->at.stop)];
 }
 
-Quantity measured_by(const Stop& stop) { return stop.on.is_angle() ? Quantity::angle : Quantity::length; }
+std::vector<std::string> touched_in(const Scene& scene, const SnapMotion& motion) {
+  return each(motion.touched, [&](int stop) { return scene.stops[static_cast<std::size_t>(stop)].name; });
+}
 
 std::string in_words(const Scene& scene, const SnapMotion& motion) {
   if (!motion.why.empty()) return motion.why;
   std::string text;
   if (motion.hit) {
     const Stop& stop = stop_hit(scene, motion);
-    text = fmt::format("it hits {} \"{}\" after {} s at {}, which takes {}; ", stop.family(), stop.name,
-                       significant(motion.hit->t, 5),
-                       amount(-motion.hit->rate_before, measured_by(stop), scene.units, "/s"),
-                       amount(motion.hit->energy_lost, Quantity::energy, scene.units));
+    text = fmt::format("it hits {} after {} s at {}, which takes {}; ", stop.title(),
+                       significant(motion.hit->t, digits_of_snaps),
+                       amount(-motion.hit->rate_before, quantity_of(stop.on), scene.units, digits_of_snaps, "/s"),
+                       amount(motion.hit->energy_lost, Quantity::energy, scene.units, digits_of_snaps));
   }
   if (!motion.rests) {
-    return text + fmt::format("it still moves after {} s: little damps it", significant(motion.time, 5));
+    return text + fmt::format("it still moves after {} s: little damps it", significant(motion.time, digits_of_snaps));
   }
-  text += fmt::format("it comes to rest after {} s", significant(motion.time, 5));
-  std::vector<std::string> against;
-  for (const int stop : motion.touched) against.push_back(scene.stops[static_cast<std::size_t>(stop)].name);
+  text += fmt::format("it comes to rest after {} s", significant(motion.time, digits_of_snaps));
+  const std::vector<std::string> against = touched_in(scene, motion);
   return text + (against.empty() ? "" : " against " + listed(against));
 }
 
@@ -59,15 +59,14 @@ void add_snap_motions(Group& content, const VariedScene& varied, const Path& fou
       Group& hit = one.group("hit", "", Verbosity::data);
       hit.data("name", stop.name);
       hit.data("t", motion.hit->t);
-      hit.data("rate", -motion.hit->rate_before / unit_value(measured_by(stop), scene.units));
+      hit.data("rate", -motion.hit->rate_before / unit_value(quantity_of(stop.on), scene.units));
       hit.data("energy_lost", motion.hit->energy_lost / unit_value(Quantity::energy, scene.units));
     } else {
       one.data("hit", nullptr);
     }
-    std::vector<std::string> against, names;
+    std::vector<std::string> names;
     std::vector<double> values;
-    for (const int stop : motion.touched) against.push_back(scene.stops[static_cast<std::size_t>(stop)].name);
-    one.data("against", against);
+    one.data("against", touched_in(scene, motion));
     for (std::size_t c = 0; c < motion.end.size(); ++c) {
       names.push_back(motion.channels[c].name);
       values.push_back(motion.end[c] / unit_value(motion.channels[c].quantity, scene.units));
