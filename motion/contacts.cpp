@@ -81,9 +81,14 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
         if (i < model.layout().angles) angles_.push_back(i);
       }
       if (const int element = stop_friction_element(scene, side.at.stop); element >= 0) {
-        side.slip = {scene, model.layout(), phasors, scene.elements[static_cast<std::size_t>(element)].on};
+        const auto place = static_cast<std::size_t>(element);
+        side.slip = {scene, model.layout(), phasors, scene.elements[place].on};
         scratch = std::max(scratch, side.slip->scratch_size());
         rubs_ = true;
+        for (const Variation& variation : variations) {
+          const VariedModel& varied = variation.compiled();
+          side.varied_slip.push_back(varied.measure(varied.scene().elements[place].on));
+        }
       }
       for (const Variation& variation : variations) {
         side.varied.push_back(variation.compiled().measure(variation.compiled().scene().stops[s].on, side.at.stop));
@@ -279,6 +284,18 @@ Reduced::Status Contacts::set(Reduced& motion, StickSlip* friction, double t, co
   return motion.evaluate(t, z.data(), w.data());
 }
 
+std::vector<double> Contacts::slopes_of(const std::vector<std::size_t>& sides,
+                                        const Configuration<double>& here) const {
+  const std::size_t m = sides.size(), n = static_cast<std::size_t>(model_.mechanism().phasors().coordinates());
+  std::vector<double> out((rubs_ ? 2 * m : m) * n, 0.0);
+  for (std::size_t i = 0; i < m; ++i) {
+    const Side& side = sides_[sides[i]];
+    side.on.add_gradient(here, sign(side), &out[i * n]);
+    if (side.slip) side.slip->add_gradient(here, 1.0, &out[(m + i) * n]);
+  }
+  return out;
+}
+
 Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
                             const std::vector<char>& plastic) {
   Hit out;
@@ -296,30 +313,24 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
       out.first = k;
     }
     out.sides.push_back(k);
-    out.before.push_back(before);
+    const bool is_plastic = !plastic.empty() && plastic[k] != 0;
+    out.before.push_back({before, is_plastic ? 0.0 : stop_of(side).rebound()});
+    if (!side.slip) continue;
+    out.before.back().friction = *stop_of(side).friction;
+    out.before.back().slip = side.slip->along(here, v.data());
   }
   if (!closes) return out;
   const std::size_t m = out.sides.size(), n = static_cast<std::size_t>(motion.coordinates());
   const auto f = static_cast<std::size_t>(motion.freedoms());
-  const std::size_t rows = rubs_ ? 2 * m : m;
-  std::vector<double> slopes(rows * n, 0.0), along(rows * f), response(rows * f);
-  std::vector<ImpactSide> sides;
   for (std::size_t i = 0; i < m; ++i) {
-    const std::size_t k = out.sides[i];
-    const Side& side = sides_[k];
-    if (out.before[i] < 0.0 && !is_moved(side, here, motion)) {
-      out.first = k;
-      out.outcome = Hit::Outcome::pushed;
-      return out;
-    }
-    const bool is_plastic = !plastic.empty() && plastic[k] != 0;
-    sides.push_back({out.before[i], is_plastic ? 0.0 : stop_of(side).rebound()});
-    side.on.add_gradient(here, sign(side), &slopes[i * n]);
-    if (!side.slip) continue;
-    sides.back().friction = *stop_of(side).friction;
-    sides.back().slip = side.slip->along(here, v.data());
-    side.slip->add_gradient(here, 1.0, &slopes[(m + i) * n]);
+    if (!(out.before[i].rate < 0.0) || is_moved(sides_[out.sides[i]], here, motion)) continue;
+    out.first = out.sides[i];
+    out.outcome = Hit::Outcome::pushed;
+    return out;
   }
+  const std::vector<double> slopes = slopes_of(out.sides, here);
+  const std::size_t rows = slopes.size() / n;
+  std::vector<double> along(rows * f), response(rows * f);
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j < f; ++j) {
       along[i * f + j] = std::inner_product(&slopes[i * n], &slopes[i * n] + n, motion.B(static_cast<int>(j)), 0.0);
@@ -334,12 +345,12 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     }
   }
   D = (D + D.transpose().eval()) / 2;
-  out.impact = impact(D, sides, law_);
+  out.impact = impact(D, out.before, law_);
   if (!out.impact.found) {
     out.outcome = Hit::Outcome::pushed;
     return out;
   }
-  if (out.impact.gains()) {
+  if (out.impact.gains) {
     out.outcome = Hit::Outcome::gains;
     return out;
   }
@@ -350,7 +361,7 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     for (std::size_t j = 0; rubs_ && j < n; ++j) rubbing[j] += out.impact.rub[i] * slopes[(m + i) * n + j];
     if (!(out.impact.impulse[i] > 0.0)) continue;
     active.push_back(out.sides[i]);
-    steps.push_back(sign(sides_[out.sides[i]]) * (out.impact.rate[i] - out.before[i]));
+    steps.push_back(sign(sides_[out.sides[i]]) * (out.impact.rate[i] - out.before[i].rate));
   }
   set(motion, nullptr, t, q, v, active);
   motion.jump(steps.data(), rubbing.data());
@@ -360,32 +371,88 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
   return out;
 }
 
-void Contacts::jump_by(Reduced& motion, const Hit& hit, const std::vector<double>& v, const double* dq,
-                       const double* dv, const Influence* influence, double* change) {
-  std::vector<double> steps;
+// With the jumps a_j by unit impulses along the slopes w_j of gaps and slips the jump is  sum P_j a_j,  and
+// D_ij = w_i a_j.  Both change with the slopes and with the a_j.
+void Contacts::change_jump(Reduced& motion, const Hit& hit, double t, const std::vector<double>& q,
+                           const std::vector<double>& v, const std::vector<JumpChange>& changes) {
+  set(motion, nullptr, t, q, v, {});
+  motion.set_variations(variations_);
   const Configuration<double> here = place(motion.q());
-  const int variation = influence != nullptr ? influence->variation : -1;
-  std::vector<double> bend(static_cast<std::size_t>(motion.coordinates()));
-  for (std::size_t i = 0; i < hit.sides.size(); ++i) {
-    if (!(hit.impact.impulse[i] > 0.0)) continue;
-    const Side& side = sides_[hit.sides[i]];
-    std::fill(bend.begin(), bend.end(), 0.0);
-    side.on.add_bend(here, v.data(), 1.0, bend.data());
-    double by = side.on.along(here, dv) + std::inner_product(bend.begin(), bend.end(), dq, 0.0);
-    double rebound_by = 0.0;
-    if (variation >= 0) {
-      const auto which = static_cast<std::size_t>(variation);
-      const VariedModel& compiled = variations_[which].compiled();
-      const CompiledMeasure<Dual>& on = side.varied[which];
-      const std::vector<Dual> rates(v.begin(), v.end());
-      by += compiled.derivative(on, motion.q(), [&](const auto& at) { return on.along(at, rates.data()); });
-      rebound_by = compiled.numbers().restitution(side.at.stop).v[0];
+  const std::vector<double> slopes = slopes_of(hit.sides, here);
+  const std::size_t m = hit.sides.size(), n = q.size(), rows = slopes.size() / n;
+  const auto sum = [&](const double* w, const double* a) { return std::inner_product(w, w + n, a, 0.0); };
+  // By change and row: of slopes, and of the jumps by unit impulses.
+  std::vector<std::vector<double>> dw, da(changes.size(), std::vector<double>(rows * n, 0.0));
+  for (const JumpChange& change : changes) dw.push_back(slope_changes(hit.sides, here, motion.q(), change));
+  std::vector<double> a(rows * n);
+  for (std::size_t j = 0; j < rows; ++j) {
+    motion.jump(nullptr, &slopes[j * n]);
+    std::copy(motion.a(), motion.a() + n, &a[j * n]);
+    motion.linearize();
+    for (std::size_t c = 0; c < changes.size(); ++c) {
+      motion.jump_change(changes[c].dq, nullptr, changes[c].influence, &da[c][j * n], &dw[c][j * n]);
     }
-    const double before = hit.before[i], after = hit.impact.rate[i];
-    const double rebound = before < 0.0 ? -after / before : 0.0;
-    steps.push_back(-(1 + rebound) * by - (after > 0.0 ? sign(side) * rebound_by * before : 0.0));
   }
-  motion.jump_change(dq, steps.data(), influence, change);
+  const auto r = static_cast<Eigen::Index>(rows);
+  Eigen::MatrixXd D(r, r), dD(r, r);
+  for (std::size_t c = 0; c < changes.size(); ++c) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (std::size_t j = 0; j < rows; ++j) {
+        const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
+        D(row, column) = sum(&slopes[i * n], &a[j * n]);
+        dD(row, column) = sum(&dw[c][i * n], &a[j * n]) + sum(&slopes[i * n], &da[c][j * n]);
+      }
+    }
+    std::vector<ImpactSide> by(m);
+    for (std::size_t i = 0; i < m; ++i) {
+      const auto rate_by = [&](std::size_t row) {
+        return sum(&dw[c][row * n], v.data()) + sum(&slopes[row * n], changes[c].dv);
+      };
+      by[i].rate = rate_by(i);
+      if (rubs_) by[i].slip = rate_by(m + i);
+      if (changes[c].influence == nullptr || changes[c].influence->variation < 0) continue;
+      const auto& numbers = variations_[static_cast<std::size_t>(changes[c].influence->variation)].compiled().numbers();
+      const int stop = sides_[hit.sides[i]].at.stop;
+      if (hit.before[i].restitution > 0.0) by[i].restitution = numbers.restitution(stop).v[0];
+      if (sides_[hit.sides[i]].slip) by[i].friction = numbers.stop_friction(stop).v[0];
+    }
+    const ImpulseChange impulses = impulse_change(D, dD, hit.before, by, law_);
+    std::fill(changes[c].jump, changes[c].jump + n, 0.0);
+    const auto add = [&](std::size_t j, double impulse, double change) {
+      for (std::size_t k = 0; k < n; ++k) changes[c].jump[k] += impulse * da[c][j * n + k] + change * a[j * n + k];
+    };
+    for (std::size_t i = 0; i < m; ++i) {
+      add(i, hit.impact.impulse[i], impulses.impulse[i]);
+      if (rubs_) add(m + i, hit.impact.rub[i], impulses.rub[i]);
+    }
+  }
+}
+
+std::vector<double> Contacts::slope_changes(const std::vector<std::size_t>& sides, const Configuration<double>& here,
+                                            const double* q, const JumpChange& change) const {
+  const std::size_t m = sides.size(), n = static_cast<std::size_t>(model_.mechanism().phasors().coordinates());
+  std::vector<double> out((rubs_ ? 2 * m : m) * n, 0.0);
+  const int variation = change.influence != nullptr ? change.influence->variation : -1;
+  const auto add = [&](const CompiledMeasure<double>& on, const std::vector<CompiledMeasure<Dual>>& varied, double of,
+                       double* to) {
+    on.add_bend(here, change.dq, of, to);
+    if (variation < 0) return;
+    const auto which = static_cast<std::size_t>(variation);
+    std::vector<Dual> unit(n, Dual(0));
+    for (const int i : varied[which].support()) {
+      const auto k = static_cast<std::size_t>(i);
+      unit[k] = Dual(1);
+      to[k] += of * variations_[which].compiled().derivative(
+                        varied[which], q, [&](const auto& at) { return varied[which].along(at, unit.data()); });
+      unit[k] = Dual(0);
+    }
+  };
+  for (std::size_t i = 0; i < m; ++i) {
+    const Side& side = sides_[sides[i]];
+    add(side.on, side.varied, sign(side), &out[i * n]);
+    if (side.slip) add(*side.slip, side.varied_slip, 1.0, &out[(m + i) * n]);
+  }
+  return out;
 }
 
 bool Contacts::is_near() const {

@@ -60,19 +60,26 @@ class Contacts {
   struct Hit {
     enum class Outcome { none, done, pushed, gains } outcome = Outcome::none;
     std::vector<std::size_t> sides;  ///< whose gaps are zero
+    std::vector<ImpactSide> before;  ///< what they have before it
     Impact impact;
-    std::vector<double> before;  ///< rates of their gaps
-    double work = 0.0;           ///< of drives, and of the sides (negative)
-    std::vector<double> jump;    ///< of the rates of all coordinates
-    std::size_t first = none;    ///< the side that the event is of
+    double work = 0.0;         ///< of drives, and of the sides (negative)
+    std::vector<double> jump;  ///< of the rates of all coordinates
+    std::size_t first = none;  ///< the side that the event is of
   };
   /// Lets gaps that close at the coordinates q and rates v rebound, those of the sides `plastic` without restitution.
   Hit hit(ReducedMotion<double>& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
           const std::vector<char>& plastic = {});
-  /// After hit(), while `motion` is in that state: the derivative of the jump where the pose moves by dq and the rates
-  /// before by dv, and by an influence of the scene unless null.
-  void jump_by(ReducedMotion<double>& motion, const Hit& hit, const std::vector<double>& v, const double* dq,
-               const double* dv, const Influence* influence, double* change);
+  /// A change of what a jump follows from: of the pose, of the rates before, and of what an influence of the scene says
+  /// unless null.
+  struct JumpChange {
+    const double* dq = nullptr;
+    const double* dv = nullptr;
+    const Influence* influence = nullptr;
+    double* jump = nullptr;  ///< where the derivative of the jump along it is put, a value for each coordinate
+  };
+  /// After hit(), of the same arguments: the derivatives of the jump.
+  void change_jump(ReducedMotion<double>& motion, const Hit& hit, double t, const std::vector<double>& q,
+                   const std::vector<double>& v, const std::vector<JumpChange>& changes);
   /// The derivative of the time at which the gap of a side falls to zero, at the rates v of all coordinates, along a
   /// change of q and by a number if `variation` is not negative.
   double hit_time_by(const ReducedMotion<double>& motion, std::size_t side, const double* v, const double* dq,
@@ -84,9 +91,6 @@ class Contacts {
   double rebound(std::size_t side) const { return stop_of(sides_[side]).rebound(); }
   /// Coordinates that are angles on which gaps depend.
   const std::vector<int>& angles() const { return angles_; }
-  /// Whether some side has friction.
-  bool rub() const { return rubs_; }
-
   /// Chooses what is touched, and friction, from t on at the coordinates q and rates v; sets and accelerates `motion`
   /// so. `left` is a side whose force has just fallen to zero.
   StickSlip::Choice choose(ReducedMotion<double>& motion, StickSlip& friction, double t, double ahead,
@@ -96,8 +100,9 @@ class Contacts {
   struct Side {
     Touch at;
     CompiledMeasure<double> on;
-    std::vector<CompiledMeasure<VariedModel::Dual>> varied;  // by variation
-    std::optional<CompiledMeasure<double>> slip{};           // along which it rubs
+    std::vector<CompiledMeasure<VariedModel::Dual>> varied;         // by variation
+    std::optional<CompiledMeasure<double>> slip{};                  // along which it rubs
+    std::vector<CompiledMeasure<VariedModel::Dual>> varied_slip{};  // by variation
     double limit = 0.0;
     double gap = 0.0, rate = 0.0, acceleration = 0.0;  // at the last node
     double speed = 0.0;                                // largest rate yet
@@ -128,6 +133,11 @@ class Contacts {
   ReducedMotion<double>::Status set(ReducedMotion<double>& motion, StickSlip* friction, double t,
                                     const std::vector<double>& q, const std::vector<double>& v,
                                     const std::vector<std::size_t>& touched);
+  /// The slopes of the gaps of these sides, then, if any rub, those along which they do; n values each.
+  std::vector<double> slopes_of(const std::vector<std::size_t>& sides, const Configuration<double>& here) const;
+  /// The derivatives of these along a change, at the coordinates q, which are `here`.
+  std::vector<double> slope_changes(const std::vector<std::size_t>& sides, const Configuration<double>& here,
+                                    const double* q, const JumpChange& change) const;
   static double mobility(const Side& side, const Configuration<double>& here, const ReducedMotion<double>& motion);
   double violation_of(const std::vector<std::size_t>& candidates, const std::vector<std::size_t>& touched,
                       const ReducedMotion<double>& motion);

@@ -25,13 +25,10 @@ struct Impact {
   /// The energy that it takes: minus the sum of the impulses times the means of their rates before and after; negative
   /// where the law would add some.
   double energy_lost = 0.0;
-  /// The sum of the sizes of these terms.
-  double terms = 0.0;
+  bool gains = false;  ///< it would add energy, by more than rounding
   /// False where several sides touch and what happens depends on the order in which they act, which rigid bodies do not
   /// tell.
   bool unique = true;
-
-  bool gains() const { return energy_lost < -1e-12 * terms; }
 };
 
 /// Impact at several sides at once, m of them. With the impulses P their gaps' rates are  u = u_before + D P;  D is
@@ -56,5 +53,15 @@ struct Impact {
 /// Sources: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988; F. Pfeiffer, C.
 /// Glocker, Multibody Dynamics with Unilateral Contacts, 1996; W. J. Stronge, Impact Mechanics, 2000.
 Impact impact(const Eigen::MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw law);
+
+/// Derivatives of Impact::impulse and Impact::rub.
+struct ImpulseChange {
+  std::vector<double> impulse, rub;
+};
+
+/// The derivatives of the impulses along a change of D and of what the sides have, while the same of them act, slip
+/// and stick: exact, in dual numbers.
+ImpulseChange impulse_change(const Eigen::MatrixXd& D, const Eigen::MatrixXd& dD, const std::vector<ImpactSide>& sides,
+                             const std::vector<ImpactSide>& changes, ImpactLaw law);
 
 }  // namespace poise

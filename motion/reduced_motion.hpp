@@ -262,7 +262,7 @@ class ReducedMotion {
   void jump(const T* steps, const T* impulse = nullptr);
   /// After jump() and linearize(): the derivative of the jump where the pose moves along dq, the steps change by
   /// `steps`, and, unless null, a number of the scene by `influence`; n values.
-  void jump_change(const T* dq, const T* steps, const Influence* influence, T* change);
+  void jump_change(const T* dq, const T* steps, const Influence* influence, T* change, const T* impulse = nullptr);
   /// After evaluate(), f values: the jump of w by a unit impulse along the slope (n values) of a measure.
   void respond(const T* slope, T* dw) const;
 

@@ -140,7 +140,8 @@ void ReducedMotion<T>::jump(const T* steps, const T* impulse) {
 }
 
 template <class T>
-void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence* influence, T* change) {
+void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence* influence, T* change,
+                                   const T* impulse) {
   for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound}) {
     std::fill(part->begin(), part->end(), T(0));
   }
@@ -151,6 +152,7 @@ void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence*
   for (std::size_t k = 0; k < touching_.size(); ++k) {
     direct_.acceleration[static_cast<std::size_t>(mechanism_.equalities()) + prescribed_ + k] -= steps[k];
   }
+  for (int i = 0; i < n_ && impulse != nullptr; ++i) direct_.force[i] -= impulse[i];
   std::vector<T> rates(static_cast<std::size_t>(n_)), alpha(static_cast<std::size_t>(freedoms()));
   linearize_pose(dq, &direct_, rates.data(), change, alpha.data());
 }

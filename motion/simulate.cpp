@@ -605,14 +605,14 @@ class Simulation {
         return false;
       }
       for (std::size_t i = 0; i < n; ++i) v[i] = before[i] + hit.jump[i];
-      if (t > 0.0) differentiate(hit, before);
+      if (t > 0.0) differentiate(hit, t, q, before);
       if (!choose_mode(t, q, v, {})) return false;
       bool again = false;
       for (std::size_t i = 0; i < hit.sides.size(); ++i) {
         const std::size_t k = hit.sides[i];
         const double rate = hit.impact.rate[i], falls = contacts_.acceleration(k, reduced_);
         const double loss = 1 - contacts_.rebound(k);
-        if (!(hit.before[i] < 0.0 && rate > 0.0 && falls < 0.0) || plastic[k] != 0) continue;
+        if (!(hit.before[i].rate < 0.0 && rate > 0.0 && falls < 0.0) || plastic[k] != 0) continue;
         if (!(rate * rate < -2 * falls * least_bounce)) continue;
         plastic[k] = 1;
         // With restitution 1 it is what it hits besides that has taken the energy.
@@ -633,7 +633,7 @@ class Simulation {
       const Scales& scales = model_.scales();
       const bool turns = model_.scene().stops[static_cast<std::size_t>(side.at.stop)].on.is_angle();
       const double unit = turns ? 1.0 : scales.length;
-      const double impulse = hit.impact.impulse[i], before = hit.before[i];
+      const double impulse = hit.impact.impulse[i], before = hit.before[i].rate;
       const double after = std::abs(hit.impact.rate[i]) > 1e-12 * std::abs(before) ? hit.impact.rate[i] : 0.0;
       // It would have turned round just behind the limit, or not have come so far.
       const bool grazes =
@@ -645,6 +645,7 @@ class Simulation {
                              .rate_after = after * unit,
                              .impulse = impulse * (turns ? scales.energy() : scales.force),
                              .energy_lost = -impulse * (before + after) / 2 * scales.energy(),
+                             .t_p = hit_time_by(),
                              .unique = hit.impact.unique && !grazes});
       if (rests[hit.sides[i]] >= 0.0) {
         out_.events.push_back({.t = rests[hit.sides[i]], .kind = ContactEvent::Kind::rest, .at = side.at});
@@ -678,27 +679,32 @@ class Simulation {
     }
   }
 
-  /// Finds the derivatives of the jump that the equations have just made from the rates v, and of its time.
-  void differentiate(const Contacts::Hit& hit, const std::vector<double>& v) {
-    if (changes_.empty()) return;
-    if (contacts_.rub()) {
-      throw InputError(
-          fmt::format("{}: stop.friction: derivatives across impacts with friction are not known; expected "
-                      "stops without the key friction where motions are fitted",
-                      model_.scene().file));
+  /// Of the event, SI.
+  std::vector<double> hit_time_by() const {
+    std::vector<double> out;
+    for (std::size_t c = 0; c < changes_.size(); ++c) {
+      out.push_back(changes_[c].later / columns_.unit_of(static_cast<int>(c)));
     }
+    return out;
+  }
+
+  /// Finds the derivatives of the jump that the equations have just made from the rates v, and of its time.
+  void differentiate(const Contacts::Hit& hit, double t, const std::vector<double>& q, const std::vector<double>& v) {
+    if (changes_.empty()) return;
     const std::size_t n = v.size();
-    reduced_.set_variations(options_.variations);
-    reduced_.linearize();
-    std::vector<double> dq(n), dv(n);
+    std::vector<std::vector<double>> dq, dv;
+    std::vector<Contacts::JumpChange> jumps;
     for (Change& one : changes_) {
       one.later = contacts_.hit_time_by(reduced_, hit.first, v.data(), one.dq.data(), one.variation);
+      std::vector<double>& places = dq.emplace_back(one.dq);
+      std::vector<double>& rates = dv.emplace_back(one.dv);
       for (std::size_t i = 0; i < n; ++i) {
-        dq[i] = one.dq[i] + v[i] * one.later;
-        dv[i] = one.dv[i] + nodes_.acceleration(i) * one.later;
+        places[i] += v[i] * one.later;
+        rates[i] += nodes_.acceleration(i) * one.later;
       }
-      contacts_.jump_by(reduced_, hit, v, dq.data(), dv.data(), one.influence, one.jump.data());
+      jumps.push_back({places.data(), rates.data(), one.influence, one.jump.data()});
     }
+    contacts_.change_jump(reduced_, hit, t, q, v, jumps);
   }
 
   /// Sets the sensitivities behind an event.

@@ -87,6 +87,7 @@ struct ContactEvent {
   double rate_before = 0.0, rate_after = 0.0;  ///< of the gap: negative where it closes
   double impulse = 0.0;                        ///< N s or N m s
   double energy_lost = 0.0;                    ///< J
+  std::vector<double> t_p{};                   ///< of an impact: dt/dp, a value for each sensitivity of the trajectory
   /// False where the motion that follows is one of several: several limits are hit at once and what happens depends on
   /// the order, or it grazes.
   bool unique = true;

@@ -150,22 +150,26 @@ struct Acting {
     Reduced hits(model.scaled_scene(), model.mechanism(), model.inertia());
     hits.set_inputs(model.scaled_scene(), reduced.inputs());
     const Contacts::Hit hit = contacts.hit(hits, t, q, v);
-    if (hit.outcome != Contacts::Hit::Outcome::done || contacts.rub()) return {};
-    hits.set_variations(variations);
-    hits.linearize();
+    if (hit.outcome != Contacts::Hit::Outcome::done) return {};
     reduced.linearize();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(2 * rows(), static_cast<Eigen::Index>(influences.size()));
-    std::vector<double> change(n), alpha(static_cast<std::size_t>(reduced.freedoms()));
+    std::vector<double> alpha(static_cast<std::size_t>(reduced.freedoms()));
+    std::vector<std::vector<double>> places, rates, changes(influences.size(), still);
+    std::vector<Contacts::JumpChange> jumps;
     for (std::size_t p = 0; p < influences.size(); ++p) {
       reduced.influence(influences[p], alpha.data());
-      const double* const q_p = influences[p].moves() ? reduced.q_p() : still.data();
-      const double* const v_p = influences[p].moves() ? reduced.v_p() : still.data();
-      contacts.jump_by(hits, hit, v, q_p, v_p, &influences[p], change.data());
-      for (int k = 0; k < reduced.freedoms(); ++k) {
-        out(k, static_cast<Eigen::Index>(p)) = change[static_cast<std::size_t>(reduced.independent()[k])];
-      }
+      const bool moves = influences[p].moves();
+      places.push_back(moves ? std::vector<double>(reduced.q_p(), reduced.q_p() + n) : still);
+      rates.push_back(moves ? std::vector<double>(reduced.v_p(), reduced.v_p() + n) : still);
+      jumps.push_back({places[p].data(), rates[p].data(), &influences[p], changes[p].data()});
       out(rows(), static_cast<Eigen::Index>(p)) =
-          contacts.hit_time_by(hits, hit.first, v.data(), q_p, influences[p].variation);
+          contacts.hit_time_by(hits, hit.first, v.data(), places[p].data(), influences[p].variation);
+    }
+    contacts.change_jump(hits, hit, t, q, v, jumps);
+    for (std::size_t p = 0; p < influences.size(); ++p) {
+      for (int k = 0; k < reduced.freedoms(); ++k) {
+        out(k, static_cast<Eigen::Index>(p)) = changes[p][static_cast<std::size_t>(reduced.independent()[k])];
+      }
     }
     return out;
   }
