@@ -65,7 +65,7 @@ std::size_t leave_out(const TimeRange& compared, Series& series) {
 
 std::vector<double> simulated_times(const Experiment& experiment, const Run& run, std::size_t k) {
   std::vector<double> out;
-  if (!run.reads(k)) return out;
+  if (!run.reads(k) || experiment.sensors[k].reads_impacts()) return out;
   const auto count = static_cast<std::size_t>(std::llround(run.duration * run.sample_rate));
   const TimeRange compared = compared_times(experiment, run, k, run.duration);
   for (std::size_t i = 0; i < count; ++i) {

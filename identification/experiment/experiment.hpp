@@ -28,9 +28,11 @@ struct SensorNumber {
 
 /// A sensor reads a measure of the pose, or the force of an element of the scene; values SI. At time t its column has
 ///   (g(t - delay) - zero) / unit,  g the quantity.
+/// One of impacts reads the times T_1 < T_2 < ... of those at some limits of stops:  (T_i - zero) / unit.
 struct Sensor {
-  Measure on;        ///< body_a is the ground for an absolute angle
-  int element = -1;  ///< index into Scene::elements whose static force it reads, tension positive; else -1
+  Measure on;                ///< body_a is the ground for an absolute angle
+  int element = -1;          ///< index into Scene::elements whose static force it reads, tension positive; else -1
+  std::vector<int> stops{};  ///< indices into Scene::stops whose impacts it reads the times of; else none
   std::string name;
   std::string column;  ///< of a data file
   bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
@@ -46,14 +48,18 @@ struct Sensor {
   int line = 0;
 
   bool reads_force() const { return element >= 0; }
+  bool reads_impacts() const { return !stops.empty(); }
+  /// Whether it reads its measure itself, or the rate of that.
+  bool reads_measure() const { return !reads_force() && !reads_impacts(); }
   /// Whether it reads an angle itself, not its rate or an effort.
-  bool reads_angle() const { return on.is_angle() && !rate && !reads_force(); }
+  bool reads_angle() const { return on.is_angle() && !rate && reads_measure(); }
   /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
   bool reads_coordinate() const {
-    return (on.is_angle() || on.kind == Measure::Kind::travel) && !rate && !reads_force();
+    return (on.is_angle() || on.kind == Measure::Kind::travel) && !rate && reads_measure();
   }
   /// Of a reading.
   Dimension dimension() const {
+    if (reads_impacts()) return dimension::time;
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
     return rate ? read * dimension::time.power(-1) : read;
   }

@@ -132,8 +132,8 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "rate", "column", "gaps",
-                      "wraps", "noise", "zero", "factor", "delay"});
+    table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "impacts", "rate", "column",
+                      "gaps", "wraps", "noise", "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -145,6 +145,12 @@ class ExperimentReader {
     }
     if (sensor.rate && sensor.reads_force()) {
       table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
+    }
+    if (sensor.reads_impacts()) {
+      for (const char* const key : {"rate", "gaps", "delay"}) {
+        if (table.has(key)) table.place_of(key).fail("expected no such key of a sensor of impacts; leave it out");
+      }
+      if (!table.has("noise")) table.place().fail("expected the deviation of its times, s; add noise = NUMBER");
     }
     const auto noise = table.find_number("noise", unit, Range::positive);
     sensor.noise_known = noise.has_value();
@@ -169,7 +175,7 @@ class ExperimentReader {
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
   double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
-    constexpr std::array measures = {"read", "angle", "travel", "distance", "x", "y", "force"};
+    constexpr std::array measures = {"read", "angle", "travel", "distance", "x", "y", "force", "impacts"};
     std::vector<std::string> given;
     std::copy_if(measures.begin(), measures.end(), std::back_inserter(given),
                  [&](const char* key) { return table.has(key); });
@@ -189,6 +195,11 @@ class ExperimentReader {
       sensor.element = find_spring(table.text("force"));
       sensor.on = experiment_.scene.elements[sensor.element].on;
       return units.force;
+    }
+    if (table.has("impacts")) {
+      sensor.stops = find_stops(table.text("impacts"));
+      sensor.on = experiment_.scene.stops[static_cast<std::size_t>(sensor.stops.front())].on;
+      return 1.0;
     }
     if (table.has("travel")) {
       sensor.on = Measure::travel_of(names.travelling_joint(table.text("travel")));
@@ -264,6 +275,22 @@ class ExperimentReader {
                                 did_you_mean_or_list(name.value, valid)));
   }
 
+  /// Those of a stop, or of a contact, which has one for each pair that can meet.
+  std::vector<int> find_stops(const TomlText& name) const {
+    const std::vector<Stop>& stops = experiment_.scene.stops;
+    std::vector<int> out;
+    std::vector<std::string> valid;
+    for (std::size_t s = 0; s < stops.size(); ++s) {
+      if (stops[s].name == name.value) out.push_back(static_cast<int>(s));
+      valid.push_back(stops[s].name);
+    }
+    if (out.empty()) {
+      name.place.fail(fmt::format("expected the name of a stop, contact, rope or cam that may be hit, found \"{}\"{}",
+                                  name.value, did_you_mean_or_list(name.value, valid)));
+    }
+    return out;
+  }
+
   void read_unknowns() {
     const std::vector<TomlTable> tables = root_.tables("unknown");
     std::vector<std::string> paths;
@@ -304,7 +331,11 @@ class ExperimentReader {
     if (at == valid.end()) {
       path.place.fail("expected the name of a sensor, found \"" + name + "\"" + did_you_mean_or_list(name, valid));
     }
-    return SensorNumber{static_cast<std::size_t>(at - valid.begin()), static_cast<SensorNumber::Of>(of - keys.begin())};
+    const auto sensor = static_cast<std::size_t>(at - valid.begin());
+    if (experiment_.sensors[sensor].reads_impacts() && *of != "zero") {
+      path.place.fail("expected sensor." + name + ".zero, the only number of a sensor of impacts that can be unknown");
+    }
+    return SensorNumber{sensor, static_cast<SensorNumber::Of>(of - keys.begin())};
   }
 
   /// The SI value of the unit in which the file gives a number of a sensor, and the number itself, SI.
@@ -527,6 +558,7 @@ class ExperimentReader {
   void check_is_read(std::size_t k) const {
     for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
       const Run& run = experiment_.runs[r];
+      if (run.is_simulated() && run.reads(k) && experiment_.sensors[k].reads_impacts()) return;
       if (run.is_simulated() ? !simulated_times(experiment_, run, k).empty()
                              : !experiment_.records[r].sensors[k].value.empty()) {
         return;

@@ -66,8 +66,8 @@ std::vector<CsvPart> parts_of(const CsvTable& table, const std::string& split) {
   return parts;
 }
 
-void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last,
-                 std::size_t every) {
+void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last, std::size_t every,
+                 std::size_t least) {
   const std::vector<double>& t = table.column(time);
   for (std::size_t row = first + 1; row < last; ++row) {
     if (t[row] > t[row - 1]) continue;
@@ -75,12 +75,11 @@ void check_times(const CsvTable& table, const std::string& time, std::size_t fir
         "expected a time after that of the row before; sort the rows, or split the file by the column that names its "
         "segments");
   }
-  constexpr std::size_t least = 3;
   const std::size_t rows = first < last ? (last - first - 1) / every + 1 : 0;
   if (rows >= least) return;
   TomlPlace{table.file, first < last ? table.line[first] : 1, time}.fail(
-      "expected at least 3 rows, found " + std::to_string(rows) +
-      (every > 1 ? " after thinning; take more of them" : "; give a longer record"));
+      "expected at least " + std::to_string(least) + (least == 1 ? " row" : " rows") + ", found " +
+      std::to_string(rows) + (every > 1 ? " after thinning; take more of them" : "; give a longer record"));
 }
 
 }  // namespace poise

@@ -38,9 +38,9 @@ struct CsvPart {
 };
 std::vector<CsvPart> parts_of(const CsvTable& table, const std::string& split);
 
-/// Throws InputError with the line where `time` does not ascend within rows [first, last), or where fewer than 3 of the
-/// rows first, first + every, ... remain.
+/// Throws InputError with the line where `time` does not ascend within rows [first, last), or where fewer than
+/// `least` of the rows first, first + every, ... remain.
 void check_times(const CsvTable& table, const std::string& time, std::size_t first, std::size_t last,
-                 std::size_t every = 1);
+                 std::size_t every = 1, std::size_t least = 3);
 
 }  // namespace poise

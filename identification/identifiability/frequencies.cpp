@@ -243,6 +243,7 @@ std::optional<std::vector<double>> Frequencies::parameters_with(const std::vecto
 double Frequencies::unexplained(std::size_t r, const Record& record, const std::vector<double>& frequencies) const {
   double sum = 0.0;
   for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+    if (problem_.experiment().sensors[k].reads_impacts()) continue;
     const std::vector<double>& times = problem_.run(r).times()[k];
     const auto rows = static_cast<Eigen::Index>(std::min(times.size(), most_times));
     const auto columns = static_cast<Eigen::Index>(1 + 2 * frequencies.size());

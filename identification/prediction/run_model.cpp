@@ -167,7 +167,9 @@ void RunModel::take_times(std::size_t run) {
   delayed_ = std::any_of(sensor_numbers_.begin(), sensor_numbers_.end(),
                          [](const SensorNumber& number) { return number.of == SensorNumber::Of::delay; });
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
-    if (run_.is_simulated()) {
+    if (experiment_.sensors[k].reads_impacts() && run_.is_simulated()) {
+      times_.push_back(run_.reads(k) ? simulated_impacts(experiment_.sensors[k]) : std::vector<double>{});
+    } else if (run_.is_simulated()) {
       times_.push_back(simulated_times(experiment_, run_, k));
       const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
       if (run_.reads(k)) left_out_ += count - times_[k].size();
@@ -176,12 +178,20 @@ void RunModel::take_times(std::size_t run) {
     }
     if (times_[k].empty()) continue;
     const Sensor& sensor = experiment_.sensors[k];
+    reads_impacts_ = reads_impacts_ || sensor.reads_impacts();
     delayed_ = delayed_ || sensor.delay != 0;
     end_ = std::max(end_, times_[k].back() - sensor.least_delay);
     for (std::size_t i = 0; i < times_[k].size(); ++i) readings_.push_back({times_[k][i], k, i});
   }
   std::stable_sort(readings_.begin(), readings_.end(),
                    [](const Reading& a, const Reading& b) { return a.time < b.time; });
+}
+
+std::vector<double> RunModel::simulated_impacts(const Sensor& sensor) const {
+  const Motion motion = move(scene_values().data(), released().data(), run_.duration, MotionOptions().accuracy, false);
+  std::vector<double> out;
+  for (const ContactEvent* const impact : impacts_at(sensor, motion)) out.push_back(impact->t);
+  return out;
 }
 
 std::vector<std::size_t> RunModel::counts(double until) const {

@@ -38,6 +38,9 @@ struct Prediction {
 /// Numbers that change the geometry, or gravity, are differentiated in dual numbers (Variation). A known start is that
 /// of the run as it is written, sought again in the changed mechanism: what it leaves open stays as in the scene as it
 /// is written, and so do drives without a start. Values at which it cannot be assembled have no prediction.
+///
+/// The i-th reading of a sensor of impacts is the time of the i-th of the motion, which may go on beyond the run's end
+/// for it; a motion without it has no prediction.
 class RunModel {
  public:
   /// `numbers`: those of the scene that are unknown in this run, `sensor_numbers`: those of its sensors. Throws
@@ -201,6 +204,11 @@ class RunModel {
     double zero, factor, delay;
   };
   std::vector<Scaling> scalings(const double* unknowns) const;
+  /// The impacts that a sensor reads the times of, each time once.
+  static std::vector<const ContactEvent*> impacts_at(const Sensor& sensor, const Motion& motion);
+  std::vector<double> simulated_impacts(const Sensor& sensor) const;
+  /// Says which sensor has read more impacts, up to the time `until`, than a motion has; empty if none.
+  std::string lacks_impacts(double until, const Motion& motion) const;
   struct Reading {
     double time;
     std::size_t sensor, at;  // index into times_[sensor]
@@ -238,7 +246,8 @@ class RunModel {
   std::vector<std::vector<double>> times_;
   std::vector<Reading> readings_;  // of all sensors, in the order of time
   std::size_t left_out_ = 0;
-  double end_ = 0.0;      // to which the motion may have to be known, s
+  double end_ = 0.0;  // to which the motion may have to be known, s
+  bool reads_impacts_ = false;
   bool delayed_ = false;  // the delay of a sensor is unknown or not zero
   bool held_ = false;     // until time 0
   std::vector<double> released_;

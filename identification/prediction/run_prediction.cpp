@@ -18,6 +18,8 @@ namespace {
 
 /// Of times, relative to the length of a run.
 constexpr double time_rounding = 1e-12;
+/// A motion is made longer so often, each time by half, where impacts that were read come later in it.
+constexpr int most_times_longer = 3;
 
 /// A sensor in the variation of a number.
 struct VariedReader {
@@ -36,7 +38,7 @@ class RunModel::Readings {
     places_.resize(run.times_.size());
     varied_.resize(run.times_.size());
     for (std::size_t k = 0; k < run.times_.size(); ++k) {
-      if (!run.times_[k].empty()) add_sensor(k, jacobian);
+      if (!run.times_[k].empty() && !run.experiment_.sensors[k].reads_impacts()) add_sensor(k, jacobian);
     }
     const std::vector<Sensor>& sensors = run.experiment_.sensors;
     const bool rates =
@@ -80,13 +82,26 @@ class RunModel::Readings {
       move_to(other.places);
       numbers[other.number] += other.reader.read(q_.data(), v_.data());
     }
-    for (std::size_t i = 0; i < built_.released_by.size(); ++i) {
-      numbers[i / starts] += column_[i % starts] * built_.released_by[i];
-    }
+    follow_start();
+    return column_;
+  }
+
+  /// The same of the time of an impact.
+  const std::vector<double>& derivatives(const ContactEvent& impact) {
+    column_ = impact.t_p;
+    follow_start();
     return column_;
   }
 
  private:
+  /// Adds to the derivatives by the numbers what comes of a known start.
+  void follow_start() {
+    const auto starts = static_cast<std::size_t>(2 * run_.freedoms_);
+    for (std::size_t i = 0; i < built_.released_by.size(); ++i) {
+      column_[starts + i / starts] += column_[i % starts] * built_.released_by[i];
+    }
+  }
+
   void add_sensor(std::size_t k, bool jacobian) {
     const Sensor& sensor = run_.experiment_.sensors[k];
     readers_[k].emplace(*built_.model, sensor);
@@ -167,12 +182,18 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     return;
   }
   const std::vector<Reading> due = this->due(scaling, until);
-  const double duration = std::clamp(due.empty() ? 0.0 : due.back().time, 1e-9, std::max(end_, 1e-9));
-  const Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
-  if (!motion.completed()) {
-    out.why = motion.why;
-    return;
+  double duration = std::clamp(due.empty() ? 0.0 : due.back().time, 1e-9, std::max(end_, 1e-9));
+  Motion motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
+  out.why = lacks_impacts(until, motion);
+  for (int longer = 0; longer < most_times_longer && motion.completed() && !out.why.empty(); ++longer) {
+    duration *= 1.5;
+    motion = move(built, nuisances, duration, accuracy, jacobian, interrupt);
+    out.why = lacks_impacts(until, motion);
   }
+  if (!motion.completed()) out.why = motion.why;
+  if (!out.why.empty()) return;
+  std::vector<std::vector<const ContactEvent*>> impacts;
+  for (const Sensor& sensor : experiment_.sensors) impacts.push_back(impacts_at(sensor, motion));
   Readings readings(*this, built, motion, duration, jacobian);
   const auto width = static_cast<std::size_t>(columns());
   std::vector<std::size_t> first{0};  // row of each sensor's first reading
@@ -184,14 +205,37 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     const Scaling& own = scaling[k];
     const double gain = sensor.unit / own.factor;
     const std::size_t row = first[k] + s;
-    const double quantity = readings.read(time, k);
+    const double quantity = sensor.reads_impacts() ? impacts[k][s]->t : readings.read(time, k);
     out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
     if (!jacobian) continue;
-    const double change = readings.rate_of_change(k);
-    const std::vector<double>& by = readings.derivatives(k);
+    const double change = sensor.reads_impacts() ? 0.0 : readings.rate_of_change(k);
+    const std::vector<double>& by =
+        sensor.reads_impacts() ? readings.derivatives(*impacts[k][s]) : readings.derivatives(k);
     fill_row(built, k, own, gain, quantity, change, by, &out.jacobian[row * width]);
   }
   out.ok = true;
+}
+
+std::vector<const ContactEvent*> RunModel::impacts_at(const Sensor& sensor, const Motion& motion) {
+  std::vector<const ContactEvent*> out;
+  if (!sensor.reads_impacts()) return out;
+  for (const ContactEvent& event : motion.events) {
+    if (event.kind != ContactEvent::Kind::impact || (!out.empty() && out.back()->t == event.t)) continue;
+    if (std::find(sensor.stops.begin(), sensor.stops.end(), event.at.stop) != sensor.stops.end()) out.push_back(&event);
+  }
+  return out;
+}
+
+std::string RunModel::lacks_impacts(double until, const Motion& motion) const {
+  const std::vector<std::size_t> wanted = counts(until);
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const Sensor& sensor = experiment_.sensors[k];
+    if (!sensor.reads_impacts()) continue;
+    const std::size_t found = impacts_at(sensor, motion).size();
+    if (found < wanted[k])
+      return fmt::format("sensor \"{}\" read {} impacts, the motion has {}", sensor.name, wanted[k], found);
+  }
+  return "";
 }
 
 /// The derivatives of a reading of sensor k by the unknowns and nuisances, from those of its quantity.

@@ -133,7 +133,7 @@ void RunModel::add_first_readings(const MotionModel& model, const ReducedMotion<
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
       const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
-      if (sensor.rate != rate || sensor.reads_force() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
+      if (sensor.rate != rate || !sensor.reads_measure() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
           (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
         continue;
       }
@@ -295,8 +295,7 @@ std::vector<double> RunModel::start_from_readings(const double* unknowns, const 
   std::vector<std::size_t> sensors;
   for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
     const Sensor& sensor = experiment_.sensors[k];
-    const bool places = sensor.on.kind == Measure::Kind::angle || sensor.on.kind == Measure::Kind::travel;
-    if (places && !sensor.rate && !sensor.reads_force() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
+    if (sensor.reads_coordinate() && record.sensors[k].time.size() >= 3) sensors.push_back(k);
   }
   // Sensors whose first readings end first come first: over a long time a motion is no quadratic.
   const auto until = [&](std::size_t k) {

@@ -30,8 +30,9 @@ bool same_scene(const Scene& a, const Scene& b) {
 bool same_sensor(const Sensor& a, const Sensor& b) {
   return a.on.kind == b.on.kind && a.on.body_a == b.on.body_a && a.on.body_b == b.on.body_b &&
          a.on.joint == b.on.joint && a.on.a == b.on.a && a.on.b == b.on.b && a.element == b.element &&
-         a.rate == b.rate && a.noise_known == b.noise_known && (a.noise == b.noise || !a.noise_known) &&
-         a.delay == b.delay && a.least_delay == b.least_delay && a.most_delay == b.most_delay;
+         a.stops == b.stops && a.rate == b.rate && a.noise_known == b.noise_known &&
+         (a.noise == b.noise || !a.noise_known) && a.delay == b.delay && a.least_delay == b.least_delay &&
+         a.most_delay == b.most_delay;
 }
 
 /// Whether a number of sensor k is unknown or known with a deviation.

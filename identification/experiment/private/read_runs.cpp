@@ -140,8 +140,12 @@ class RunsReader {
   void want_columns(const Run& run, RunSource& source) const {
     for (const std::size_t k : sensors_of(run)) {
       const Sensor& sensor = experiment_.sensors[k];
-      source.columns.push_back(
-          {sensor.column, {experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.gaps});
+      const bool lists_times = sensor.reads_impacts();
+      source.columns.push_back({.name = sensor.column,
+                                .wanted_by = {experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""},
+                                .gaps = sensor.gaps || lists_times,
+                                .begins = !lists_times,
+                                .lists_times = lists_times});
     }
   }
 
@@ -419,6 +423,7 @@ class RunsReader {
     std::size_t left = 0;
     std::size_t all = 0;
     for (const std::size_t k : sensors_of(run)) {
+      if (experiment_.sensors[k].reads_impacts()) continue;
       left += simulated_times(experiment_, run, k).size();
       all += static_cast<std::size_t>(std::llround(run.duration * run.sample_rate));
     }

@@ -158,7 +158,10 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
     for (std::size_t f = 0; f < source.files.size(); ++f) {
       const CsvTable& table = this->table(source.files[f]);
       const auto part = find_segment(parts_of_file[f], first.value);
-      check_times(table, source.files[f].time, part->first, part->last, source.every);
+      constexpr std::size_t least_samples = 3;
+      const bool has_samples = std::any_of(source.columns.begin(), source.columns.end(),
+                                           [&](const DataColumn& c) { return c.file == f && !c.lists_times; });
+      check_times(table, source.files[f].time, part->first, part->last, source.every, has_samples ? least_samples : 1);
       rows.push_back(*part);
     }
     for (const DataColumn& column : source.columns) {
@@ -171,6 +174,8 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
       while (row < rows[*column.file].last && is_gap()) row += source.every;
       if (row < rows[*column.file].last) begin = std::min(begin, file.time_factor * table.column(file.time)[row]);
     }
+    // Times alone count from that of their clock.
+    if (begin == std::numeric_limits<double>::infinity()) begin = 0.0;
     for (const DataColumn& column : source.columns) {
       const CsvTable& table = this->table(source.files[*column.file]);
       const CsvPart& part = rows[*column.file];
@@ -181,7 +186,7 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
       for (std::size_t row = part.first; row < part.last; row += source.every) {
         if (std::isnan(values[row])) continue;
         series.time.push_back(source.files[*column.file].time_factor * time[row] - begin);
-        series.value.push_back(values[row]);
+        series.value.push_back(column.lists_times ? series.time.back() : values[row]);
       }
     }
   }

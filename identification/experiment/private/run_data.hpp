@@ -28,6 +28,7 @@ struct DataColumn {
   TomlPlace wanted_by;                ///< the sensor or input
   bool gaps = false;                  ///< empty cells and NaN mean: not read at that time
   bool begins = true;                 ///< the run does not begin after the first row of its file
+  bool lists_times = false;           ///< its rows are no samples, what is read of them is their time
   std::optional<std::size_t> file{};  ///< index into RunSource::files; absent: found by DataFiles::want()
 };
 

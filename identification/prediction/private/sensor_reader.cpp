@@ -26,6 +26,7 @@ SensorReader::SensorReader(const ScaledModel& model, const Sensor& sensor)
     : phasors_(layout_in_si(model), true),
       on_(model.scene(), layout_in_si(model), phasors_, measure_of(model.scene(), sensor)),
       rate_(sensor.rate),
+      impacts_(sensor.reads_impacts()),
       q_(static_cast<std::size_t>(phasors_.coordinates()), 0.0),
       v_(q_),
       bent_(q_),
@@ -40,6 +41,7 @@ double SensorReader::read(const double* q, const double* v, double* by_q, double
     v_[static_cast<std::size_t>(support[i])] = v[i];
     by_q[i] = by_v[i] = 0.0;
   }
+  if (impacts_) return 0.0;
   phasors_.place_some(q_.data(), support, !on_.is_linear(), pose_.data());
   const Configuration<double> here{phasors_, pose_.data(), pose_.data() + phasors_.pose_size()};
   measure_ = on_.value(here);
@@ -67,6 +69,10 @@ SensorVariation::SensorVariation(const Variation& variation, const Sensor& senso
       q_(static_cast<std::size_t>(phasors_.coordinates())),
       v_(q_),
       pose_(static_cast<std::size_t>(phasors_.pose_size() + on_.scratch_size())) {
+  if (sensor.reads_impacts()) {
+    acts_ = false;
+    return;
+  }
   if (!sensor.reads_force()) {
     // The derivative of an angle or a travel is one number.
     const std::vector<double> none(on_.support().size(), 0.0);
@@ -78,6 +84,7 @@ SensorVariation::SensorVariation(const Variation& variation, const Sensor& senso
 }
 
 double SensorVariation::read(const double* q, const double* v) {
+  if (!acts_) return 0.0;
   const std::vector<int>& support = on_.support();
   for (std::size_t i = 0; i < support.size(); ++i) {
     q_[static_cast<std::size_t>(support[i])] = Dual(q[i]);

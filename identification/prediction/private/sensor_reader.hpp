@@ -18,7 +18,8 @@ class SensorReader {
 
   /// Coordinates that the sensor depends on.
   const std::vector<int>& coordinates() const { return on_.support(); }
-  /// Its reading where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates().
+  /// Its reading where coordinates()[i] = q[i] with the rates v[i]. Fills d/dq and d/dv over coordinates(). 0 of a
+  /// sensor of impacts.
   double read(const double* q, const double* v, double* by_q, double* by_v);
   /// The measure as last read: of a force sensor that of its element.
   double measure() const { return measure_; }
@@ -27,6 +28,7 @@ class SensorReader {
   Phasors<double> phasors_;
   CompiledMeasure<double> on_;
   bool rate_;
+  bool impacts_;            // their times, which no state tells
   std::optional<Law> law_;  // of the element whose force it reads
   double measure_ = 0.0;
   std::vector<double> q_, v_, bent_;  // of all coordinates
