@@ -240,7 +240,8 @@ Contacts::Miss Contacts::miss(const Reduced& motion) {
 std::optional<Touch> Contacts::grazed(const Reduced& motion, double h, double within) {
   const Configuration<double> here = place(motion.q());
   for (const Side& side : sides_) {
-    if (side.touched || side.idle) continue;
+    // What has just been hit, or has lifted off, leaves it with a rate of rounding.
+    if (side.touched || side.idle || side.gap < no_gap) continue;
     const Gap end = gap_of(side, here, motion);
     if (!(side.rate < 0 && end.rate > 0)) continue;
     const Quintic p{h, side.gap, side.rate, side.acceleration, end.value, end.rate, end.acceleration};

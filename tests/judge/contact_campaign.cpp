@@ -814,20 +814,28 @@ SteppedMotion step_motion(const ContactMechanism& mechanism, const StepLengths& 
   return out;
 }
 
-JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, const std::string& folder, double finer) {
-  constexpr int samples = 64;
-  const std::unique_ptr<ContactMechanism> mechanism = contact_mechanism(seed);
-  JudgedContacts out;
-  out.kind = mechanism->kind;
-  const std::string stem = fmt::format("{}/contacts_{}", folder, seed);
-  std::ofstream(stem + ".toml") << mechanism->scene;
+namespace {
+
+/// What the program writes of a motion.
+struct WrittenMotion {
+  int exit_code = -1;
+  std::string why;  ///< it is not confirmed
+  json said;        ///< none where it was refused
+  std::vector<double> times;
+  std::vector<std::vector<double>> read;  ///< of the coordinates, per time
+};
+
+WrittenMotion run_program(const ContactMechanism& mechanism, const std::string& program, const std::string& stem,
+                          double duration, int samples) {
+  WrittenMotion out;
+  std::ofstream(stem + ".toml") << mechanism.scene;
   std::string command = fmt::format(
       "timeout 60 '{0}' motion '{1}.toml' --from start --duration {2:.17g} --rate {3:.17g} "
       "--accuracy {4:g} --csv '{1}.csv' --json '{1}.json'",
-      program, stem, mechanism->duration, samples / mechanism->duration, mechanism->accuracy);
-  for (std::size_t k = 0; k < mechanism->names.size(); ++k) {
-    if (mechanism->start_rates[k] == 0) continue;
-    command += fmt::format(" --release-rate {}={:.17g}", mechanism->names[k], mechanism->start_rates[k]);
+      program, stem, duration, samples / duration, mechanism.accuracy);
+  for (std::size_t k = 0; k < mechanism.names.size(); ++k) {
+    if (mechanism.start_rates[k] == 0) continue;
+    command += fmt::format(" --release-rate {}={:.17g}", mechanism.names[k], mechanism.start_rates[k]);
   }
   const int status = std::system((command + fmt::format(" > '{0}.out' 2> '{0}.err'", stem)).c_str());
   out.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -835,40 +843,107 @@ JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, co
     out.why = text_of(stem + ".err");
     return out;
   }
-  const json said = json::parse(text_of(stem + ".json"));
-  out.confirmed = said.at("confirmed").get<bool>();
-  if (!out.confirmed) {
-    out.why = fmt::format("{}; {}; error {}, of energy {}", said.at("status").dump(), said.at("why").dump(),
-                          said.at("error").dump(), said.at("energy_error").dump());
-    return out;
+  out.said = json::parse(text_of(stem + ".json"));
+  if (!out.said.at("confirmed").get<bool>()) {
+    out.why = fmt::format("{}; {}; error {}, of energy {}", out.said.at("status").dump(), out.said.at("why").dump(),
+                          out.said.at("error").dump(), out.said.at("energy_error").dump());
   }
-  out.error = said.at("error").get<double>();
-  if (said.contains("events")) {
-    for (const json& event : said.at("events")) {
-      if (event.value("unique", true)) continue;
-      out.until = std::min(out.until.value_or(mechanism->duration), event.at("t").get<double>());
-    }
-  }
-
   std::istringstream csv(text_of(stem + ".csv"));
   std::string line;
   std::getline(csv, line);
   const std::vector<std::string> header = split_row(line);
   std::vector<std::size_t> columns;
-  for (const std::string& name : mechanism->names) {
+  for (const std::string& name : mechanism.names) {
     const auto found = std::find(header.begin(), header.end(), name);
     if (found == header.end()) throw std::runtime_error("no column " + name + " in " + stem + ".csv");
     columns.push_back(static_cast<std::size_t>(found - header.begin()));
   }
-  std::vector<double> times;
-  std::vector<std::vector<double>> read;
   while (std::getline(csv, line)) {
     const std::vector<std::string> row = split_row(line);
-    times.push_back(std::stod(row.at(0)));
-    std::vector<double>& values = read.emplace_back();
+    out.times.push_back(std::stod(row.at(0)));
+    std::vector<double>& values = out.read.emplace_back();
     for (const std::size_t column : columns) values.push_back(std::stod(row.at(column)));
   }
+  return out;
+}
 
+/// How far each coordinate moves.
+std::vector<double> travels(const std::vector<std::vector<double>>& read) {
+  std::vector<double> least = read.front(), most = least;
+  for (const std::vector<double>& row : read) {
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      least[k] = std::min(least[k], row[k]);
+      most[k] = std::max(most[k], row[k]);
+    }
+  }
+  for (std::size_t k = 0; k < most.size(); ++k) most[k] -= least[k];
+  return most;
+}
+
+}  // namespace
+
+WatchedEvents watch_events(std::uint64_t seed, const std::string& program, const std::string& folder, double longer) {
+  constexpr int samples = 20'000;
+  const std::unique_ptr<ContactMechanism> mechanism = contact_mechanism(seed);
+  const WrittenMotion motion = run_program(*mechanism, program, fmt::format("{}/events_{}", folder, seed),
+                                           longer * mechanism->duration, samples);
+  WatchedEvents out;
+  out.kind = mechanism->kind;
+  out.exit_code = motion.exit_code;
+  out.why = motion.why;
+  out.confirmed = motion.exit_code == 0;
+  if (!out.confirmed) return out;
+  if (motion.said.contains("events")) {
+    for (const json& event : motion.said.at("events")) {
+      ++out.events;
+      if (event.at("what") != "impact") continue;
+      ++out.impacts;
+      const double before = event.at("rate_before"), after = event.at("rate_after"), impulse = event.at("impulse");
+      const double size = impulse * (std::abs(before) + std::abs(after)) / 2;
+      out.gained = std::max(out.gained, -event.at("energy_lost").get<double>() / size);
+    }
+  }
+  const double error = motion.said.at("error");
+  const std::vector<double> travel = travels(motion.read);
+  for (std::size_t s = 0; s < motion.times.size(); ++s) {
+    const Small q = as_small(motion.read[s]);
+    for (std::size_t c = 0; c < mechanism->contacts.size(); ++c) {
+      const double gap = mechanism->gap(c, motion.times[s], q);
+      if (gap >= 0.0) continue;
+      const Small row = mechanism->row(c, motion.times[s], q);
+      double allowed = 1e-12;
+      for (std::size_t k = 0; k < travel.size(); ++k) {
+        allowed += error * travel[k] * std::abs(row[static_cast<Eigen::Index>(k)]);
+      }
+      if (!(-gap / allowed > out.passed)) continue;
+      out.passed = -gap / allowed;
+      out.depth = -gap;
+      out.where = fmt::format("{} at {:.6g} s", mechanism->contacts[c].name, motion.times[s]);
+    }
+  }
+  return out;
+}
+
+JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, const std::string& folder, double finer) {
+  constexpr int samples = 64;
+  const std::unique_ptr<ContactMechanism> mechanism = contact_mechanism(seed);
+  const WrittenMotion motion =
+      run_program(*mechanism, program, fmt::format("{}/contacts_{}", folder, seed), mechanism->duration, samples);
+  JudgedContacts out;
+  out.kind = mechanism->kind;
+  out.exit_code = motion.exit_code;
+  out.why = motion.why;
+  out.confirmed = !motion.said.is_null() && motion.why.empty();
+  if (!out.confirmed) return out;
+  out.error = motion.said.at("error").get<double>();
+  if (motion.said.contains("events")) {
+    for (const json& event : motion.said.at("events")) {
+      if (event.value("unique", true)) continue;
+      out.until = std::min(out.until.value_or(mechanism->duration), event.at("t").get<double>());
+    }
+  }
+  const std::vector<double>& times = motion.times;
+  const std::vector<std::vector<double>>& read = motion.read;
   std::vector<SteppedMotion> judged;
   const double duration = mechanism->duration;
   for (const double shorter : {1.0, 2.0, 4.0}) {
@@ -883,13 +958,9 @@ JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, co
   }
   out.judged = true;
   out.impacts = static_cast<int>(judged.back().impacts.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
+  const std::vector<double> travel = travels(read);
+  for (std::size_t k = 0; k < travel.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    double least = read.front()[k], most = least;
-    for (const std::vector<double>& row : read) {
-      least = std::min(least, row[k]);
-      most = std::max(most, row[k]);
-    }
     for (std::size_t s = 0; s < times.size(); ++s) {
       if (out.until && times[s] >= *out.until) break;
       const double finest = judged[2].q[s][i];
@@ -897,7 +968,7 @@ JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, co
       // Steps in which something changes leave errors that differ in sign from length to length.
       const double unknown =
           std::max({4 * std::abs(finest - judged[1].q[s][i]), std::abs(finest - judged[0].q[s][i]), 1e-10});
-      const double beyond = apart / (unknown + out.error * (most - least));
+      const double beyond = apart / (unknown + out.error * travel[k]);
       if (!(beyond > out.beyond)) continue;
       out.beyond = beyond;
       out.apart = apart;

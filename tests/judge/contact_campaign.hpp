@@ -94,4 +94,18 @@ struct JudgedContacts {
 JudgedContacts judge_contacts(std::uint64_t seed, const std::string& program, const std::string& folder,
                               double finer = 1.0);
 
+/// What the program says of a motion that is `longer` times as long, at every event of it.
+struct WatchedEvents {
+  std::string kind;
+  int exit_code = -1;
+  bool confirmed = false;
+  std::string why;  ///< what it says where it is not
+  int events = 0, impacts = 0;
+  double gained = -1.0;  ///< largest energy gained in an impact, over impulse times mean size of the rates
+  double passed = 0.0;   ///< largest gap below zero, over what the error that is printed allows
+  double depth = 0.0;    ///< of it, rad or m
+  std::string where;
+};
+WatchedEvents watch_events(std::uint64_t seed, const std::string& program, const std::string& folder, double longer);
+
 }  // namespace poise::judge

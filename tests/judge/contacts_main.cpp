@@ -2,6 +2,7 @@
 // of no events. It runs the program and reads only what that writes.
 //
 //   poise_contacts PROGRAM FOLDER FIRST COUNT      judges the random mechanisms of the seeds FIRST ...; files in FOLDER
+//   poise_contacts --events PROGRAM FOLDER FIRST COUNT   watches every event of motions that are 25 times as long
 //   poise_contacts --scene SEED                    prints the scene of a seed and how it starts
 //
 // Prints what is not confirmed, what is refused, and what is apart by more than both errors, which is judged again by
@@ -18,8 +19,45 @@
 
 #include "tests/judge/contact_campaign.hpp"
 
+namespace {
+using namespace poise::judge;
+
+constexpr double longer = 25.0;
+
+/// Energy may not grow in an event, nor a gap be below zero by more than the error that is printed.
+int watch(const std::vector<std::string>& given) {
+  const std::uint64_t first = std::stoull(given[3]), seeds = std::stoull(given[4]);
+  long events = 0, impacts = 0;
+  int wrong = 0;
+  std::map<int, int> exits;
+  WatchedEvents worst;
+  for (std::uint64_t seed = first; seed < first + seeds; ++seed) {
+    const WatchedEvents run = watch_events(seed, given[1], given[2], longer);
+    ++exits[run.exit_code];
+    events += run.events;
+    impacts += run.impacts;
+    if (!run.confirmed) {
+      std::cout << fmt::format("{} {}: exit {}: {}\n", run.kind, seed, run.exit_code, run.why) << std::flush;
+      continue;
+    }
+    if (run.passed > worst.passed) worst = run;
+    if (run.passed <= 1.0 && run.gained <= 1e-9) continue;
+    ++wrong;
+    std::cout << fmt::format("{} {}: PASSED {} by {:.3g}, {:.3g} times its error; gained {:.3g}\n", run.kind, seed,
+                             run.where, run.depth, run.passed, run.gained)
+              << std::flush;
+  }
+  for (const auto& [code, times] : exits) std::cout << fmt::format("exit {}: {}\n", code, times);
+  std::cout << fmt::format(
+      "{} events, {} of them impacts; {} motions passed a stop or gained energy; the deepest is "
+      "{:.3g}, {:.3g} times the error\n",
+      events, impacts, wrong, worst.depth, worst.passed);
+  return wrong > 0 ? 1 : 0;
+}
+
+}  // namespace
+
 int main(int count, char** words) {
-  using namespace poise::judge;
   try {
     const std::vector<std::string> given(words + 1, words + count);
     if (given.size() == 2 && given[0] == "--scene") {
@@ -32,8 +70,9 @@ int main(int count, char** words) {
       }
       return 0;
     }
+    if (given.size() == 5 && given[0] == "--events") return watch(given);
     if (given.size() < 4) {
-      std::cerr << "poise_contacts: expected PROGRAM FOLDER FIRST COUNT, or --scene SEED\n";
+      std::cerr << "poise_contacts: expected [--events] PROGRAM FOLDER FIRST COUNT, or --scene SEED\n";
       return 2;
     }
     const std::uint64_t first = std::stoull(given[2]), seeds = std::stoull(given[3]);

@@ -120,5 +120,23 @@ TEST(RandomContacts, AgreeWithSmallStepsThatKnowNoEvents) {
   EXPECT_LE(100 * marked, 5 * cases);
 }
 
+// Energy never grows through a contact, and nothing passes a stop by more than the error that is printed.
+TEST(RandomContacts, NeverPassAStopNorGainEnergy) {
+  const app_tests::TempFolder folder;
+  const int cases = test::cases(12, 700);
+  int events = 0, confirmed = 0;
+  for (int k = 1; k <= cases; ++k) {
+    const std::uint64_t seed = test::seed(static_cast<std::uint64_t>(k));
+    const WatchedEvents run = watch_events(seed, POISE_EXECUTABLE, folder.path("").string(), 10.0);
+    if (!run.confirmed) continue;
+    ++confirmed;
+    events += run.events;
+    EXPECT_LE(run.passed, 1.0) << run.kind << " " << seed << ": " << run.where << " by " << run.depth;
+    EXPECT_LE(run.gained, 1e-9) << run.kind << " " << seed;
+  }
+  EXPECT_GT(events, 10 * cases);
+  EXPECT_GE(10 * confirmed, 9 * cases);
+}
+
 }  // namespace
 }  // namespace poise::judge::random_contacts_test
