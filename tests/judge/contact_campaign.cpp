@@ -618,6 +618,94 @@ struct LiftingCam : ContactMechanism {
   }
 };
 
+/// A disc that is thrown into a room of four walls, on which it slides and rolls. Its centre of mass may be beside its
+/// middle, where nothing rubs. q are the place of its middle and its angle.
+struct DiscInRoom : ContactMechanism {
+  struct Wall {
+    Eigen::Vector2d along, inward;
+    double distance = 0.0;  // inward times a point of it
+  };
+  std::vector<Wall> walls;
+  double body = 1.0, radius = 0.1, offset = 0.0, inertia = 0.01, gravity = earth_gravity;
+  Load push{}, turning{};
+
+  SmallSquare mass(const Small& q) const override {
+    SmallSquare out = SmallSquare::Zero(3, 3);
+    out(0, 0) = out(1, 1) = body;
+    out(0, 2) = out(2, 0) = -body * offset * std::sin(q[2]);
+    out(1, 2) = out(2, 1) = body * offset * std::cos(q[2]);
+    out(2, 2) = inertia + body * offset * offset;
+    return out;
+  }
+  Small force(double t, double h, const Small& q, const Small& v) const override {
+    Small out(3);
+    const double away = body * offset * v[2] * v[2];
+    out << push.mean(t, h) + away * std::cos(q[2]), -gravity * body + away * std::sin(q[2]),
+        turning.mean(t, h) - gravity * body * offset * std::cos(q[2]);
+    return out;
+  }
+  double gap(std::size_t contact, double, const Small& q) const override {
+    const Wall& wall = walls[contact];
+    return wall.inward.dot(q.head<2>()) - wall.distance - radius;
+  }
+  Small row(std::size_t contact, double, const Small&) const override {
+    Small out = Small::Zero(3);
+    out.head<2>() = walls[contact].inward;
+    return out;
+  }
+  Small tangent(std::size_t contact, const Small&) const override {
+    Small out(3);
+    out << walls[contact].along, radius;
+    return out;
+  }
+
+  explicit DiscInRoom(RandomStream& random) {
+    kind = "disc";
+    duration = random.uniform(0.6, 1.5);
+    body = random.uniform(0.3, 2.0);
+    radius = random.uniform(0.05, 0.2);
+    const double friction = chance(random, 0.6) ? random.uniform(0.05, 0.8) : 0.0;
+    if (friction == 0.0) offset = random.uniform(0.0, 0.8) * radius;
+    inertia = body * radius * radius * random.uniform(0.3, 0.8);
+    gravity = chance(random, 0.8) ? earth_gravity : 0.0;
+    if (chance(random, 0.4)) push = noted_load(*this, random, 5.0);
+    if (chance(random, 0.4)) turning = noted_load(*this, random, 0.3);
+    const std::array<double, 4> x{random.uniform(-0.8, -0.5), random.uniform(0.5, 0.8), random.uniform(0.5, 0.8),
+                                  random.uniform(-0.8, -0.5)};
+    const std::array<double, 4> y{random.uniform(-0.6, -0.4), random.uniform(-0.6, -0.4), random.uniform(0.4, 0.6),
+                                  random.uniform(0.4, 0.6)};
+    OneSidedContact contact{"room", some_restitution(random), friction};
+    std::string corners;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d from(x[k], y[k]), to(x[(k + 1) % 4], y[(k + 1) % 4]);
+      Wall wall;
+      wall.along = (to - from).normalized();
+      wall.inward = Eigen::Vector2d(-wall.along.y(), wall.along.x());
+      wall.distance = wall.inward.dot(from);
+      walls.push_back(wall);
+      contacts.push_back(contact);
+      corners += fmt::format("{}P{} = [{:.17g}, {:.17g}]", k > 0 ? ", " : "", k, x[k], y[k]);
+    }
+    scene = fmt::format(
+        "gravity = [0, {}]\n[ground]\npoints = {{ {} }}\n[body.disc]\npoints = {{ C = [0, 0] }}\nmass = {:.17g}\n"
+        "center = [{:.17g}, 0]\ninertia = {:.17g}\n[[contact]]\npoint = \"disc.C\"\nradius = {:.17g}\n"
+        "outline = [\"ground.P0\", \"ground.P1\", \"ground.P2\", \"ground.P3\"]\nclosed = true\n",
+        -gravity, corners, body, offset, inertia, radius);
+    scene += impact_text(contact);
+    if (push.size != 0) {
+      scene += fmt::format("[[force]]\nat = \"disc.C\"\nvector = [{:.17g}, 0]\n", push.size) + push.course.text();
+    }
+    if (turning.size != 0) {
+      scene += fmt::format("[[torque]]\non = \"disc\"\nvalue = {:.17g}\n", turning.size) + turning.course.text();
+    }
+    start = {random.uniform(-0.2, 0.2), random.uniform(-0.15, 0.15), random.uniform(-3.0, 3.0)};
+    start_rates = {random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), random.uniform(-6.0, 6.0)};
+    scene += fmt::format("[start]\nposition = {{ disc = [{:.17g}, {:.17g}] }}\ndisc = {:.17g}\n", start[0], start[1],
+                         start[2]);
+    names = {"disc.x", "disc.y", "disc"};
+  }
+};
+
 Small as_small(const std::vector<double>& x) {
   return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
@@ -777,8 +865,10 @@ std::unique_ptr<ContactMechanism> contact_mechanism(std::uint64_t seed) {
     out = std::make_unique<StrikingCrank>(random);
   else if (which < 0.85)
     out = std::make_unique<FlyingPoint>(random);
-  else
+  else if (which < 0.93)
     out = std::make_unique<LiftingCam>(random);
+  else
+    out = std::make_unique<DiscInRoom>(random);
   out->accuracy = std::pow(10.0, -pick(random, 7, 11));
   return out;
 }

@@ -52,8 +52,8 @@ struct ContactMechanism {
 
 /// One to four freedoms: blocks on a rail that strike walls and each other, links that strike walls and floors or their
 /// stops, slider cranks that strike a stop, points that fly and slide between floor and walls or hang on ropes,
-/// followers that lift off cams; with springs, dampers and dry friction, under loads and drives that are sines, ramps,
-/// steps and tables.
+/// followers that lift off cams, discs that are thrown into a room; with springs, dampers and dry friction, under loads
+/// and drives that are sines, ramps, steps and tables.
 std::unique_ptr<ContactMechanism> contact_mechanism(std::uint64_t seed);
 
 /// Steps that know of no events: half of the way with the old rates, new rates by
