@@ -64,7 +64,7 @@ class Sketcher {
     if (tool_.name == "point") return scene().name_of(point_at(0, Pick::moving, {}));
     if (tool_.name == "mass") return mass();
     if (tool_.name == "plate") return plate();
-    if (tool_.name == "pin" || tool_.name == "weld") return joint_at_place();
+    if (tool_.name == "pin" || tool_.name == "weld" || tool_.name == "loose_pin") return joint_at_place();
     return item();
   }
 
@@ -325,6 +325,16 @@ class Sketcher {
     return one.owner == Owner::stop && is_same_measure(scene().stops[i].on, scene().stops[k].on);
   }
 
+  /// The name of the new item, the last of the tool's table. Throws InputError where it is there already.
+  std::string added_item() const {
+    for (auto one = text_.items().rbegin(); one != text_.items().rend(); ++one) {
+      if (one->owner == Owner::body || one->owner == Owner::point || !is_of_table(*one)) continue;
+      expect_unlike_others(*one);
+      return one->name;
+    }
+    return "";
+  }
+
   /// Throws InputError where the new item is there already.
   void expect_unlike_others(const SceneItem& added) const {
     for (const SceneItem& other : text_.items()) {
@@ -344,7 +354,7 @@ class Sketcher {
     }
   }
 
-  /// A pin or weld of two bodies where both are, or of one and the ground.
+  /// A pin, with clearance or without, or weld of two bodies where both are, or of one and the ground.
   std::string joint_at_place() {
     std::vector<PointRef> there = points_of(0);
     const int first = body_at(drawn_.pressed[0], {}, within(0));
@@ -370,8 +380,9 @@ class Sketcher {
         }
         TomlKeys more;
         if (tool_.name == "weld") more = {{"angle", angle(turned(there[i].body, there[j].body))}};
+        if (tool_.name == "loose_pin") more = {{"clearance", given("clearance", play())}};
         add_joint(std::string(tool_.name), there[i], scene().name_of(there[j]), more);
-        return std::string(tool_.name) + " " + scene().joints.back().name;
+        return added_item();
       }
     }
     throw InputError(there.empty() ? "expected a place where two bodies meet, or one body"
@@ -389,7 +400,7 @@ class Sketcher {
   }
 
   /// What was given under a key, as TOML.
-  std::string given(const char* key, const char* otherwise) const {
+  std::string given(const char* key, const std::string& otherwise) const {
     const auto found = drawn_.values.find(key);
     return found != drawn_.values.end() ? found->second : otherwise;
   }
@@ -436,6 +447,12 @@ class Sketcher {
     return out;
   }
 
+  /// The largest power of ten that is not longer than the mechanism.
+  double decade() const { return std::pow(10.0, std::floor(std::log10(size_ / unit()))) * unit(); }
+
+  /// A clearance that can be seen.
+  std::string play() const { return length(0.02 * decade()); }
+
   /// The travel whose joint is nearest.
   std::string slide_at(Vec2 place) const {
     double nearest = std::numeric_limits<double>::infinity();
@@ -459,6 +476,7 @@ class Sketcher {
     Vec2 direction{1.0, 0.0};
     int direction_of = 0;
     std::string slide;
+    const bool is_contact = tool_.name == "contact";
     std::set<int> not_there;
     if (tool_.name == "distributed_load") not_there = all_bodies_but(common_body());
     for (std::size_t k = 0; k < drawn_.places.size(); ++k) {
@@ -467,10 +485,12 @@ class Sketcher {
       switch (kind) {
         case Pick::point:
         case Pick::moving: {
-          // Ends of one spring are on two bodies, those of a distributed load on one, and a rope may come back.
-          const bool apart = !tool_.more && tool_.name != "distributed_load";
+          // Ends of one spring are on two bodies, those of a distributed load on one, and a rope may come back. An
+          // outline is on one body, another than that of the point that touches it.
+          const bool apart = is_contact ? k == 1 : !tool_.more && tool_.name != "distributed_load";
           points.push_back(point_at(k, kind, apart ? used : not_there));
           used.insert(points.back().body);
+          if (is_contact && k == 1) not_there = all_bodies_but(points.back().body);
           break;
         }
         case Pick::body:
@@ -496,9 +516,8 @@ class Sketcher {
       }
     }
     expect_apart(points);
-    // A slide runs along a line of the body behind it.
-    if (tool_.name == "slide" || tool_.name == "pin_in_slot" || tool_.name == "rolling" ||
-        tool_.name == "rolling_profile") {
+    // A slide runs along a line of the body behind it; so do a pin in a slot and what rolls on a line.
+    if (tool_.picks.back() == Pick::direction) {
       const PointRef on = points.front();
       const Vec2 at = world(on);
       const std::vector<PointRef> there = points_at(at, drawn_.within);
@@ -528,15 +547,10 @@ class Sketcher {
         value = given->second;
     }
     text_.add_item(std::string(tool_.table), keys);
-    for (auto one = text_.items().rbegin(); one != text_.items().rend(); ++one) {
-      if (one->owner == Owner::body || one->owner == Owner::point || !is_of_table(*one)) continue;
-      expect_unlike_others(*one);
-      return one->name;
-    }
-    return "";
+    return added_item();
   }
 
-  /// The last item of the table: items of one list stand in its order.
+  /// Whether it is of the tool's table.
   bool is_of_table(const SceneItem& item) const {
     const auto at = static_cast<std::size_t>(item.index);
     switch (item.owner) {
@@ -572,11 +586,13 @@ class Sketcher {
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       with("body" + std::to_string(k + 1), [&] { return toml_string(body_name(bodies[k])); });
     }
-    with("points", [&] {
+    const auto listed = [&](std::size_t first) {
       std::string out;
-      for (const PointRef& one : points) out += (out.empty() ? "" : ", ") + quoted(one);
+      for (std::size_t k = first; k < points.size(); ++k) out += (out.empty() ? "" : ", ") + quoted(points[k]);
       return "[" + out + "]";
-    });
+    };
+    with("points", [&] { return listed(0); });
+    with("outline", [&] { return listed(1); });
     with("bodies", [&] {
       std::string out;
       for (const int one : bodies) out += (out.empty() ? "" : ", ") + toml_string(body_name(one));
@@ -610,8 +626,9 @@ class Sketcher {
     with("damping", [&] { return plain(0.5 * force / size); });
     with("turning_damping", [&] { return plain(0.05 * force * size * scene().units.angle); });
     with("cubic", [&] { return plain(50.0 * force / size / size / size); });
-    with("quarter", [&] { return length(0.25 * std::pow(10.0, std::floor(std::log10(size))) * unit()); });
-    with("half", [&] { return length(0.5 * std::pow(10.0, std::floor(std::log10(size))) * unit()); });
+    with("quarter", [&] { return length(0.25 * decade()); });
+    with("half", [&] { return length(0.5 * decade()); });
+    with("play", [&] { return play(); });
     return value;
   }
 
@@ -791,24 +808,25 @@ std::span<const DrawingTool> drawing_tools() {
        "Limits",
        "contact",
        {moving, point, point},
-       false,
-       "point = {point1}\nsegment = [{point2}, {point3}]",
-       "Click a point, then an edge of another body from end to end: it is touched on the left of that way."},
+       true,
+       "point = {point1}\nradius = {play}\noutline = {outline}",
+       "Click a point, then along an outline of another body, on the left of which it is. Enter or a double click ends "
+       "it."},
       {"loose_pin",
        "Pin with clearance",
        "Limits",
        "loose_pin",
-       {point, point},
+       {place},
        false,
-       "points = {points}\nclearance = {distance}",
-       "Click two points: they stay as near as they are now."},
+       "",
+       "Click where two links meet, or one on the ground."},
       {"loose_slot",
        "Slot with clearance",
        "Limits",
        "loose_slot",
        {moving, direction},
        false,
-       "points = {points}\naxis = {axis}\nclearance = {near}",
+       "points = {points}\naxis = {axis}\nclearance = {play}",
        "Click the pin, then along the slot."},
       {"gear", "Gear pair", "Gears", "gear", {body, body}, false, "bodies = {bodies}\nratio = 1", "Click two wheels."},
       {"rack",

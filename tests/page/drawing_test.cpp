@@ -212,7 +212,7 @@ TEST(Drawing, EveryToolWritesWhatIsRead) {
         case Pick::place:
           at.push_back(tool.name == "ground_point" ? std::vector<double>{-50, 50}
                        : tool.name == "link" ? std::vector<double>{-50.0 + 60.0 * static_cast<double>(at.size()), 120}
-                       : tool.name == "pin" || tool.name == "weld" || tool.name == "plate"
+                       : tool.name == "pin" || tool.name == "weld" || tool.name == "plate" || tool.name == "loose_pin"
                            ? std::vector<double>{95, 64.95}
                            : std::vector<double>{25, 43.3});
           break;
@@ -253,6 +253,43 @@ TEST(Drawing, EveryToolWritesWhatIsRead) {
     EXPECT_EQ(hand.text(), before);
     EXPECT_EQ(error_of(hand.ask({{"do", "redo"}})), "");
     EXPECT_EQ(hand.text(), after);
+  }
+}
+
+// An outline is on one body, its point on another; a pin or a slot with clearance on one link is held by the ground.
+TEST(Drawing, ContactsAndClearancesAreOnTheBodiesThatAreMeant) {
+  const TempFolder folder;
+  const auto drawn = [&](const std::string& tool, const std::vector<std::vector<double>>& at) {
+    Hand hand(folder.write(tool + ".toml", app_tests::slider_crank));
+    EXPECT_EQ(error_of(hand.draw(tool, at)), "") << tool;
+    return parse_sketch(hand.text(), "drawn.toml");
+  };
+  const std::vector<double> on_rod{95, 64.95}, rod_too{185, 22};
+  {
+    // At the last place of the outline the crank has a point, too.
+    const Scene scene = drawn("contact", {{270.28, 0}, rod_too, on_rod, {50, 86.6}});
+    EXPECT_TRUE(scene.stops.back().table.starts_with("contact")) << scene.stops.back().table;
+    EXPECT_EQ(scene.bodies[static_cast<std::size_t>(scene.stops.back().on.b.body)].name, "block");
+    for (const PointRef& point : scene.stops.back().on.outline.points)
+      EXPECT_EQ(scene.bodies[static_cast<std::size_t>(point.body)].name, "rod");
+    EXPECT_GT(scene.stops.back().min, 0.0);
+  }
+  {
+    const Scene scene = drawn("loose_pin", {on_rod});
+    const Stop& stop = scene.stops.back();
+    EXPECT_EQ(stop.table, "loose_pin");
+    EXPECT_EQ(stop.on.a.body, 0);
+    EXPECT_EQ(scene.bodies[static_cast<std::size_t>(stop.on.b.body)].name, "rod");
+    EXPECT_GT(stop.max, 0.0);
+  }
+  {
+    const Scene scene = drawn("loose_slot", {on_rod, {195, 64.95}});
+    const Stop& stop = scene.stops.back();
+    EXPECT_EQ(stop.table, "loose_slot");
+    EXPECT_EQ(stop.on.a.body, 0);
+    EXPECT_EQ(scene.bodies[static_cast<std::size_t>(stop.on.b.body)].name, "rod");
+    EXPECT_GT(stop.max, 0.0);
+    EXPECT_EQ(stop.min, -stop.max);
   }
 }
 

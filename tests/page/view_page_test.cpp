@@ -586,6 +586,9 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"drive", {on_crank, nowhere}},
                                                 {"stop", {on_crank, nowhere}},
                                                 {"rope", point_to_point},
+                                                {"contact", {block, {260, 60}, {300, 60}}},
+                                                {"loose_pin", {on_rod}},
+                                                {"loose_slot", along},
                                                 {"gear", two_links},
                                                 {"rack", {on_crank, slide}},
                                                 {"cam", {on_crank, slide}},
@@ -611,7 +614,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
     ASSERT_NE(row, clicks.end()) << "has no row in the table of this test";
     choose(tool);
     for (const auto& [x, y] : row->second) click(x, y);
-    if (tool == "link" || tool == "rope") key("Enter");
+    if (tool == "link" || tool == "rope" || tool == "contact") key("Enter");
     drawn();
     EXPECT_FALSE(browser().run("return document.querySelector('.draw-hint').classList.contains('refused')").get<bool>())
         << browser().run("return document.querySelector('.draw-hint').textContent");
