@@ -36,7 +36,7 @@ constexpr double comfortable_pivot = 1e-3;
 constexpr double nearly_singular = 1e-2;
 /// Part of the duration within which a dead centre is looked for where no step succeeds.
 constexpr double looked_ahead = 0.01;
-/// Bounces that rise less, in sizes of the mechanism or rad, are over.
+/// Bounces that rise less, in sizes of the mechanism or rad, are over; so are those with rates within the accuracy.
 constexpr double least_bounce = 1e-13;
 /// A gap that comes so near to zero, in accuracies of the motion, or would only just pass it, may close or not.
 constexpr double grazing = 10.0;
@@ -593,6 +593,7 @@ class Simulation {
     const std::vector<double> before = v;
     std::vector<char> plastic(contacts_.sides().size(), 0);
     std::vector<double> rests(contacts_.sides().size(), -1.0);  // times at which bounces end
+    const double least = std::max(least_bounce, options_.accuracy * options_.accuracy);
     // Each side may turn out to have bounced for the last time.
     for (;;) {
       const Contacts::Hit hit = contacts_.hit(reduced_, t, q, before, plastic);
@@ -613,7 +614,7 @@ class Simulation {
         const double rate = hit.impact.rate[i], falls = contacts_.acceleration(k, reduced_);
         const double loss = 1 - contacts_.rebound(k);
         if (!(hit.before[i].rate < 0.0 && rate > 0.0 && falls < 0.0) || plastic[k] != 0) continue;
-        if (!(rate * rate < -2 * falls * least_bounce)) continue;
+        if (!(rate * rate < -2 * falls * least)) continue;
         plastic[k] = 1;
         // With restitution 1 it is what it hits besides that has taken the energy.
         rests[k] = loss > 0.0 ? t + 2 * rate / (-falls * loss) : t;

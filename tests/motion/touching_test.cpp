@@ -85,6 +85,19 @@ TEST(Touching, ABallBouncesAndComesToRestAtTheLimitOfItsTimes) {
   EXPECT_EQ(motion.trajectory.v.back(), 0.0);
 }
 
+// Bounces that are within the accuracy are left out; the time at which all of them end is that of their series.
+TEST(Touching, ACoarseMotionLeavesOutSmallBounces) {
+  constexpr double e = 0.8;
+  const MotionModel model(parse_scene(ball(e), "scene.toml"));
+  const Motion motion = test::moved(model, test::released(model, {}), 5.0, 1e-3);
+  const std::size_t bounces = of_kind(motion, Kind::impact).size();
+  // e^2k falls below the square of the accuracy.
+  EXPECT_EQ(bounces, static_cast<std::size_t>(std::ceil(std::log(1e-3) / std::log(e))));
+  const std::vector<ContactEvent> rests = of_kind(motion, Kind::rest);
+  ASSERT_EQ(rests.size(), 1U);
+  EXPECT_NEAR(rests[0].t, std::sqrt(2 / g) * (1 + e) / (1 - e), 1e-12);
+}
+
 TEST(Touching, ABounceCostsAFewSteps) {
   const Motion motion = moved(ball(0.95), 6.0);
   const std::size_t bounces = of_kind(motion, Kind::impact).size();
