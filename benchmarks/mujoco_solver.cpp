@@ -4,13 +4,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
+
+#include "benchmarks/mujoco_model.hpp"
 
 namespace poise::benchmarks {
 namespace {
@@ -22,7 +23,6 @@ constexpr double massless = 1e-14;        // MuJoCo wants more than 1e-15
 constexpr double armature = 0.1;          // of every joint
 constexpr double damping = 0.1;           // of every joint
 constexpr double far_away = 1e6;          // an end without a stop
-constexpr double stiffest = 0.9999;       // MuJoCo's bound on the impedance of constraints
 constexpr double newton_stiffness = 1e7;  // over the armature's mass
 constexpr double newton_damping = 1e3;    // without effect at rest
 constexpr double difference = 1e-6;       // rad or sizes, central
@@ -33,13 +33,14 @@ constexpr double longest_settling = 5.0;    // s, of the clock
 constexpr int steps_between_looks = 1000;   // at the clock
 
 // What closures give per h^2 where a load of 1 acts on that armature.
-constexpr double give = (1.0 - stiffest) / armature;
+constexpr double give = (1.0 - stiffest_impedance) / armature;
 
 class MujocoSolver : public PlainSolver {
  public:
   explicit MujocoSolver(const Plain& mechanism) : mechanism_(mechanism), branches_(mechanism.bodies.size()) {
     grow_tree();
-    load(text());
+    model_ = mujoco_model(text());
+    data_ = mj_makeData(model_);
     for (std::size_t body = 1; body < branches_.size(); ++body) {
       branches_[body].index = mj_name2id(model_, mjOBJ_BODY, name(body).c_str());
       branches_[body].q = model_->jnt_qposadr[mj_name2id(model_, mjOBJ_JOINT, joint_name(body).c_str())];
@@ -219,26 +220,13 @@ class MujocoSolver : public PlainSolver {
     return out;
   }
 
-  void load(const std::string& mjcf) {
-    mju_user_warning = [](const char*) {};  // else they go to a file in the directory at hand
-    const auto files = std::make_unique<mjVFS>();
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "scene.xml", static_cast<int>(mjcf.size()));
-    std::memcpy(files->filedata[0], mjcf.data(), mjcf.size());
-    std::array<char, 500> error{};
-    model_ = mj_loadXML("scene.xml", files.get(), error.data(), static_cast<int>(error.size()));
-    mj_deleteVFS(files.get());
-    if (model_ == nullptr) throw std::invalid_argument(error.data());
-    data_ = mj_makeData(model_);
-  }
-
   // MuJoCo's "solref" of a constraint: stiffness and damping where negative, else time constant and damping ratio.
   struct Spring {
     double first = 0.0, second = 0.0;
   };
 
   void make_constraints(const Spring& closure, const Spring& stop) {
-    const std::array<double, mjNIMP> impedance = {stiffest, stiffest, 1e-3, 0.5, 2.0};
+    const std::array<double, mjNIMP> impedance = {stiffest_impedance, stiffest_impedance, 1e-3, 0.5, 2.0};
     const auto set = [&](const Spring& spring, mjtNum* reference, mjtNum* impedances, int count) {
       for (int k = 0; k < count; ++k) {
         reference[mjNREF * k] = spring.first;
