@@ -70,6 +70,7 @@ bench: benchmarks
 	$(BUILD)/benchmarks/poise_scaling
 	$(BUILD)/benchmarks/poise_baselines
 	$(BUILD)/benchmarks/poise_integrators
+	$(BUILD)/benchmarks/poise_contact_work
 	$(BUILD)/benchmarks/poise_identification_ratios $(wildcard ../shared/data/multi_arm_pendulum/double.csv)
 	$(BUILD)/benchmarks/poise_studies_benchmark
 	$(BUILD)/benchmarks/poise_path_ratios

@@ -74,6 +74,8 @@ if(POISE_BUILD_BENCHMARKS)
   find_package(SUNDIALS 6.4)                                                        # apt: libsundials-dev
   # Alternatives to Poise for comparison; large, so installed by `cmake/setup.sh baselines` only.
   find_package(Simbody 3.7 QUIET)                                                   # apt baselines: libsimbody-dev
+  find_library(BOX2D_LIBRARY box2d)                                                 # apt baselines: libbox2d-dev
+  find_path(BOX2D_INCLUDE box2d/box2d.h)
   function(poise_has_scipy result python)
     execute_process(COMMAND "${python}" -c "import scipy.optimize" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
     if(failed)
