@@ -190,7 +190,7 @@ void RunModel::take_times(std::size_t run) {
 std::vector<double> RunModel::simulated_impacts(const Sensor& sensor) const {
   const Motion motion = move(scene_values().data(), released().data(), run_.duration, MotionOptions().accuracy, false);
   std::vector<double> out;
-  for (const ContactEvent* const impact : impacts_at(sensor, motion)) out.push_back(impact->t);
+  for (const ContactEvent* const impact : impacts_at(scene_, sensor, motion).impacts) out.push_back(impact->t);
   return out;
 }
 

@@ -204,8 +204,17 @@ class RunModel {
     double zero, factor, delay;
   };
   std::vector<Scaling> scalings(const double* unknowns) const;
-  /// The impacts that a sensor reads the times of, each time once.
-  static std::vector<const ContactEvent*> impacts_at(const Sensor& sensor, const Motion& motion);
+  /// The impacts that a sensor reads the times of, each time once, up to where bounces have come to rest.
+  struct ImpactsRead {
+    std::vector<const ContactEvent*> impacts;
+    const ContactEvent* rest = nullptr;  // the end of infinitely many, of which small ones are left out
+    double ratio = 0.0;                  // of the times between the last ones
+
+    bool has(std::size_t count) const { return impacts.size() >= count || (rest != nullptr && !impacts.empty()); }
+    const ContactEvent& at(std::size_t i) const { return *impacts[std::min(i, impacts.size() - 1)]; }
+    double time(std::size_t i) const;
+  };
+  static ImpactsRead impacts_at(const Scene& scene, const Sensor& sensor, const Motion& motion);
   std::vector<double> simulated_impacts(const Sensor& sensor) const;
   /// Says which sensor has read more impacts, up to the time `until`, than a motion has; empty if none.
   std::string lacks_impacts(double until, const Motion& motion) const;

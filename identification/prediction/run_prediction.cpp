@@ -192,8 +192,8 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
   }
   if (!motion.completed()) out.why = motion.why;
   if (!out.why.empty()) return;
-  std::vector<std::vector<const ContactEvent*>> impacts;
-  for (const Sensor& sensor : experiment_.sensors) impacts.push_back(impacts_at(sensor, motion));
+  std::vector<ImpactsRead> impacts;
+  for (const Sensor& sensor : experiment_.sensors) impacts.push_back(impacts_at(built.model->scene(), sensor, motion));
   Readings readings(*this, built, motion, duration, jacobian);
   const auto width = static_cast<std::size_t>(columns());
   std::vector<std::size_t> first{0};  // row of each sensor's first reading
@@ -205,23 +205,36 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     const Scaling& own = scaling[k];
     const double gain = sensor.unit / own.factor;
     const std::size_t row = first[k] + s;
-    const double quantity = sensor.reads_impacts() ? impacts[k][s]->t : readings.read(time, k);
+    const double quantity = sensor.reads_impacts() ? impacts[k].time(s) : readings.read(time, k);
     out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
     if (!jacobian) continue;
     const double change = sensor.reads_impacts() ? 0.0 : readings.rate_of_change(k);
     const std::vector<double>& by =
-        sensor.reads_impacts() ? readings.derivatives(*impacts[k][s]) : readings.derivatives(k);
+        sensor.reads_impacts() ? readings.derivatives(impacts[k].at(s)) : readings.derivatives(k);
     fill_row(built, k, own, gain, quantity, change, by, &out.jacobian[row * width]);
   }
   out.ok = true;
 }
 
-std::vector<const ContactEvent*> RunModel::impacts_at(const Sensor& sensor, const Motion& motion) {
-  std::vector<const ContactEvent*> out;
+double RunModel::ImpactsRead::time(std::size_t i) const {
+  const double last = at(i).t;
+  if (i < impacts.size()) return last;
+  const double left_out = static_cast<double>(i + 1 - impacts.size());
+  return last + (rest->t - last) * (1 - std::pow(ratio, left_out));
+}
+
+RunModel::ImpactsRead RunModel::impacts_at(const Scene& scene, const Sensor& sensor, const Motion& motion) {
+  ImpactsRead out;
   if (!sensor.reads_impacts()) return out;
   for (const ContactEvent& event : motion.events) {
-    if (event.kind != ContactEvent::Kind::impact || (!out.empty() && out.back()->t == event.t)) continue;
-    if (std::find(sensor.stops.begin(), sensor.stops.end(), event.at.stop) != sensor.stops.end()) out.push_back(&event);
+    if (std::find(sensor.stops.begin(), sensor.stops.end(), event.at.stop) == sensor.stops.end()) continue;
+    if (event.kind == ContactEvent::Kind::rest) {
+      out.rest = &event;
+      out.ratio = scene.stops[static_cast<std::size_t>(event.at.stop)].rebound();
+      break;
+    }
+    if (event.kind != ContactEvent::Kind::impact) continue;
+    if (out.impacts.empty() || out.impacts.back()->t != event.t) out.impacts.push_back(&event);
   }
   return out;
 }
@@ -230,10 +243,11 @@ std::string RunModel::lacks_impacts(double until, const Motion& motion) const {
   const std::vector<std::size_t> wanted = counts(until);
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     const Sensor& sensor = experiment_.sensors[k];
-    if (!sensor.reads_impacts()) continue;
-    const std::size_t found = impacts_at(sensor, motion).size();
-    if (found < wanted[k])
-      return fmt::format("sensor \"{}\" read {} impacts, the motion has {}", sensor.name, wanted[k], found);
+    const ImpactsRead found = impacts_at(scene_, sensor, motion);
+    if (sensor.reads_impacts() && !found.has(wanted[k])) {
+      return fmt::format("sensor \"{}\" read {} impacts, the motion has {}", sensor.name, wanted[k],
+                         found.impacts.size());
+    }
   }
   return "";
 }

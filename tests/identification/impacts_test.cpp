@@ -206,6 +206,20 @@ TEST_F(TimesOfImpacts, TellWhatABounceGivesBack) {
   EXPECT_NEAR(fitted.parameters[1], -0.02, 1e-9);
 }
 
+// Of a ball that has come to rest there are more bounces than are followed, more so at other values and accuracies.
+TEST(Impacts, BouncesUpToRestAreFitted) {
+  Experiment e = with(ball, {impacts_at(parse_scene(ball, "scene.toml"), "floor")}, {"stop.floor.restitution"});
+  e.unknowns[0].start = 0.5;
+  poise::Run run = test::simulated(20, 100, {});
+  run.unknown_start = false;
+  e.runs = {run};
+  const FitProblem problem(e);
+  EXPECT_GE(problem.run(0).times()[0].size(), 35U);
+  const Fit fitted = fit(problem, problem.records());
+  ASSERT_TRUE(fitted.usable());
+  EXPECT_NEAR(fitted.parameters[0], 0.7, 5e-4);
+}
+
 TEST_F(TimesOfImpacts, RefuseWhatTheyCannotHave) {
   folder_.write("clicks.csv", "time,click\n0.4,1\n0.9,1\n1.3,1\n");
   EXPECT_EQ(error(experiment("noise = 1e-4\n")), "");
