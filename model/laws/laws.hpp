@@ -13,9 +13,11 @@
 #include "model/laws/curve_damper.hpp"
 #include "model/laws/curve_spring.hpp"
 #include "model/laws/damper.hpp"
+#include "model/laws/dc_motor.hpp"
 #include "model/laws/drag_damper.hpp"
 #include "model/laws/dry_friction.hpp"
 #include "model/laws/gas_strut.hpp"
+#include "model/laws/induction_motor.hpp"
 #include "model/laws/linear_spring.hpp"
 #include "model/laws/preloaded_spring.hpp"
 #include "model/plain_value.hpp"
@@ -27,7 +29,7 @@ namespace poise {
 template <class N>
 using LawOf = std::variant<LinearSpringOf<N>, CubicSpringOf<N>, ConstantForceOf<N>, DamperOf<N>, DryFrictionOf<N>,
                            PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>, DragDamperOf<N>,
-                           CurveDamperOf<N>, CompliantStopOf<N>>;
+                           CurveDamperOf<N>, CompliantStopOf<N>, DcMotorOf<N>, InductionMotorOf<N>>;
 using Law = LawOf<double>;
 
 /// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too, and lanes have their
@@ -44,7 +46,7 @@ concept StoresEnergy = requires(const L& law, double g) {
   law.at_rest(g);
 };
 
-/// A law that resists motion, without force at rate zero.
+/// A law whose force depends on the rate: it resists motion, without force at rate zero, or is a motor.
 template <class L>
 concept ResistsMotion = requires(const L& law, double g) {
   law.resisting(g, g);
@@ -70,6 +72,12 @@ inline bool damps_small_motion(const Law& law) {
           return false;
       },
       law);
+}
+
+/// True of a law that drives its measure.
+template <class N>
+bool is_motor(const LawOf<N>& law) {
+  return std::holds_alternative<DcMotorOf<N>>(law) || std::holds_alternative<InductionMotorOf<N>>(law);
 }
 
 /// True of friction that sticks at rate zero, see DryFriction.

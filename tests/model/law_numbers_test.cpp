@@ -68,6 +68,8 @@ std::vector<Case> cases() {
     out.push_back({"falling friction", DryFriction{2.0, 0.25, 3.0, 0.5, 1.5, falls}, {0.25}});
   }
   out.push_back({"friction", DryFriction{2.0, 0.25}, {0.25}});
+  out.push_back({"DC motor", DcMotor{3.0, 20.0}, {0.25}});
+  out.push_back({"induction motor", InductionMotor{40.0, 0.2, 150.0}, {0.25}});
   return out;
 }
 

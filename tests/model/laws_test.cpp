@@ -98,8 +98,12 @@ TEST(Laws, ActAtRestOrResistMotion) {
     EXPECT_EQ(idle(law), "") << "its numbers are not zero";
     for (const Sample& at : samples) {
       EXPECT_EQ(force_at_rest(law, at.g).by_rate, 0);
-      EXPECT_EQ(force_of_motion(law, at.g, Real(0)).value, 0);
-      EXPECT_GE(force_of_motion(law, at.g, at.w).value * at.w, 0) << "takes power";
+      if (is_motor(law)) {
+        EXPECT_LT(force_of_motion(law, at.g, Real(0)).value, 0) << "drives";
+      } else {
+        EXPECT_EQ(force_of_motion(law, at.g, Real(0)).value, 0);
+        EXPECT_GE(force_of_motion(law, at.g, at.w).value * at.w, 0) << "takes power";
+      }
       if (!stores_energy(law)) {
         EXPECT_EQ(energy(law, at.g), 0);
         EXPECT_EQ(force_at_rest(law, at.g).value, 0);
@@ -125,6 +129,20 @@ TEST(Laws, AreTheFormulasOfTheirDocumentation) {
   EXPECT_DOUBLE_EQ(force_of_motion(friction, 0.0, 5.0).by_rate, 2.0 / 0.25 * std::pow(std::cosh(20.0), -2));
   EXPECT_EQ(force_of_motion(friction, 0.0, 100.0).value, 2.0);
   EXPECT_EQ(force_of_motion(friction, 0.0, 0.0).by_rate, 2.0 / 0.25);
+}
+
+TEST(Laws, OfMotorsAreTheFormulasOfTheirDocumentation) {
+  const DcMotor dc{3.2, 120.0};
+  EXPECT_EQ(force_of_motion(dc, 0.0, 0.0).value, -3.2);
+  EXPECT_EQ(force_of_motion(dc, 0.0, 60.0).value, -1.6);
+  EXPECT_EQ(force_of_motion(dc, 0.0, 120.0).value, 0.0);
+  EXPECT_DOUBLE_EQ(force_of_motion(dc, 0.0, 240.0).value, 3.2);
+  // ../shared/benchmarks.md 4.4: the torque at rest, and at a slip of 0.03.
+  const InductionMotor induction{40.0, 0.2, 50.0};
+  EXPECT_NEAR(-force_of_motion(induction, 0.0, 0.0).value, 15.3846153846, 1e-10);
+  EXPECT_NEAR(-force_of_motion(induction, 0.0, 0.97 * 50.0).value, 11.7359413203, 1e-10);
+  EXPECT_NEAR(-force_of_motion(induction, 0.0, 0.8 * 50.0).value, 40.0, 1e-12);
+  EXPECT_EQ(force_of_motion(induction, 0.0, 50.0).value, 0.0);
 }
 
 TEST(Laws, OfResistanceAreTheFormulasOfTheirDocumentation) {

@@ -200,6 +200,8 @@ std::vector<Case> cases() {
     out.push_back({Damper{0.5, acts}, {0.25, 0.0, 1.0, -1.0}});
     out.push_back({DragDamper{0.5, 2.0, acts}, {0.25, 0.0, 1.0, -1.0}});
   }
+  out.push_back({DcMotor{3.0, 20.0}, {0.25, 0.0, 1.0, -1.0}});
+  out.push_back({InductionMotor{40.0, 0.2, 150.0}, {0.25, 0.0, 1.0, -1.0}});
   out.push_back({CurveDamper({-1.0, -0.1, 0.5}, {-0.5, -0.25, 2.0}, true), {0.25, 0.0, 1.0, -1.0}});
   for (const auto falls : {DryFriction::Falls::exponential, DryFriction::Falls::hyperbolic}) {
     out.push_back({DryFriction{2.0, 0.25, 3.0, 0.5, 1.5, falls}, {0.25, 0.0, 1.0, -1.0}});
