@@ -73,6 +73,10 @@ Command modes_command();
 /// range was followed. Ctrl-C keeps what was followed so far.
 Command response_command();
 
+/// `poise running SCENE`: how a machine with motors runs steadily, by shooting, with forces over a turn and the
+/// stability of its orbit. Exit code solved where a stable running was found and confirmed.
+Command running_command();
+
 /// `poise forces SCENE`: efforts of drives and forces of joints in a pose, over a driven range, or along a recorded
 /// motion. Exit code solved where every body is in balance everywhere.
 Command forces_command();

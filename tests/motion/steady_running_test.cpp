@@ -1,0 +1,140 @@
+// Machines with motors: laws of motors, run-up, and steady running by shooting.
+
+#include "motion/steady_running.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/input_error.hpp"
+#include "model/joint_friction.hpp"
+#include "model/read_scene.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/motions.hpp"
+
+namespace poise::steady_running_test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// A wheel on a motor and a load of constant torque.
+std::string wheel(const std::string& motor, double load = 0.0) {
+  return fmt::format(R"(
+[ground]
+points = {{ O = [0, 0] }}
+[body.rotor]
+points = {{ O = [0, 0] }}
+inertia = 0.05
+[[pin]]
+name = "O"
+points = ["ground.O", "rotor.O"]
+[[motor]]
+name = "M"
+bodies = ["ground", "rotor"]
+{}
+[[torque]]
+on = "rotor"
+value = {}
+)",
+                     motor, -load);
+}
+
+const char* const kloss = "breakdown_torque = 40\nbreakdown_slip = 0.2\nsynchronous_rate = 157.07963267948966";
+
+/// The time at which the rotor first has a rate.
+double time_to(const Motion& motion, double rate) {
+  TrajectoryReader reader(motion.trajectory, {0});
+  double low = 0.0, high = motion.trajectory.t.back();
+  for (int k = 0; k < 200; ++k) {
+    const double middle = (low + high) / 2;
+    reader.at(middle);
+    (reader.v(0) < rate ? low : high) = middle;
+  }
+  return low;
+}
+
+// t = J ws/(2 Mk) ((1 - s^2)/(2 sk) + sk ln(1/s)) from rest (../shared/benchmarks.md 4.4, after M. Kloss 1917).
+TEST(Motors, AnInductionMotorRunsUpAsKlossSays) {
+  constexpr double ws = 50 * pi, J = 0.05, Mk = 40, sk = 0.2;
+  const MotionModel model(parse_scene(wheel(kloss), "scene.toml"));
+  const Motion motion = test::moved(model, test::released(model, {}), 0.6);
+  for (const double s : {0.2, 0.05, 0.01}) {
+    const double t = J * ws / (2 * Mk) * ((1 - s * s) / (2 * sk) + sk * std::log(1 / s));
+    EXPECT_NEAR(time_to(motion, (1 - s) * ws), t, 1e-9) << s;
+  }
+  EXPECT_NEAR(J * ws / (2 * Mk) * ((1 - 0.04) / 0.4 + 0.2 * std::log(5.0)), 0.267220688532, 1e-12);
+}
+
+TEST(Motors, UnderAConstantLoadTheSlipIsThatOfTheFormula) {
+  const MotionModel model(parse_scene(wheel(kloss, 10.0), "scene.toml"));
+  const SteadyRunning found = steady_running(model, test::released(model, {}), {});
+  ASSERT_TRUE(found.found) << found.why;
+  constexpr double ws = 50 * pi, slip = 0.0254033307585;
+  EXPECT_NEAR(found.mean, (1 - slip) * ws, 1e-9 * ws);
+  EXPECT_NEAR(found.fluctuation(), 0.0, 1e-9);
+  EXPECT_TRUE(found.stable);
+  // A disturbance of the rate decays as exp(M'(w) t/J).
+  const double k = 0.2, squares = slip * slip + k * k;
+  const double slope = -40.0 * 2 * k * (k * k - slip * slip) / (squares * squares) / ws;
+  EXPECT_NEAR(found.multipliers[0].real(), std::exp(slope * found.period / 0.05), 1e-8);
+  // Its mate at a slip of 1.5746 is unstable: it turns backwards there.
+  RunningOptions back;
+  back.guess = (1 - 1.57459667) * ws;
+  const SteadyRunning mate = steady_running(model, test::released(model, {}), back);
+  EXPECT_TRUE(!mate.found || !mate.stable);
+}
+
+// A DC motor on a slider crank: ../shared/benchmarks.md 4.3.
+TEST(Motors, ADcMotorTurnsASliderCrank) {
+  const MotionModel model(read_scene(test::dataset("motor_slider_crank.toml")));
+  RunningOptions options;
+  options.coordinate = test::coordinate_of(model, "crank");
+  const MotionState rest = test::released(model, {});
+  const SteadyRunning found = steady_running(model, rest, options);
+  ASSERT_TRUE(found.found) << found.why;
+  EXPECT_TRUE(found.stable);
+  EXPECT_NEAR(found.period, 0.12290078165, 1e-11);
+  EXPECT_NEAR(found.slowest.speed, 41.9999515, 1e-7);
+  EXPECT_NEAR(found.fastest.speed, 63.9869923, 1e-7);
+  EXPECT_NEAR(found.motion.trajectory.v[static_cast<std::size_t>(options.coordinate)], 60.6162067299, 1e-9);
+  EXPECT_LT(found.residual, 1e-10);
+  EXPECT_EQ(found.multipliers.size(), 1U);
+  // The first turn from rest.
+  const Motion start = test::moved(model, rest, 0.169336327560);
+  EXPECT_NEAR(test::q_at(start, start.trajectory.nodes() - 1)[static_cast<std::size_t>(options.coordinate)], 2 * pi,
+              1e-8);
+}
+
+TEST(Motors, WithoutALoadTheSpeedIsThatWithoutLoad) {
+  const MotionModel model(parse_scene(wheel("stall_torque = 3\nno_load_rate = 20"), "scene.toml"));
+  const SteadyRunning found = steady_running(model, test::released(model, {}), {});
+  ASSERT_TRUE(found.found) << found.why;
+  EXPECT_NEAR(found.mean, 20.0, 1e-9);
+}
+
+TEST(Motors, WhatDoesNotRunSteadilySaysWhy) {
+  const auto why = [](const std::string& motor, double load) {
+    const MotionModel model(parse_scene(wheel(motor, load), "scene.toml"));
+    RunningOptions options;
+    options.most_turns = 30;
+    const SteadyRunning found = steady_running(model, test::released(model, {}), options);
+    EXPECT_FALSE(found.found);
+    return found.why;
+  };
+  // No effort: it stands.
+  EXPECT_NE(why("stall_torque = 0\nno_load_rate = 20", 0.0).find("it makes no whole turn"), std::string::npos);
+  // A load that drives it faster and faster, for which the motor has no effort.
+  EXPECT_NE(why("stall_torque = 0\nno_load_rate = 20", -1.0).find("its speed still changes"), std::string::npos);
+}
+
+TEST(Motors, DrivesAreRefused) {
+  const MotionModel model(parse_scene(
+      wheel(kloss) + "[[drive]]\nname = \"d\"\nbodies = [\"ground\", \"rotor\"]\nrate = 1\n", "scene.toml"));
+  EXPECT_THROW(steady_running(model, test::released(model, {}), {}), InputError);
+}
+
+}  // namespace
+}  // namespace poise::steady_running_test
