@@ -42,6 +42,8 @@ constexpr double least_bounce = 1e-13;
 constexpr double grazing = 10.0;
 /// More changes of what is touched or held at one time never end.
 constexpr int most_events_here = 100;
+/// Rates after impacts, over those before, up to which they are rounding.
+constexpr double no_rebound = 1e-12;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
 
@@ -613,7 +615,8 @@ class Simulation {
         const std::size_t k = hit.sides[i];
         const double rate = hit.impact.rate[i], falls = contacts_.acceleration(k, reduced_);
         const double loss = 1 - contacts_.rebound(k);
-        if (!(hit.before[i].rate < 0.0 && rate > 0.0 && falls < 0.0) || plastic[k] != 0) continue;
+        if (!(hit.before[i].rate < 0.0 && rate > -no_rebound * hit.before[i].rate && falls < 0.0) || plastic[k] != 0)
+          continue;
         if (!(rate * rate < -2 * falls * least)) continue;
         plastic[k] = 1;
         // With restitution 1 it is what it hits besides that has taken the energy.
@@ -635,7 +638,7 @@ class Simulation {
       const bool turns = model_.scene().stops[static_cast<std::size_t>(side.at.stop)].on.is_angle();
       const double unit = turns ? 1.0 : scales.length;
       const double impulse = hit.impact.impulse[i], before = hit.before[i].rate;
-      const double after = std::abs(hit.impact.rate[i]) > 1e-12 * std::abs(before) ? hit.impact.rate[i] : 0.0;
+      const double after = std::abs(hit.impact.rate[i]) > no_rebound * std::abs(before) ? hit.impact.rate[i] : 0.0;
       // It would have turned round just behind the limit, or not have come so far.
       const bool grazes =
           side.acceleration > 0.0 && before * before < 2 * side.acceleration * grazing * options_.accuracy;
