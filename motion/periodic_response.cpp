@@ -113,15 +113,22 @@ class Shooting {
     if (!out.motion.completed()) {
       out.end = out.motion.status == MotionStatus::interrupted ? End::interrupted : End::failed;
       out.why = out.motion.why;
-    } else if (!out.motion.events.empty()) {
+    } else if (const ContactEvent* const event = meeting(out.motion)) {
       out.end = End::stop;
-      const ContactEvent& event = out.motion.events.front();
       out.why = fmt::format("it meets {} at t = {:.4g} s",
-                            out.model->scene().stops[static_cast<std::size_t>(event.at.stop)].title(), event.t);
+                            out.model->scene().stops[static_cast<std::size_t>(event->at.stop)].title(), event->t);
     } else {
       read_end(frequency, out);
     }
     return out;
+  }
+
+  /// The first event that is more than friction across a stop which is touched all the time; null where there is none.
+  static const ContactEvent* meeting(const Motion& motion) {
+    for (const ContactEvent& event : motion.events) {
+      if (event.kind != ContactEvent::Kind::stick && event.kind != ContactEvent::Kind::slide) return &event;
+    }
+    return nullptr;
   }
 
   Complex harmonic(const std::vector<double>& value) const {

@@ -547,6 +547,8 @@ class Simulation {
     std::vector<double> v = before;
     double work = step_.work();
     read_changes();
+    const std::vector<Touch> touched = reduced_.touching();
+    const std::vector<int> held = reduced_.held();
     if (event.of_friction && !changes_.empty()) friction_.begin_to_slide(reduced_, t, ahead_);
     if (event.left && !event.hits)
       out_.events.push_back({.t = t, .kind = ContactEvent::Kind::lift_off, .at = *event.left});
@@ -558,6 +560,7 @@ class Simulation {
       }
     }
     friction_.forget_event();
+    write_rubbing(t, touched, held);
     set_state(reduced_.q(), reduced_.v(), work);
     for (Change& one : changes_) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -627,6 +630,23 @@ class Simulation {
       work += hit.work;
       write_events(t, hit, rests);
       return true;
+    }
+  }
+
+  /// Notes where friction across a stop that is touched begins to hold or to slide; `touched` and `held` are what was
+  /// so before.
+  void write_rubbing(double t, const std::vector<Touch>& touched, const std::vector<int>& held) {
+    const auto is_in = [](const auto& list, const auto& one) {
+      return std::find(list.begin(), list.end(), one) != list.end();
+    };
+    for (const Touch& touch : reduced_.touching()) {
+      const int element = stop_friction_element(model_.scene(), touch.stop);
+      if (element < 0) continue;
+      const bool sticks = is_in(reduced_.held(), element), stuck = is_in(held, element);
+      // What is touched anew slides as it did; at the start nothing was before.
+      if (sticks == stuck || (!is_in(touched, touch) && (!sticks || t == 0.0))) continue;
+      out_.events.push_back(
+          {.t = t, .kind = sticks ? ContactEvent::Kind::stick : ContactEvent::Kind::slide, .at = touch});
     }
   }
 
@@ -851,7 +871,7 @@ std::string to_string(MotionStatus status) {
 }
 
 std::string to_string(ContactEvent::Kind kind) {
-  constexpr const char* words[] = {"impact", "rest", "lift-off", "graze"};
+  constexpr const char* words[] = {"impact", "rest", "lift-off", "graze", "stick", "slide"};
   return words[static_cast<std::size_t>(kind)];
 }
 

@@ -79,7 +79,9 @@ struct ContactEvent {
     impact,    ///< the gap closes: an impulse
     rest,      ///< bounces that become ever shorter have ended: the limit is touched from here on
     lift_off,  ///< the force that keeps it touched has fallen to zero
-    graze      ///< the gap nearly closes, so nearly that whether it does is not known
+    graze,     ///< the gap nearly closes, so nearly that whether it does is not known
+    stick,     ///< across it nothing slides from here on: friction holds
+    slide      ///< something slides that friction has held
   };
   double t = 0.0;
   Kind kind = Kind::impact;

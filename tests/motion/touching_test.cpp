@@ -427,6 +427,42 @@ TEST(Touching, ARoughFloorCarriesASlidingRod) {
   }
 }
 
+// A block of 1 kg that slides at 2 m/s against a push of t N, on a floor with the friction 0.3: it stops after
+// 2 = mu g t + t^2 / 2, and slides again once the push passes mu g.
+TEST(Touching, FrictionThatHoldsAndSlidesAreEvents) {
+  const MotionModel model(resisted_by_joints(parse_scene(R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[[stop]]
+name = "floor"
+y = "block.C"
+min = 0
+friction = 0.3
+[[force]]
+at = "block.C"
+vector = [10, 0]
+time = { ramp = { from = 0, to = 1, start = 0, end = 10, law = "linear" } }
+[start]
+position = { block = [0, 0] }
+)",
+                                                         "scene.toml")));
+  MotionState start = test::released(model, {});
+  start.v[coordinate_named(model, "block.x")] = -2.0;
+  const Motion motion = test::moved(model, start, 3.5);
+  const double bound = 0.3 * g;
+  ASSERT_EQ(motion.events.size(), 2U) << "it begins on the floor";
+  EXPECT_EQ(motion.events[0].kind, Kind::stick);
+  EXPECT_NEAR(motion.events[0].t, std::sqrt(bound * bound + 4.0) - bound, 1e-11);
+  EXPECT_EQ(motion.events[1].kind, Kind::slide);
+  EXPECT_NEAR(motion.events[1].t, bound, 1e-11);
+  EXPECT_FALSE(motion.events[1].at.upper);
+}
+
 // What an impact leaves of a rate by rounding is no bounce, which would end at a time that is rounding, too.
 TEST(Touching, ABallThatDoesNotReboundRollsAtOnce) {
   const Motion motion = moved(R"(
@@ -446,9 +482,11 @@ friction = 0.3
 position = { ball = [0, 0.61547005383792515] }
 )",
                               0.6);
-  ASSERT_EQ(motion.events.size(), 1U);
+  ASSERT_EQ(motion.events.size(), 2U);
   EXPECT_EQ(motion.events[0].kind, Kind::impact);
   EXPECT_EQ(motion.events[0].rate_after, 0.0);
+  EXPECT_EQ(motion.events[1].kind, Kind::stick);
+  EXPECT_EQ(motion.events[1].t, motion.events[0].t);
 }
 
 TEST(Touching, PainlevesRodIsNamed) {
