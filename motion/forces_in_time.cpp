@@ -217,8 +217,8 @@ ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const 
   const std::size_t drives = out.found.poses.empty() ? 0 : out.found.poses.front().drives.size();
   out.work.resize(drives);
   std::vector<double> work(drives, 0.0);
-  double sum = 0.0, most = 0.0, least = 0.0, energy_left = 0.0, driven = 0.0;
-  std::size_t next = 0;
+  double sum = 0.0, most = 0.0, least = 0.0, energy_left = 0.0, driven = 0.0, struck = 0.0;
+  std::size_t next = 0, node = 0;
   const std::vector<double> grid = grid_of(nodes, out.found.at);
   for (std::size_t k = 0; k < grid.size() && next < out.found.at.size() && !stopped(); ++k) {
     if (k > 0) {
@@ -235,7 +235,11 @@ ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const 
     }
     if (grid[k] != out.found.at[next]) continue;
     for (std::size_t d = 0; d < drives; ++d) out.work[d].push_back(work[d]);
-    const double kinetic = record.kinetic[next] - record.kinetic.front();
+    // Impacts, at which there are two nodes, take energy at once.
+    for (; node + 1 < nodes.size() && nodes[node + 1] <= grid[k]; ++node) {
+      if (nodes[node] == nodes[node + 1]) struck += motion.kinetic[node + 1] - motion.kinetic[node];
+    }
+    const double kinetic = record.kinetic[next] - record.kinetic.front() - struck;
     energy_left = std::max(energy_left, std::abs(kinetic - sum));
     most = std::max({most, std::abs(kinetic), std::abs(sum)});
     least = std::max(least, driven);
