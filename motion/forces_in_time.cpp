@@ -11,6 +11,7 @@
 
 #include "motion/quantities_along.hpp"
 #include "statics/bodies/body_forces.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {
@@ -157,7 +158,44 @@ void add_links(ForcesInTime& out, const Scene& then, const MotionModel& model, c
   }
 }
 
+/// The forces of stops that can open among those of one time.
+std::vector<TouchingForce> touching_of(const Scene& then, const Forces& forces) {
+  std::vector<TouchingForce> out;
+  if (forces.friction.has_no_forces()) return out;
+  const std::vector<BodyPose<double>> poses = poses_of(forces.motions);
+  for (const Reaction& one : forces.reactions) {
+    if (!one.of_stop() || !one.determined) continue;
+    const auto stop = static_cast<std::size_t>(one.stop);
+    if (then.stops[stop].min == then.stops[stop].max) continue;  // a coupling, which never opens
+    TouchingForce found{.stop = stop,
+                        .body_a = one.body_a,
+                        .body_b = one.body_b,
+                        .at = one.at,
+                        .force = one.force,
+                        .pressing = norm(one.force),
+                        .moment = one.moment};
+    for (const SlidingStop& friction : forces.friction.stops) {
+      if (friction.stop != one.stop || std::isnan(friction.effort)) continue;
+      for (const UnitEffort& unit : unit_efforts(then, friction.on, poses))
+        found.force = found.force + friction.effort * unit.force;
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<std::vector<TouchingForce>> touching_forces(const Scene& scene, const MotionModel& model,
+                                                        const Motion& motion, const std::vector<double>& times) {
+  ForcesOverTime over(scene, model, motion, {});
+  std::vector<std::vector<TouchingForce>> out;
+  for (const double t : times) {
+    const Scene then = over.then(t);
+    out.push_back(touching_of(then, over.at(t, then)));
+  }
+  return out;
+}
 
 ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
                             const MotionRecord& record, const ForcesInTimeOptions& options) {

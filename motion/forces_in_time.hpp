@@ -69,4 +69,20 @@ struct ForcesInTimeOptions {
 ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
                             const MotionRecord& record, const ForcesInTimeOptions& options);
 
+/// The force of a stop that is touched, on the second body of its measure, with the opposite on the first; SI.
+struct TouchingForce {
+  std::size_t stop = 0;  ///< index into Scene::stops
+  int body_a = 0, body_b = 0;
+  Vec2 at{};              ///< where it is touched, in the world
+  Vec2 force{};           ///< with its friction
+  double pressing = 0.0;  ///< size of the force without friction, N
+  double moment = 0.0;    ///< of one on an angle, N m
+};
+
+/// The forces of what is touched at these times of a simulated motion, which ascend; none at a time at which they are
+/// not determined by statics and the laws of friction. `scene` is the one before resisted_by_joints(); the motion has
+/// two nodes at least.
+std::vector<std::vector<TouchingForce>> touching_forces(const Scene& scene, const MotionModel& model,
+                                                        const Motion& motion, const std::vector<double>& times);
+
 }  // namespace poise

@@ -249,8 +249,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
                            draw_plot(asked && !panels.empty() ? panels : with_record(panels, scene, answer)));
   }
   if (files.wants_html() && answer.found.motion.trajectory.nodes() > 0) {
-    pictures.figures = {motion_figure(model, answer.found.motion, answer.record, with_record(panels, scene, answer),
-                                      answer.found.confirmed())};
+    pictures.figures = {motion_figure(scene, model, answer.found.motion, answer.record,
+                                      with_record(panels, scene, answer), answer.found.confirmed())};
   }
   return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette);
 }

@@ -262,6 +262,56 @@ void draw_reactions(Stage& stage) {
   stage.canvas.close();
 }
 
+void draw_contact_forces(Stage& stage) {
+  if (stage.picture.touching.empty()) return;
+  constexpr std::string_view layer = "contact-forces";
+  stage.canvas.open(layer);
+  stage.label_layer = layer;
+  for (const TouchingForce& one : stage.picture.touching) {
+    const Stop& stop = stage.scene.stops[one.stop];
+    const std::string& on = stage.scene.bodies[static_cast<std::size_t>(one.body_b)].name;
+    const std::string& by = stage.scene.bodies[static_cast<std::size_t>(one.body_a)].name;
+    const double size = norm(one.force), moment = std::abs(one.moment);
+    const auto item = [&](const std::string& what, const std::string& value) {
+      stage.canvas.item(fmt::format("{} of {} {}", what, stop.family(), stop.name),
+                        fmt::format("{} on {} by {}", value, on, by));
+    };
+    if (stop.on.is_angle()) {
+      if (moment <= negligible_force * stage.largest_force * stage.extent) continue;
+      item("moment", stage.value(moment, Quantity::moment));
+      const std::string text = stage.detail == Detail::full ? stage.value(moment, Quantity::moment) : "";
+      draw_turning(stage, stage.pivot(one.body_a, one.body_b), 21.0, one.moment, text, ink::stop, 1.8);
+    } else {
+      if (size <= negligible_force * stage.largest_force) continue;
+      const bool rubs = std::abs(size - one.pressing) > negligible_force * size;
+      item("force", stage.value(size, Quantity::force) +
+                        (rubs ? fmt::format(", {} of it pressing,", stage.value(one.pressing, Quantity::force)) : ""));
+      const Vec2 at = stage.page(one.at);
+      const std::string text = stage.detail == Detail::full ? stage.value(size, Quantity::force) : "";
+      draw_force(stage, at, leaving(stage, at, one.force), text, ink::stop, 1.8, "");
+    }
+    stage.signs.insert(Sign::contact_force);
+  }
+  stage.label_layer = {};
+  stage.canvas.close();
+}
+
+void draw_impacts(Stage& stage) {
+  constexpr double gap = 5.0, least = 6.0, growth = 16.0, fades_to = 0.25;  // px, and opacity
+  if (stage.picture.impacts.empty()) return;
+  stage.canvas.open("impacts");
+  for (const ImpactSign& one : stage.picture.impacts) {
+    const Stop& stop = stage.scene.stops[one.stop];
+    stage.canvas.item(fmt::format("impact at {} {}", stop.family(), stop.name),
+                      stage.value(one.impulse, effort_of(stop.on)) + " s");
+    const double from = gap + growth * one.faded / 2;
+    draw_burst(stage.canvas, stage.page(one.at), from, from + least + growth * std::sqrt(one.size),
+               {.stroke = ink::stop, .width = 2.0, .opacity = 1.0 - (1.0 - fades_to) * one.faded});
+    stage.signs.insert(Sign::impact);
+  }
+  stage.canvas.close();
+}
+
 void draw_drives(Stage& stage) {
   stage.canvas.open("drives");
   for (const DriveEffort& effort : stage.picture.drives) {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Label {
   double gap = 8.0;    ///< distance from the anchor at which the text may begin, px
   Vec2 toward{0, -1};  ///< preferred direction from the anchor
   TextStyle style{};
+  std::string_view layer{};  ///< with which it is hidden; empty: "labels". Of static duration
 };
 
 /// Where a label was set in the picture before.

@@ -82,6 +82,11 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::rolling, "wheel or curve that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
+      {Sign::contact_force, "force of a contact, on the body named", an_arrow(ink::stop, 1.8)},
+      {Sign::impact, "impact, larger with its impulse",
+       [](Canvas& c) {
+         draw_burst(c, {17, 0}, 4.0, 10.0, {.stroke = ink::stop, .width = 1.8});
+       }},
       {Sign::other_pose, "", a_line({4, 0}, {30, 0}, ink::ghost, 6.0)},
       {Sign::path, "path of the point named", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)},
       {Sign::bent_link, "link as it bends", a_line({2, 0}, {32, 0}, curve_colour(0), 1.8)},
@@ -120,7 +125,9 @@ Canvas draw_legend(const LegendContents& contents, double width) {
     canvas.insert(sign, "", here);
     canvas.text(here + Vec2{sign_width, 4}, text, style);
   }
-  if (contents.signs.contains(Sign::load) || contents.signs.contains(Sign::reaction)) {
+  const bool has_arrows = contents.signs.contains(Sign::load) || contents.signs.contains(Sign::reaction) ||
+                          contents.signs.contains(Sign::contact_force);
+  if (has_arrows) {
     const std::string text = "Arrows grow with the square root of the force.";
     TextStyle remark = style;
     remark.colour = ink::faint;

@@ -31,6 +31,8 @@ enum class Sign {
   rolling,
   active_stop,
   inactive_stop,
+  contact_force,
+  impact,
   other_pose,
   path,
   bent_link,

@@ -96,6 +96,8 @@ void draw_all(Stage& stage) {
   draw_paths(stage);
   draw_diagrams(stage);
   draw_reactions(stage);
+  draw_contact_forces(stage);
+  draw_impacts(stage);
   draw_drives(stage);
   draw_loads(stage);
 }

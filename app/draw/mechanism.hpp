@@ -8,6 +8,7 @@
 #include "app/draw/canvas.hpp"
 #include "model/mechanism.hpp"
 #include "model/quantity.hpp"
+#include "motion/forces_in_time.hpp"
 #include "motion/inverse_dynamics.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 
@@ -39,6 +40,15 @@ struct Diagram {
   bool labelled = true;         ///< with its largest value
 };
 
+/// What a stop was hit with, drawn for a short while.
+struct ImpactSign {
+  std::size_t stop = 0;  ///< index into Scene::stops
+  Vec2 at{};             ///< m in the world
+  double size = 1.0;     ///< of its impulse, over the largest of the motion
+  double faded = 0.0;    ///< 0 at the impact, 1 where its sign ends
+  double impulse = 0.0;  ///< N s or N m s
+};
+
 /// SI; 0 where there are no values.
 double largest_of(const std::vector<Diagram>& diagrams);
 
@@ -50,6 +60,8 @@ struct MechanismPicture {
   bool loads = true;      ///< forces, torques and gravity of the scene
   /// Forces of joints and active stops in this position. Where absent, springs have no forces either.
   std::optional<std::vector<Reaction>> reactions{};
+  std::vector<TouchingForce> touching{};  ///< of stops in a motion, where `reactions` are absent
+  std::vector<ImpactSign> impacts{};
   /// To which angles, rad, and lengths, m, of the position and the forces of elements, N or N m, are known; no radii of
   /// elements where nothing is proved.
   double angle_radius = 0.0, length_radius = 0.0;

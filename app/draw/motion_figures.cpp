@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <numeric>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,7 +13,10 @@
 #include "app/draw/followed.hpp"
 #include "app/draw/frames.hpp"
 #include "app/draw/motion_pictures.hpp"
+#include "app/draw/stage.hpp"
 #include "motion/courses.hpp"
+#include "motion/forces_in_time.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -76,6 +83,116 @@ std::vector<double> frame_times(const MotionRecord& record, double end, std::siz
   return times;
 }
 
+/// Where the bodies are in a motion.
+class PosesInTime {
+ public:
+  PosesInTime(const MotionModel& model, const Motion& motion)
+      : model_(model), count_(static_cast<std::size_t>(motion.trajectory.coordinates)), reader_(reader_of(motion)) {}
+
+  Poses at(double t) {
+    reader_.at(t);
+    std::vector<double> q;
+    for (std::size_t i = 0; i < count_; ++i) q.push_back(reader_.q(i));
+    return model_.poses(model_.from_si(std::move(q)));
+  }
+
+ private:
+  static TrajectoryReader reader_of(const Motion& motion) {
+    std::vector<int> all(static_cast<std::size_t>(motion.trajectory.coordinates));
+    std::iota(all.begin(), all.end(), 0);
+    return {motion.trajectory, all, false};
+  }
+
+  const MotionModel& model_;
+  std::size_t count_;
+  TrajectoryReader reader_;
+};
+
+/// The first frame that is not before an event.
+std::size_t frame_of(double t, const std::vector<double>& times) {
+  const auto found = std::lower_bound(times.begin(), times.end(), t);
+  return static_cast<std::size_t>(std::min(found, std::prev(times.end())) - times.begin());
+}
+
+/// Where a stop acts, m in the world.
+Vec2 place_of(const Scene& scene, const Stop& stop, const Poses& poses) {
+  const UnitEffort effort = unit_efforts(scene, stop.on, poses).back();
+  return stop.on.is_angle() ? pivot_of(scene, readings_of(scene, poses), effort.body_a, effort.body_b) : effort.b;
+}
+
+/// Gives the pictures the signs of impacts, each for so long that the eye catches it.
+void add_impacts(std::vector<Position>& positions, const Play& play, const MotionModel& model, const Motion& motion) {
+  constexpr double seconds_shown = 0.35;
+  const Scene& scene = model.scene();
+  const auto is_impact = [](const ContactEvent& event) {
+    return event.kind == ContactEvent::Kind::impact && event.impulse != 0.0;
+  };
+  const auto stop_of = [&](const ContactEvent& event) -> const Stop& {
+    return scene.stops[static_cast<std::size_t>(event.at.stop)];
+  };
+  double largest_force = 0.0, largest_moment = 0.0;  // over a time
+  for (const ContactEvent& event : motion.events) {
+    if (!is_impact(event)) continue;
+    double& largest = stop_of(event).on.is_angle() ? largest_moment : largest_force;
+    largest = std::max(largest, std::abs(event.impulse));
+  }
+  const auto frames = std::max<std::size_t>(
+      1, static_cast<std::size_t>(seconds_shown / play.seconds * static_cast<double>(positions.size())));
+  PosesInTime poses(model, motion);
+  for (const ContactEvent& event : motion.events) {
+    if (!is_impact(event)) continue;
+    const Stop& stop = stop_of(event);
+    const double largest = stop.on.is_angle() ? largest_moment : largest_force;
+    const std::size_t first = frame_of(event.t, play.values);
+    const Vec2 at = place_of(scene, stop, poses.at(event.t));
+    for (std::size_t k = first; k < std::min(first + frames, positions.size()); ++k) {
+      std::vector<ImpactSign>& there = positions[k].picture.impacts;
+      // Of bounces that follow each other quickly the first, which is the largest, stands for all.
+      const bool is_there = std::any_of(there.begin(), there.end(), [&](const ImpactSign& other) {
+        return static_cast<int>(other.stop) == event.at.stop;
+      });
+      if (is_there) continue;
+      there.push_back({.stop = static_cast<std::size_t>(event.at.stop),
+                       .at = at,
+                       .size = std::abs(event.impulse) / largest,
+                       .faded = static_cast<double>(k - first) / static_cast<double>(frames),
+                       .impulse = event.impulse});
+    }
+  }
+}
+
+/// "impact of floor (min), 0.62 N s".
+std::string caption_of(const ContactEvent& event, const Scene& scene) {
+  const Stop& stop = scene.stops[static_cast<std::size_t>(event.at.stop)];
+  std::string out = fmt::format("{} of {}", words_of(event, stop), side_of(event, stop));
+  if (event.impulse == 0.0) return out;
+  const Quantity effort = effort_of(stop.on);
+  const double impulse = in_unit(event.impulse, effort, scene.units);
+  const ReadableUnit unit = readable_unit(std::abs(impulse), unit_name(effort, scene.units));
+  return out + fmt::format(", {} {} s", significant(unit.factor * impulse, 4), unit.unit);
+}
+
+/// The events of stops, numbered as in the table and the chart of energies. What one frame shows first has one mark,
+/// and the caption of its first event.
+std::vector<Play::Mark> marks_of(const Motion& motion, const Scene& scene, const std::vector<double>& times) {
+  std::vector<Play::Mark> out;
+  const std::vector<ContactEvent>& events = motion.events;
+  for (std::size_t k = 0; k < events.size();) {
+    const std::size_t frame = frame_of(events[k].t, times);
+    std::size_t behind = k + 1;
+    while (behind < events.size() && frame_of(events[behind].t, times) == frame) ++behind;
+    Play::Mark mark{.frame = frame,
+                    .label = std::to_string(k + 1),
+                    .caption = fmt::format("t = {} s, {}", significant(events[k].t, 4), caption_of(events[k], scene))};
+    if (behind == k + 2) mark.caption += "; " + caption_of(events[k + 1], scene);
+    if (behind > k + 2) mark.caption += fmt::format("; {} more", behind - k - 1);
+    if (behind > k + 1) mark.label += fmt::format("\u2013{}", behind);
+    out.push_back(std::move(mark));
+    k = behind;
+  }
+  return out;
+}
+
 }  // namespace
 
 Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
@@ -108,30 +225,29 @@ Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, cons
   return figure;
 }
 
-Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record,
+Figure motion_figure(const Scene& scene, const MotionModel& model, const Motion& motion, const MotionRecord& record,
                      std::vector<Panel> panels, bool confirmed) {
   const Trajectory& path = motion.trajectory;
   if (path.nodes() < 2) return {};
-  std::vector<int> all(static_cast<std::size_t>(path.coordinates));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  TrajectoryReader reader(path, all, false);
+  PosesInTime poses(model, motion);
   Play play{
       .label = "time", .unit = "s", .values = frame_times(record, path.t.back(), most_frames(model.scene(), false))};
   std::vector<Position> positions;
   for (const double t : play.values) {
-    reader.at(t);
-    std::vector<double> q;
-    for (std::size_t i = 0; i < all.size(); ++i) q.push_back(reader.q(i));
     Position& position = positions.emplace_back();
     position.scene = &model.scene();
-    position.picture = {.poses = model.poses(model.from_si(std::move(q))),
-                        .heading = caption_of("t", t, "s"),
-                        .confirmed = confirmed,
-                        .loads = false};
+    position.picture = {
+        .poses = poses.at(t), .heading = caption_of("t", t, "s"), .confirmed = confirmed, .loads = false};
   }
   constexpr double shortest = 2.0, longest = 30.0;
   const double duration = path.t.back();
   play.seconds = duration >= shortest && duration <= longest ? duration : usual_seconds;
+  if (!motion.touched.empty()) {
+    std::vector<std::vector<TouchingForce>> touching = touching_forces(scene, model, motion, play.values);
+    for (std::size_t k = 0; k < positions.size(); ++k) positions[k].picture.touching = std::move(touching[k]);
+  }
+  add_impacts(positions, play, model, motion);
+  play.marks = marks_of(motion, model.scene(), play.values);
   Figure figure{.title = "Motion"};
   figure.charts = with_cursors(std::move(panels), play.values);
   animate(figure, std::move(positions), std::move(play), "The mechanism as it moves", {});

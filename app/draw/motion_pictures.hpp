@@ -33,8 +33,10 @@ std::string forces_picture(const Scene& scene, const Forces& forces, const std::
 Figure kinematics_figure(const Scene& scene, const KinematicsResult& found, const std::vector<DriveRange>& ranges,
                          const std::vector<std::string>& points, bool confirmed);
 
-/// Over time; in real time where that takes 2 s to 30 s. `panels` are over time too.
-Figure motion_figure(const MotionModel& model, const Motion& motion, const MotionRecord& record,
+/// Over time; in real time where that takes 2 s to 30 s. `panels` are over time too, and `scene` is the one before
+/// resisted_by_joints(). What is touched has the arrows of its forces, impacts have signs that fade, and the first
+/// events of stops are marks of what plays.
+Figure motion_figure(const Scene& scene, const MotionModel& model, const Motion& motion, const MotionRecord& record,
                      std::vector<Panel> panels, bool confirmed);
 
 /// In one pose, over a range or over time, with the forces of joints, active stops and drives.

@@ -120,6 +120,7 @@ double largest_force_of(const Scene& scene, const MechanismPicture& picture) {
   if (picture.reactions) {
     for (const Reaction& r : *picture.reactions) largest = std::max(largest, norm(r.force));
   }
+  for (const TouchingForce& one : picture.touching) largest = std::max(largest, norm(one.force));
   for (const DriveEffort& drive : picture.drives) {
     if (!drive.is_angle) largest = std::max(largest, std::abs(drive.value));
   }
@@ -338,6 +339,7 @@ void Stage::label(std::string text, Vec2 anchor, Vec2 toward, double gap, Colour
   label.style.colour = colour;
   label.style.size = size;
   label.style.italic = italic;
+  label.layer = label_layer;
   labels.push_back(std::move(label));
 }
 
@@ -345,7 +347,12 @@ void Stage::set_labels() {
   if (before_ != nullptr) setter.remember(before_->labels);
   canvas.open("labels");
   // From the last to the first: those of reactions and loads get the best places.
-  for (auto label = labels.rbegin(); label != labels.rend(); ++label) setter.set(canvas, std::move(*label));
+  for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
+    const bool has_layer = !label->layer.empty();
+    if (has_layer) canvas.open(label->layer);
+    setter.set(canvas, std::move(*label));
+    if (has_layer) canvas.close();
+  }
   canvas.close();
 }
 

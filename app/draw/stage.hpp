@@ -95,6 +95,7 @@ class Stage : public Sizes {
   Canvas canvas;
   LabelSetter setter;
   std::vector<Label> labels;
+  std::string_view label_layer{};             ///< of the labels that are asked for
   std::vector<std::pair<Vec2, Vec2>> arrows;  ///< drawn so far, tail and tip
   std::set<Sign> signs;
 
@@ -175,6 +176,9 @@ void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
 void draw_diagrams(Stage& stage);
 void draw_reactions(Stage& stage);
+/// Of what is touched in a motion, with their names where they are pointed at.
+void draw_contact_forces(Stage& stage);
+void draw_impacts(Stage& stage);
 void draw_drives(Stage& stage);
 /// A rope over its points and pulleys.
 void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,6 +28,19 @@ std::string carried_by(const Stage& stage, const Stop& stop, const Reaction& rea
                             : stage.value(norm(reaction.force), Quantity::force, reaction.radius);
 }
 
+/// The force of one that is touched in a motion, as a reaction; none where it is not.
+std::optional<Reaction> touched_in_motion(const Stage& stage, std::size_t stop) {
+  for (const TouchingForce& one : stage.picture.touching) {
+    if (one.stop != stop) continue;
+    Reaction out;
+    out.force = one.force;
+    out.moment = one.moment;
+    out.radius = out.moment_radius = 0.0;
+    return out;
+  }
+  return std::nullopt;
+}
+
 /// "20 deg, active, 12 N m".
 std::string state_of(const Stage& stage, const Stop& stop, double now, const Reaction* active) {
   const std::string state = stage.reading(now, quantity_of(stop.on));
@@ -34,7 +48,8 @@ std::string state_of(const Stage& stage, const Stop& stop, double now, const Rea
 }
 
 void label_active(Stage& stage, const Stop& stop, const Reaction& reaction, Vec2 at, Vec2 toward, double gap) {
-  if (stage.detail != Detail::full) return;
+  // In motion they have arrows, which say it where they are pointed at.
+  if (stage.detail != Detail::full || !stage.picture.reactions) return;
   stage.label(stop.name + ": " + carried_by(stage, stop, reaction) + (reaction.determined ? "" : "*"), at, toward, gap,
               ink::stop);
 }
@@ -209,7 +224,10 @@ void draw_stops(Stage& stage) {
     const Stop& stop = stage.scene.stops[i];
     if (has_track(stop)) continue;  // it is drawn behind the bodies
     const double now = stage.now.stops[i];
-    const Reaction* active = stage.picture.reactions ? reaction_of_stop(*stage.picture.reactions, i) : nullptr;
+    const std::optional<Reaction> touched = touched_in_motion(stage, i);
+    const Reaction* active = stage.picture.reactions ? reaction_of_stop(*stage.picture.reactions, i)
+                             : touched               ? &*touched
+                                                     : nullptr;
     draw_stop(stage, stop, now, active, state_of(stage, stop, now, active));
   }
   for (std::size_t i = 0; i < elements.size(); ++i) {

@@ -187,6 +187,14 @@ void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool 
   draw_head(canvas, tip, direction(back, tip), head, colour);
 }
 
+void draw_burst(Canvas& canvas, Vec2 at, double from, double to, const Paint& paint) {
+  constexpr int rays = 8;
+  for (int k = 0; k < rays; ++k) {
+    const Vec2 u = unit((k + 0.5) * 2 * M_PI / rays);
+    canvas.line(at + from * u, at + to * u, paint);
+  }
+}
+
 double distance_to_line(Vec2 point, Vec2 a, Vec2 b) {
   const Vec2 d = b - a;
   const double length2 = dot(d, d);

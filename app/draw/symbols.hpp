@@ -49,6 +49,9 @@ void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width
 void draw_turning_arrow(Canvas& canvas, Vec2 at, double radius, Vec2 from, bool counter_clockwise, Colour colour,
                         double width, std::string_view dash = {});
 
+/// Rays around a place, from one distance from it to another: something hits there.
+void draw_burst(Canvas& canvas, Vec2 at, double from, double to, const Paint& paint);
+
 /// How far a point is from the line between a and b, ends included.
 double distance_to_line(Vec2 point, Vec2 a, Vec2 b);
 

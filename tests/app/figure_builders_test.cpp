@@ -21,6 +21,7 @@
 #include "app/draw/modes_figure.hpp"
 #include "app/draw/motion_pictures.hpp"
 #include "app/draw/path_picture.hpp"
+#include "model/joint_friction.hpp"
 #include "motion/confirmed_motion.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/release.hpp"
@@ -160,13 +161,69 @@ TEST(FigureBuilders, Motion) {
   ASSERT_TRUE(motion.completed()) << motion.why;
   const auto begin = std::chrono::steady_clock::now();
   const MotionRecord recorded = record(model, motion, 200.0);
-  const Figure figure = motion_figure(model, motion, recorded, motion_panels(model.scene(), recorded), true);
+  const Figure figure =
+      motion_figure(model.scene(), model, motion, recorded, motion_panels(model.scene(), recorded), true);
   std::printf("motion drawn in %.0f ms\n",
               std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   checked(figure, "motion");
   EXPECT_DOUBLE_EQ(figure.play->seconds, 3.0);
   EXPECT_DOUBLE_EQ(figure.play->values.back(), 3.0);
   EXPECT_EQ(figure.play->unit, "s");
+}
+
+/// States of the items of a layer: "1.962 N on ball by ground".
+std::vector<std::string> states_of(const Frame& frame, const std::string& layer) {
+  std::vector<std::string> out;
+  for (const PlacedShape& shape : placed_shapes(frame.canvas)) {
+    const bool is_new = out.empty() || out.back() != shape.item->state;
+    if (shape.layer == layer && is_new) out.push_back(shape.item->state);
+  }
+  return out;
+}
+
+// A ball of 0.2 kg falls by 0.5 m on a slope of 30 deg, on which it rolls down, held by friction.
+TEST(FigureBuilders, MotionHasForcesImpactsAndEventsOfContacts) {
+  const Scene scene = parse_scene(R"(gravity = [0, -9.81]
+[ground]
+points = { A = [-1, 0.57735026918962573], B = [1, -0.57735026918962573] }
+[body.ball]
+points = { C = [0, 0] }
+mass = 0.2
+inertia = 0.001
+[[contact]]
+name = "slope"
+point = "ball.C"
+radius = 0.1
+segment = ["ground.A", "ground.B"]
+friction = 0.3
+[start]
+position = { ball = [0, 0.61547005383792515] }
+)",
+                                  "ball.toml");
+  const MotionModel model(resisted_by_joints(scene));
+  MotionOptions options;
+  options.duration = 0.6;
+  const Motion motion = simulate(model, release(model, {}, {}), options);
+  ASSERT_TRUE(motion.completed()) << motion.why;
+  const MotionRecord recorded = record(model, motion, 200.0);
+  const Figure figure = motion_figure(scene, model, motion, recorded, motion_panels(scene, recorded), true);
+  checked(figure, "motion with contact");
+  const std::vector<Frame>& frames = figure.drawing.frames;
+  const std::vector<Play::Mark>& marks = figure.play->marks;
+  ASSERT_EQ(marks.size(), 1U);
+  EXPECT_EQ(marks[0].label, "1\u20132");
+  EXPECT_EQ(marks[0].caption, "t = 0.3193 s, impact of slope (min), 0.5425 N s; stick of slope (min)");
+  const std::size_t hit = marks[0].frame;
+  const double t = std::sqrt(2 * 0.5 / 9.81);
+  EXPECT_GE(figure.play->values[hit], t);
+  EXPECT_LT(figure.play->values[hit - 1], t);
+  EXPECT_TRUE(states_of(frames[hit - 1], "contact-forces").empty());
+  EXPECT_TRUE(states_of(frames[hit - 1], "impacts").empty());
+  // m v cos(30 deg) with v = g t; then m g cos(30 deg), and of m g sin(30 deg) the part I / (I + m r^2) as friction.
+  EXPECT_EQ(states_of(frames[hit], "impacts"), std::vector<std::string>{"0.5425 N s"});
+  EXPECT_TRUE(states_of(frames.back(), "impacts").empty()) << "it has faded";
+  EXPECT_EQ(states_of(frames.back(), "contact-forces"),
+            std::vector<std::string>{"1.73 N, 1.699 N of it pressing, on ball by ground"});
 }
 
 TEST(FigureBuilders, ForcesOverARange) {

@@ -187,6 +187,72 @@ TEST(Recording, PicturesAndFilmsOfAReport) {
   for (const std::string& line : browser().console()) ADD_FAILURE() << line;
 }
 
+// A ball that bounces: each event is a mark on the time axis, which shows its frame where it is clicked, with the sign
+// of the impact and then the arrow of the force, whose layers can be hidden.
+TEST(ContactsInMotion, EventsAreMarksAndForcesAreArrows) {
+  if (const std::string why = Browser::missing(); !why.empty()) GTEST_SKIP() << why;
+  browser().emulate({});
+  const TempFolder folder;
+  const std::string scene = folder.write("ball.toml", R"(gravity = [0, -9810]
+[units]
+length = "mm"
+[ground]
+points = { A = [-200, 0], B = [200, 0] }
+[body.ball]
+points = { C = [0, 0] }
+mass = 1
+inertia = 1
+[[contact]]
+name = "floor"
+point = "ball.C"
+radius = 20
+segment = ["ground.A", "ground.B"]
+restitution = 0.3
+[start]
+position = { ball = [0, 120] }
+)");
+  const std::string file = folder.path("ball.html").string();
+  const ProgramRun ran = run_poise({"motion", scene, "--from", "start", "--duration", "1", "--html", file, "--quiet"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.out << ran.err;
+  browser().open("file://" + file);
+  ASSERT_TRUE(browser().wait_for("document.querySelectorAll('.track .mark').length > 2"));
+  EXPECT_EQ(browser().run("return document.querySelector('.track .mark').title"),
+            "t = 0.1428 s, impact of floor (min), 1.821 N s");
+  EXPECT_EQ(browser().run("return document.querySelectorAll('.track .mark').length"),
+            browser().run("return document.querySelectorAll('.events .event').length"));
+  // What is said at any place of the picture.
+  const auto said = [&] {
+    return browser()
+        .run(
+            "const stage = document.querySelector('.stage').getBoundingClientRect();"
+            "const tip = document.querySelector('.stage .tip'); const said = new Set();"
+            "for (let y = 4; y < stage.height; y += 9) for (let x = 4; x < stage.width; x += 9) {"
+            "  document.querySelector('.stage').dispatchEvent(new PointerEvent('pointermove',"
+            "    {clientX: stage.left + x, clientY: stage.top + y, bubbles: true}));"
+            "  if (!tip.hidden) said.add(tip.textContent);"
+            "} return [...said].join('\\n')")
+        .get<std::string>();
+  };
+  const std::string impact = "impact at contact floor", force = "force of contact floor";
+  browser().run("document.querySelector('.track .mark').click()");
+  EXPECT_NE(browser().run("return document.querySelector('.track input').value"), "0");
+  EXPECT_NE(said().find(impact), std::string::npos);
+  browser().run(
+      "const all = document.querySelector('.track input'); all.value = all.max; all.dispatchEvent(new Event('input'))");
+  const std::string at_rest = said();
+  EXPECT_NE(at_rest.find(force), std::string::npos) << at_rest;
+  EXPECT_EQ(at_rest.find(impact), std::string::npos) << at_rest;
+  const auto texts = [&] {
+    return browser().run("return document.querySelector('.stage').textContent").get<std::string>();
+  };
+  EXPECT_NE(texts().find("9.81 N"), std::string::npos) << texts();
+  browser().run(
+      "[...document.querySelectorAll('.menu label')].find(one => one.textContent.includes('contact forces'))"
+      ".querySelector('input').click()");
+  EXPECT_EQ(said().find(force), std::string::npos);
+  for (const std::string& line : browser().console()) ADD_FAILURE() << line;
+}
+
 INSTANTIATE_TEST_SUITE_P(AllCommands, ReportPages, testing::ValuesIn(reports()),
                          [](const auto& of) { return std::string(of.param.name); });
 

@@ -122,6 +122,17 @@ std::string label_of_drive(const Scene& scene, const KinematicsResult& found, co
 
 }  // namespace
 
+std::string words_of(const ContactEvent& event, const Stop& stop) {
+  const bool pulls = stop.table == "rope" || stop.table == "chain";
+  if (!pulls) return to_string(event.kind);
+  if (event.kind == ContactEvent::Kind::impact) return "taut";
+  return event.kind == ContactEvent::Kind::lift_off ? "slack" : to_string(event.kind);
+}
+
+std::string side_of(const ContactEvent& event, const Stop& stop) {
+  return fmt::format("{} ({})", stop.name, event.at.upper ? "max" : "min");
+}
+
 std::vector<Panel> kinematics_panels(const Scene& scene, const KinematicsResult& found,
                                      const std::vector<DriveRange>& ranges) {
   struct Derivative {

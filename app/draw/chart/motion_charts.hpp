@@ -30,6 +30,11 @@ std::vector<Panel> motion_panels(const Scene& scene, const MotionRecord& record,
 /// So many events of stops are marked, and listed in text.
 inline constexpr std::size_t shown_contact_events = 12;
 
+/// What happens at a stop: "impact", "lift-off"; of ropes and chains "taut", "slack".
+std::string words_of(const ContactEvent& event, const Stop& stop);
+/// Where: "floor (min)".
+std::string side_of(const ContactEvent& event, const Stop& stop);
+
 /// Efforts of drives and sizes of joint forces over a range or time.
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);
 

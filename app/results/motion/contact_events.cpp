@@ -21,13 +21,6 @@ const Stop& stop_of(const Scene& scene, const ContactEvent& event) {
   return scene.stops[static_cast<std::size_t>(event.at.stop)];
 }
 
-std::string what(const ContactEvent& event, const Stop& stop) {
-  const bool pulls = stop.table == "rope" || stop.table == "chain";
-  if (!pulls) return to_string(event.kind);
-  if (event.kind == ContactEvent::Kind::impact) return "taut";
-  return event.kind == ContactEvent::Kind::lift_off ? "slack" : to_string(event.kind);
-}
-
 constexpr int digits_of_events = 6;
 
 }  // namespace
@@ -57,8 +50,8 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
     if (times.size() >= shown_contact_events) continue;
     const bool hits = event.kind == ContactEvent::Kind::impact;
     times.push_back(event.t);
-    whats.push_back(what(event, stop) + (event.unique ? "" : " (one of several)"));
-    names.push_back(fmt::format("{} ({})", stop.name, event.at.upper ? "max" : "min"));
+    whats.push_back(words_of(event, stop) + (event.unique ? "" : " (one of several)"));
+    names.push_back(side_of(event, stop));
     before.push_back(hits ? amount(event.rate_before, of, units, digits_of_events, "/s") : "");
     after.push_back(hits ? amount(event.rate_after, of, units, digits_of_events, "/s") : "");
     impulses.push_back(hits ? amount(event.impulse, effort, units, digits_of_events, " s") : "");
