@@ -18,6 +18,8 @@
 #include "app/draw/chart/quantity_charts.hpp"
 #include "app/draw/mechanism.hpp"
 #include "app/draw/motion_pictures.hpp"
+#include "app/present/csv.hpp"
+#include "app/results/motion/contact_events.hpp"
 #include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
 #include "motion/forces_in_time.hpp"
@@ -252,7 +254,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
     pictures.figures = {motion_figure(scene, model, answer.found.motion, answer.record,
                                       with_record(panels, scene, answer), answer.found.confirmed())};
   }
-  return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette);
+  const std::string events = csv_text(table_of_contact_events(model, answer.found.motion));
+  return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette, "", {events});
 }
 
 }  // namespace
@@ -289,6 +292,12 @@ Command motion_command() {
       {"--motors", &request->motors, "NAMES",
        "Torques of pins or forces along slides, with commas between, that make\nthe motion in place of the drives, "
        "which say what it is to be;\nimplies --forces"});
+  request->common.exported = {{"--events", ""}};  // the option points into it
+  command
+      .add({"--events", &request->common.exported.front().second, "FILE",
+            "Write the events at stops, contacts and ropes to FILE as CSV, one line\neach: impact, rest, lift-off, "
+            "stick, slide"})
+      .writes("csv");
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism at the start, in the middle and at the end, and\nangles, travels and "
                              "energies over time, or what --show names,\ninto FILE",

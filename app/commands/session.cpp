@@ -138,9 +138,10 @@ void print(const Request& request, const Result& result, const std::string& writ
 }
 
 int finish(const Request& request, const Result& result, OutputFiles* files, const Pictures& pictures, bool is_solved,
-           Progress& progress, const Palette& palette, const std::string& scene) {
+           Progress& progress, const Palette& palette, const std::string& scene,
+           const std::vector<std::string>& exported) {
   progress.now("writing the result");
-  const std::string written = files != nullptr ? files->write(result, pictures, scene) : "";
+  const std::string written = files != nullptr ? files->write(result, pictures, scene, exported) : "";
   progress.done();
   print(request, result, written, palette);
   return is_solved ? solved : not_solved;

@@ -56,10 +56,11 @@ class OutputFiles {
   Caller* caller_;
 };
 
-/// The end of a command: writes a result, its pictures and a scene to the files asked for, none where `files` is null
-/// (the work was interrupted), and prints it. Returns the exit code.
+/// The end of a command: writes a result, its pictures, a scene and what is exported to the files asked for, none where
+/// `files` is null (the work was interrupted), and prints it. Returns the exit code.
 int finish(const Request& request, const Result& result, OutputFiles* files, const Pictures& pictures, bool is_solved,
-           Progress& progress, const Palette& palette, const std::string& scene = "");
+           Progress& progress, const Palette& palette, const std::string& scene = "",
+           const std::vector<std::string>& exported = {});
 
 /// Prints a result as text, at the level of detail asked for, and the lines on the files written; or leaves it with the
 /// caller.

@@ -516,6 +516,7 @@ class SceneCommands:
         show: Words | None = None,
         forces: bool = False,
         motors: Words | None = None,
+        events: Path | None = None,
         progress: Progress | None = None,
     ) -> Motion:
         """Simulate free or driven motion, from equilibrium or from a displaced position.
@@ -554,6 +555,8 @@ class SceneCommands:
         motors: Torques of pins or forces along slides, with commas between, that make
             the motion in place of the drives, which say what it is to be;
             implies --forces
+        events: Write the events at stops, contacts and ropes to FILE as CSV, one line
+            each: impact, rest, lift-off, stick, slide
         """
         return run(Motion, "motion", self._core, {
             "--set": set,
@@ -569,6 +572,7 @@ class SceneCommands:
             "--show": show,
             "--forces": forces,
             "--motors": motors,
+            "--events": events,
         }, None, progress)
 
     def modes(

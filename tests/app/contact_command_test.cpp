@@ -74,6 +74,24 @@ TEST(ContactCommand, ShowsTheEventsOfABouncingBall) {
   EXPECT_NE(run.out.find("-4429.45 mm/s"), std::string::npos) << run.out;
 }
 
+// One line for each event, with the numbers of the JSON.
+TEST(ContactCommand, WritesEventsAsCsv) {
+  const TempFolder folder;
+  const std::string scene = folder.write("ball.toml", ball("restitution = 0.8"));
+  const std::string file = folder.path("events.csv").string();
+  const json r = run_json(folder, motion_of(scene, {"--events", file}), 0);
+  const std::string text = contents(file);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), 1 + r["events"].size());
+  const json& first = r["events"][0];
+  const std::string row = fmt::format("\n{},impact,floor,min,{},{},{},{},yes\n", first["t"].get<double>(),
+                                      first["rate_before"].get<double>(), first["rate_after"].get<double>(),
+                                      first["impulse"].get<double>(), first["energy_lost"].get<double>());
+  EXPECT_TRUE(text.starts_with("t,what,name,side,rate_before,rate_after,impulse,energy_lost,unique" + row)) << text;
+  // The keys are there where nothing happens, too.
+  ASSERT_EQ(run_poise({"motion", scene, "--from", "start", "--duration", "0.1", "--events", file}).exit_code, 0);
+  EXPECT_EQ(contents(file), "t,what,name,side,rate_before,rate_after,impulse,energy_lost,unique\n");
+}
+
 // Of a ball that lies, the floor carries the weight in every position, and the bodies balance.
 TEST(ContactCommand, ForcesOfWhatIsTouchedBalance) {
   const TempFolder folder;

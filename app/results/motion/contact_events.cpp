@@ -75,6 +75,27 @@ void add_contact_events(Group& group, const MotionModel& model, const Motion& mo
                                     more > 0 ? fmt::format("; {} more are in the JSON", more) : ""));
 }
 
+Table table_of_contact_events(const MotionModel& model, const Motion& motion) {
+  const Scene& scene = model.scene();
+  const std::vector<ContactEvent>& events = motion.events;
+  const auto in_units = [&](double ContactEvent::*member, Quantity (*quantity)(const Measure&)) {
+    return each(events, [&](const ContactEvent& event) {
+      return in_unit(event.*member, quantity(stop_of(scene, event).on), scene.units);
+    });
+  };
+  Table table;
+  table.data("t", each(events, &ContactEvent::t));
+  table.words("what", "", each(events, [](const ContactEvent& event) { return to_string(event.kind); }));
+  table.words("name", "", each(events, [&](const ContactEvent& event) { return stop_of(scene, event).name; }));
+  table.words("side", "", each(events, [](const ContactEvent& event) { return event.at.upper ? "max" : "min"; }));
+  table.data("rate_before", in_units(&ContactEvent::rate_before, poise::quantity_of));
+  table.data("rate_after", in_units(&ContactEvent::rate_after, poise::quantity_of));
+  table.data("impulse", in_units(&ContactEvent::impulse, effort_of));
+  table.data("energy_lost", in_unit(each(events, &ContactEvent::energy_lost), Quantity::energy, scene.units));
+  table.words("unique", "", each(events, [](const ContactEvent& event) { return event.unique ? "yes" : "no"; }));
+  return table;
+}
+
 void warn_of_contacts(Result& out, const Scene& scene, const Motion& motion) {
   const bool hits = std::any_of(motion.events.begin(), motion.events.end(),
                                 [](const ContactEvent& event) { return event.kind == ContactEvent::Kind::impact; });
