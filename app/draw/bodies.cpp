@@ -116,7 +116,7 @@ void tie_to_body(Stage& stage, int body, Vec2 at) {
   if (shape.empty()) return;
   std::vector<Vec2> with_centre = shape;
   with_centre.push_back(at);
-  const bool within = convex_hull(with_centre).size() == shape.size() && shape.size() > 2;
+  const bool within = shape.size() > 2 && convex_hull(with_centre).size() == convex_hull(shape).size();
   double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shape.size(); ++i) {
     distance = std::min(distance, distance_to_line(at, shape[i], shape[(i + 1) % shape.size()]));

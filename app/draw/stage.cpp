@@ -38,6 +38,101 @@ std::vector<Strung> strung_of(const Scene& scene) {
   return found;
 }
 
+namespace {
+
+using Edge = std::pair<PointRef, PointRef>;
+
+std::vector<Edge> edges_of(const Outline& outline) {
+  std::vector<Edge> out;
+  const std::vector<PointRef>& points = outline.points;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) out.emplace_back(points[k], points[k + 1]);
+  if (!outline.backed && points.size() > 2) out.emplace_back(points.back(), points.front());
+  return out;
+}
+
+/// The points along edges that go on from each other, the first once more where they close; none where not all do.
+std::vector<PointRef> way_along(const std::vector<Edge>& edges) {
+  if (edges.empty()) return {};
+  const auto begins = [&](const Edge& edge) {
+    return std::none_of(edges.begin(), edges.end(), [&](const Edge& other) { return other.second == edge.first; });
+  };
+  auto edge = std::find_if(edges.begin(), edges.end(), begins);
+  if (edge == edges.end()) edge = edges.begin();
+  std::vector<PointRef> out{edge->first};
+  while (edge != edges.end() && out.size() <= edges.size()) {
+    out.push_back(edge->second);
+    edge = std::find_if(edges.begin(), edges.end(), [&](const Edge& next) { return next.first == out.back(); });
+  }
+  if (out.size() != edges.size() + 1) out.clear();
+  return out;
+}
+
+/// The shape of a body with this way of a contact around it or on one side of it, in its frame. Empty where the way is
+/// that of a hole, or where the body has points outside.
+std::vector<Vec2> shape_with(const Scene& scene, int body, const std::vector<PointRef>& way) {
+  constexpr double rounding = 1e-9;
+  std::vector<Vec2> shape, all;
+  for (const PointRef& point : way) shape.push_back(scene.local(point));
+  for (const NamedPoint& point : scene.bodies[static_cast<std::size_t>(body)].points) all.push_back(point.at);
+  if (shape.size() < 3) return {};
+  const bool closed = way.front() == way.back();
+  if (closed) shape.pop_back();
+  double area = 0.0;  // twice that, counter-clockwise
+  for (std::size_t k = 0; k < shape.size(); ++k) area += cross(shape[k], shape[(k + 1) % shape.size()]);
+  if (closed && area >= 0.0) return {};
+  const Vec2 chord = shape.back() - shape.front(), middle = 0.5 * (shape.front() + shape.back());
+  std::vector<Vec2> behind;
+  for (const Vec2& corner : convex_hull(all)) {
+    const bool is_behind = !closed && cross(chord, corner - middle) < -rounding * dot(chord, chord);
+    if (is_behind)
+      behind.push_back(corner);
+    else if (std::find(shape.begin(), shape.end(), corner) == shape.end())
+      return {};
+  }
+  // From the last point of the way clockwise to its first, past corners of the way once more.
+  const auto turned = [&](Vec2 corner) {
+    return std::atan2(cross(corner - middle, chord), dot(corner - middle, chord));
+  };
+  std::sort(behind.begin(), behind.end(), [&](Vec2 a, Vec2 b) { return turned(a) < turned(b); });
+  shape.insert(shape.end(), behind.begin(), behind.end());
+  return shape;
+}
+
+std::vector<std::vector<Vec2>> shapes_by_contacts(const Scene& scene) {
+  std::vector<std::vector<Vec2>> out(scene.bodies.size());
+  for (std::size_t s = 0; s < scene.stops.size(); ++s) {
+    const Stop& stop = scene.stops[s];
+    if (stop.table != "contact" || stop.on.outline.form != Outline::Form::polygon) continue;
+    const int body = stop.on.outline.points.front().body;
+    if (body == 0) continue;
+    std::vector<Edge> edges;
+    for (std::size_t part = s; part < s + static_cast<std::size_t>(stop.parts); ++part) {
+      for (const Edge& edge : edges_of_contact(scene, part)) edges.push_back(edge);
+    }
+    std::vector<Vec2>& shape = out[static_cast<std::size_t>(body)];
+    if (shape.empty()) shape = shape_with(scene, body, way_along(edges));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Edge> edges_of_contact(const Scene& scene, std::size_t stop) {
+  std::size_t first = stop;
+  while (first > 0 && scene.stops[first].table.starts_with("contact_part")) --first;
+  std::vector<Edge> out;
+  for (const Edge& edge : edges_of(scene.stops[stop].on.outline)) {
+    const Edge back{edge.second, edge.first};
+    bool is_inner = false;
+    for (std::size_t part = first; part < first + static_cast<std::size_t>(scene.stops[first].parts); ++part) {
+      const std::vector<Edge> others = edges_of(scene.stops[part].on.outline);
+      is_inner = is_inner || (part != stop && std::find(others.begin(), others.end(), back) != others.end());
+    }
+    if (!is_inner) out.push_back(edge);
+  }
+  return out;
+}
+
 Box extent_of(const Scene& scene, const Readings& readings) {
   Box box;
   const auto include = [&](PointRef p) { box.include(world(scene, readings, p)); };
@@ -178,6 +273,7 @@ Stage::Stage(const Scene& the_scene, const MechanismPicture& the_picture, const 
       largest_force(the_picture.largest_force ? *the_picture.largest_force : largest_force_of(the_scene, the_picture)),
       strung_(strung_of(the_scene)),
       points_(scene.bodies.size()),
+      shapes_(shapes_by_contacts(the_scene)),
       before_(before) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (is_of_track(scene, static_cast<int>(i))) continue;
@@ -250,6 +346,11 @@ const Cylinder* Stage::cylinder_of_joint(std::size_t joint) const {
 
 std::vector<Vec2> Stage::outline(int body, const Readings& readings) const {
   if (is_of_track(scene, body)) return {};
+  if (const std::vector<Vec2>& shape = shapes_[static_cast<std::size_t>(body)]; !shape.empty()) {
+    std::vector<Vec2> out;
+    for (const Vec2& corner : shape) out.push_back(page(readings.poses[static_cast<std::size_t>(body)].world(corner)));
+    return out;
+  }
   if (&readings == &now) return convex_hull(points_of(body));
   std::vector<Vec2> points;
   for (const NamedPoint& p : scene.bodies[body].points) points.push_back(page(readings.poses[body].world(p.at)));

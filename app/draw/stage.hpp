@@ -42,6 +42,9 @@ struct Cylinder {
   Vec2 foot{}, mouth{}, piston{}, eye{};  ///< page: the barrel's pin and open end, the rod's inner end and pin
 };
 
+/// The edges of a contact's outline in this part of it, without those at which outlines are divided into parts.
+std::vector<std::pair<PointRef, PointRef>> edges_of_contact(const Scene& scene, std::size_t stop);
+
 /// The part of the world, m, that bodies, joints, springs and centres of mass take up in a position.
 Box extent_of(const Scene& scene, const Readings& readings);
 
@@ -112,7 +115,8 @@ class Stage : public Sizes {
   const std::vector<Strung>& strung() const { return strung_; }
   /// Points of a body on the page, in the position drawn.
   const std::vector<Vec2>& points_of(int body) const { return points_[static_cast<std::size_t>(body)]; }
-  /// The ends of a body whose points lie on one line, or the corners of one whose points do not.
+  /// The ends of a body whose points lie on one line, or the corners of one whose points do not: those of the outline
+  /// at which others touch it, or of the convex hull of its points.
   std::vector<Vec2> outline(int body, const Readings& readings) const;
   /// Directions in which things leave a place on the page: bodies, bars, springs and dampers that have a point there.
   std::vector<Vec2> members_at(Vec2 place) const;
@@ -158,6 +162,7 @@ class Stage : public Sizes {
 
   std::vector<Strung> strung_;
   std::vector<std::vector<Vec2>> points_;  // of bodies, on the page
+  std::vector<std::vector<Vec2>> shapes_;  // by outlines of contacts, in the frames of bodies; empty of others
   Choices* before_;
 };
 

@@ -102,10 +102,15 @@ void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* active) 
 
 /// The outline that the circle around a point touches, and the circle.
 void draw_contact(Stage& stage, const Stop& stop, const Reaction* active) {
+  const auto [colour, width] = colours(active != nullptr);
   const Outline& outline = stop.on.outline;
-  std::vector<Vec2> way;
-  for (const PointRef& point : outline.points) way.push_back(stage.page(point));
-  if (outline.form != Outline::Form::polygon) {
+  if (outline.form == Outline::Form::polygon) {
+    const auto index = static_cast<std::size_t>(&stop - stage.scene.stops.data());
+    for (const auto& [from, to] : edges_of_contact(stage.scene, index))
+      stage.canvas.line(stage.page(from), stage.page(to), {.stroke = colour, .width = width});
+  } else {
+    std::vector<Vec2> way;
+    for (const PointRef& point : outline.points) way.push_back(stage.page(point));
     const Vec2 centre = way[0], begin = way[1] - centre, end = way[2] - centre;
     // The page is mirrored: counter-clockwise there is clockwise here.
     const double sense = outline.form == Outline::Form::hollow_arc ? -1.0 : 1.0;
@@ -114,11 +119,8 @@ void draw_contact(Stage& stage, const Stop& stop, const Reaction* active) {
     constexpr int pieces = 48;
     way.clear();
     for (int k = 0; k <= pieces; ++k) way.push_back(centre + begin * unit(sense * sweep * k / pieces));
-  } else if (!outline.backed) {
-    way.push_back(way.front());
+    stage.canvas.polyline(std::move(way), {.stroke = colour, .width = width});
   }
-  const auto [colour, width] = colours(active != nullptr);
-  stage.canvas.polyline(std::move(way), {.stroke = colour, .width = width});
   const Vec2 centre = stage.page(stop.on.b);
   const double radius = stage.scale * stop.min;
   if (radius > stage.pin_radius) stage.canvas.circle(centre, radius, {.stroke = colour, .width = width});
@@ -166,6 +168,41 @@ void draw_line_stop(Stage& stage, const Stop& stop, const LimitedLine& line, dou
   if (std::isfinite(stop.max)) mark(stop.max, 1.0);
 }
 
+/// A pin in a hole: as much wider than the pin as it is loose.
+void draw_loose_pin(Stage& stage, const Stop& stop, const Reaction* active) {
+  const auto [colour, width] = colours(active != nullptr);
+  const Vec2 pin = stage.page(stop.on.b);
+  stage.canvas.circle(stage.page(stop.on.a), stage.pin_radius + stage.scale * stop.max,
+                      {.stroke = colour, .width = width});
+  draw_pin(stage.canvas, pin, stage.pin_radius);
+  if (active) label_active(stage, stop, *active, pin, {0, -1}, stage.pin_radius + 5);
+}
+
+/// A pin in a slot: as much wider than the pin as it is loose.
+void draw_loose_slot(Stage& stage, const Stop& stop, double now, const Reaction* active) {
+  constexpr double beyond = 24.0;  // px, to either side
+  const LimitedLine line = component_line(stage, stop.on);
+  const Vec2 along = quarter_turn(line.along);
+  const double pin = dot(stage.page(stop.on.b) - stage.page(stop.on.a), along);
+  const double half = stage.pin_radius + stage.scale * stop.max;
+  const Vec2 from = line.origin - (std::max(pin, 0.0) + beyond) * along;
+  const Vec2 to = line.origin + (std::max(-pin, 0.0) + beyond) * along;
+  constexpr int pieces = 12;
+  std::vector<Vec2> rim;
+  for (const auto& [end, sign] : {std::pair(to, 1.0), std::pair(from, -1.0)}) {
+    for (int k = 0; k <= pieces; ++k) {
+      const Vec2 turned = unit(M_PI * k / pieces - M_PI / 2);
+      rim.push_back(end + sign * half * (turned.x * along + turned.y * line.along));
+    }
+  }
+  stage.canvas.polygon(std::move(rim), {.stroke = ink::free_stop, .width = 1.2});
+  draw_pin(stage.canvas, stage.page(stop.on.b), stage.pin_radius);
+  if (active == nullptr) return;
+  const Vec2 side = (pressed_limit(stop, now).value > 0.0 ? half : -half) * line.along;
+  stage.canvas.line(from + side, to + side, {.stroke = ink::stop, .width = 2.6});
+  label_active(stage, stop, *active, line.origin + side, (1 / half) * side, 8);
+}
+
 /// Draws one in the state that is named, unless it has no place of its own.
 void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* active, const std::string& state) {
   stage.canvas.item(stop.family() + " " + stop.name, state);
@@ -174,7 +211,10 @@ void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* activ
       draw_angle_stop(stage, stop, now, active);
       break;
     case Measure::Kind::distance:
-      draw_distance_stop(stage, stop, active);
+      if (stop.table == "loose_pin")
+        draw_loose_pin(stage, stop, active);
+      else
+        draw_distance_stop(stage, stop, active);
       break;
     case Measure::Kind::travel:
       draw_line_stop(stage, stop, guide_line(stage, stop.on.joint), now, active);
@@ -186,7 +226,10 @@ void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* activ
       draw_line_stop(stage, stop, world_line(stage, stop.on.b, now, {0, 1}), now, active);
       break;
     case Measure::Kind::component:
-      draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
+      if (stop.table == "loose_slot")
+        draw_loose_slot(stage, stop, now, active);
+      else
+        draw_line_stop(stage, stop, component_line(stage, stop.on), now, active);
       break;
     case Measure::Kind::rope:
       draw_rope(stage, stop, active != nullptr || may_be_taut(stage, stop, now));

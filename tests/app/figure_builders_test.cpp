@@ -226,6 +226,50 @@ position = { ball = [0, 0.61547005383792515] }
             std::vector<std::string>{"1.73 N, 1.699 N of it pressing, on ball by ground"});
 }
 
+/// The shapes of a kind that an item has in its first frame.
+template <class Kind>
+std::vector<Kind> shapes_of(const Figure& figure, const std::string& item) {
+  std::vector<Kind> out;
+  for (const PlacedShape& shape : placed_shapes(figure.drawing.frames.front().canvas)) {
+    if (const auto* const one = std::get_if<Kind>(&shape.shape); one != nullptr && shape.item->name == item)
+      out.push_back(*one);
+  }
+  return out;
+}
+
+// The wheel has twelve teeth, not the convex hull of their tips, and no line divides it.
+TEST(FigureBuilders, ABodyHasTheOutlineThatOthersTouch) {
+  const StaticModel model(read_scene(app_tests::dataset("ratchet")));
+  const Figure figure = assembled_figure(model, analyse_mobility(model));
+  checked(figure, "ratchet");
+  const auto wheel = shapes_of<shape::Polygon>(figure, "wheel");
+  ASSERT_FALSE(wheel.empty());
+  EXPECT_EQ(wheel.front().points.size(), 24U);
+  std::size_t edges = 0;
+  for (const Stop& stop : model.scene().stops) edges += shapes_of<shape::Line>(figure, "contact " + stop.name).size();
+  EXPECT_EQ(edges, 24U);
+}
+
+// The hole is as much wider than the pin as the pin is loose.
+TEST(FigureBuilders, APinWithClearanceIsInItsHole) {
+  const StaticModel model(parse_scene(R"([ground]
+points = { A = [0, 0] }
+[body.arm]
+points = { A = [0, 0], B = [1, 0] }
+mass = 1
+[[loose_pin]]
+name = "A"
+points = ["ground.A", "arm.A"]
+clearance = 0.05
+)",
+                                      "arm.toml"));
+  const Figure figure = assembled_figure(model, analyse_mobility(model));
+  checked(figure, "pin with clearance");
+  const auto circles = shapes_of<shape::Circle>(figure, "loose pin A");
+  ASSERT_EQ(circles.size(), 2U);
+  EXPECT_NEAR(circles[0].radius - circles[1].radius, 0.05 * figure.drawing.view.scale, 1e-9);
+}
+
 TEST(FigureBuilders, ForcesOverARange) {
   Scene scene = read_scene(app_tests::dataset("lift"));
   scene.drives = {find_drive(scene, "obd")};
