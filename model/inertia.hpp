@@ -35,6 +35,9 @@ class Inertia {
   void add_body(int body, const BodyInertia<T>& part, const Planar<T>* pose, const T* a, const Planar<T>* second, T* g,
                 const Planar<T>& frame = {}) const;
 
+  /// With it as `frame` bodies have no weight.
+  const Planar<T>& gravity() const { return gravity_; }
+
   /// M(q), n x n, row by row: kg m^2 between angles, kg m with one length, kg between lengths. `pose` from place().
   void mass_matrix(const Planar<T>* pose, T* m) const;
 

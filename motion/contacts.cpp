@@ -61,6 +61,19 @@ double first_fall(const Quintic& p, double past) {
   return 0.0;
 }
 
+/// What a place may pass by within a step: the shortest edge of an outline, or the radius of an arc; the circle outside
+/// of which a distance is. Inside of a circle there is nothing to pass.
+double feature_of(const Scene& scene, const Stop& stop, const Touch& at) {
+  const std::vector<PointRef>& points = stop.on.outline.points;
+  double shortest = std::numeric_limits<double>::infinity();
+  if (points.size() < 2) return !at.upper && stop.min > 0.0 ? stop.min : shortest;
+  const std::size_t edges = stop.on.outline.form == Outline::Form::polygon ? points.size() - 1 : 1;
+  for (std::size_t k = 0; k < edges; ++k) {
+    shortest = std::min(shortest, norm(scene.local(points[k + 1]) - scene.local(points[k])));
+  }
+  return shortest;
+}
+
 }  // namespace
 
 Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& variations)
@@ -80,6 +93,10 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
       for (const int i : side.on.support()) {
         if (i < model.layout().angles) angles_.push_back(i);
       }
+      using Kind = Measure::Kind;
+      side.curved = stop.on.kind == Kind::distance || stop.on.kind == Kind::rope || stop.on.kind == Kind::clearance;
+      side.feature = feature_of(scene, stop, side.at);
+      are_curved_ = are_curved_ || side.curved;
       if (const int element = stop_friction_element(scene, side.at.stop); element >= 0) {
         const auto place = static_cast<std::size_t>(element);
         side.slip = {scene, model.layout(), phasors, scene.elements[place].on};
@@ -163,6 +180,7 @@ void Contacts::watch(const Reduced& motion) {
     side.gap = now.value;
     side.rate = now.rate;
     side.acceleration = now.acceleration;
+    side.place = side.on.place(here);
     side.speed = std::max(side.speed, std::abs(now.rate));
   }
   for (std::size_t k = 0; k < motion.touching().size(); ++k) {
@@ -208,24 +226,32 @@ double Contacts::first_hit(const Reduced& motion, double h) {
   return hit_ == none ? 0.0 : first * h;
 }
 
-std::vector<double> Contacts::ends(const Reduced& motion) {
-  std::vector<double> out;
+std::vector<Contacts::End> Contacts::ends(const Reduced& motion) {
+  std::vector<End> out;
   const Configuration<double> here = place(motion.q());
   for (const Side& side : sides_) {
     const Gap now = gap_of(side, here, motion);
-    out.insert(out.end(), {now.value, now.rate, now.acceleration});
+    out.push_back({now.value, now.rate, now.acceleration, side.on.place(here)});
   }
   return out;
 }
 
-bool Contacts::are_followed(const Reduced& motion, double h, const std::vector<double>& ends) {
+bool Contacts::are_followed(const Reduced& motion, double h, const std::vector<End>& ends, bool turns) {
   constexpr double well = 1e-6, far = 30.0;
+  // A way is longer than two chords of it.
+  constexpr double longer = 1.5, part_of_feature = 0.25;
   const Configuration<double> here = place(motion.q());
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     const Side& side = sides_[k];
-    if (side.touched || side.idle) continue;
-    const double* end = &ends[3 * k];
-    const Quintic p{h, side.gap, side.rate, side.acceleration, end[0], end[1], end[2]};
+    if (side.touched || side.idle || !(side.curved || turns)) continue;
+    const End& end = ends[k];
+    if (side.place && end.place) {
+      const Planar<double> middle = *side.on.place(here);
+      const double way = longer * (norm(middle - *side.place) + norm(*end.place - middle));
+      if (side.gap + end.gap > way) continue;
+      if (way > part_of_feature * side.feature) return false;
+    }
+    const Quintic p{h, side.gap, side.rate, side.acceleration, end.gap, end.rate, end.acceleration};
     const double now = gap(side, here), off = std::abs(now - p.at(0.5));
     if (off > well && std::min({now, p.at(0.5), p.at(0.25), p.at(0.75)}) < far * off) return false;
   }

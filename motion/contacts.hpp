@@ -47,11 +47,20 @@ class Contacts {
     double gap = 0.0, time = 0.0;
   };
   Miss miss(const ReducedMotion<double>& motion);
-  /// Whether first_hit() would follow the gaps: where `motion` is, half-way in a step of h that ends in `ends`, they
-  /// are those of the polynomials, or far from zero in comparison.
-  bool are_followed(const ReducedMotion<double>& motion, double h, const std::vector<double>& ends);
-  /// Gaps, their rates and accelerations where `motion` is, of all sides.
-  std::vector<double> ends(const ReducedMotion<double>& motion);
+  /// A gap, its rate and acceleration, and CompiledMeasure::place() of its measure.
+  struct End {
+    double gap = 0.0, rate = 0.0, acceleration = 0.0;
+    std::optional<Planar<double>> place{};
+  };
+  /// Those of all sides where `motion` is.
+  std::vector<End> ends(const ReducedMotion<double>& motion);
+  /// Whether first_hit() would follow the gaps in a step of h that ends in `ends`, half-way in which `motion` is: they
+  /// do not close on the way from place to place; or this way is short for what the outline or distance is like, and
+  /// gaps are those of the polynomials, or far from zero in comparison. Where nothing `turns` far the gaps of other
+  /// measures are taken to be.
+  bool are_followed(const ReducedMotion<double>& motion, double h, const std::vector<End>& ends, bool turns);
+  /// Whether some gap is no polynomial of lengths.
+  bool are_curved() const { return are_curved_; }
   /// The least distance by which a gap passed zero since the last node without touching: its polynomial comes nearer to
   /// zero than `within` and rises again. None if none does.
   std::optional<Touch> grazed(const ReducedMotion<double>& motion, double h, double within);
@@ -104,6 +113,9 @@ class Contacts {
     std::optional<CompiledMeasure<double>> slip{};                  // along which it rubs
     std::vector<CompiledMeasure<VariedModel::Dual>> varied_slip{};  // by variation
     double limit = 0.0;
+    bool curved = false;                               // no polynomial of lengths
+    double feature = 0.0;                              // of a measure with a place: size of what it may pass
+    std::optional<Planar<double>> place{};             // at the last node
     double gap = 0.0, rate = 0.0, acceleration = 0.0;  // at the last node
     double speed = 0.0;                                // largest rate yet
     bool touched = false;
@@ -147,7 +159,7 @@ class Contacts {
   std::vector<Side> sides_;
   std::vector<int> angles_;
   ImpactLaw law_ = ImpactLaw::energetic;
-  bool rubs_ = false;
+  bool rubs_ = false, are_curved_ = false;
   std::vector<Planar<double>> pose_;
   std::size_t least_ = none, hit_ = none;
   double strongest_ = 0.0;  // force yet

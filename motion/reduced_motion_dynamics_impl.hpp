@@ -312,7 +312,7 @@ void ReducedMotion<T>::add_influence(const Influence& influence, const T* a, con
   }
   inertia_.add_body(influence.body,
                     {static_cast<T>(influence.mass), planar_cast<T>(influence.first), static_cast<T>(influence.moment)},
-                    pose_.data(), a, second, g, jumps_ ? Planar<T>{} : input_forces_.frame());
+                    pose_.data(), a, second, g, jumps_ ? inertia_.gravity() : input_forces_.frame());
 }
 
 template <class T>

@@ -185,6 +185,8 @@ class Simulation {
       Event event;
       event.hits = contacts_.act() && ends_.meets_hit(t);
       const double to_hit = step_.length;
+      // Gaps that could not be followed over more will not be over the next step.
+      if (!event.hits && to_hit < to_border) h = std::min(h, 2 * to_hit);
       const bool switches = can_switch() && ends_.meets_event(t);
       if (switches) meet(event, to_hit);
       if (contacts_.act() && !event.hits) note_grazing(t);

@@ -35,7 +35,12 @@ bool StepEnds::meets_hit(double t) {
   // be so by chance.
   constexpr double little = 0.3, too_far = 1.0;
   constexpr int most_repeats = 6, most_halvings = 12;
-  for (int k = 0; k < most_halvings && turned() > little && (turned() > too_far || !follows_gaps(t)); ++k) {
+  const auto is_followed = [&] {
+    const bool turns = turned() > little;
+    if (!turns && !contacts_.are_curved()) return true;
+    return !(turned() > too_far) && follows_gaps(t, turns);
+  };
+  for (int k = 0; k < most_halvings && !is_followed(); ++k) {
     step_.repeat(t, step_.length / 2, [] { return 0.0; });
   }
   const double whole = step_.length;
@@ -125,14 +130,14 @@ double StepEnds::turned() const {
 }
 
 // Whether the gaps half-way in the step just made are those of their polynomials, or not near zero.
-bool StepEnds::follows_gaps(double t) {
-  const std::vector<double> ends = contacts_.ends(reduced_);
+bool StepEnds::follows_gaps(double t, bool turns) {
+  const std::vector<Contacts::End> ends = contacts_.ends(reduced_);
   end_.assign(reduced_.q(), reduced_.q() + n_);
   state_within(0.5);
   reduced_.expect(step_.node.data());
   step_.evaluate(t);
   const bool placed = reduced_.place(t + step_.length / 2, within_.data()) == ReducedMotion<double>::Status::ok;
-  const bool follows = placed && contacts_.are_followed(reduced_, step_.length, ends);
+  const bool follows = placed && contacts_.are_followed(reduced_, step_.length, ends, turns);
   reduced_.expect(end_.data());
   step_.evaluate_end(t);
   return follows;

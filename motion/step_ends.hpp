@@ -57,7 +57,7 @@ class StepEnds {
   }
   double margin() { return std::min(friction_margin(), contacts_.force_margin(reduced_)); }
   double turned() const;
-  bool follows_gaps(double t);
+  bool follows_gaps(double t, bool turns);
   void state_within(double x);
   double margin_within(double t, double x);
   double first_passing(double t, double margin_at_end);

@@ -26,6 +26,8 @@ class DistanceMeasure {
   int scratch_size() const { return d_.size(); }
 
   T value(const Configuration<T>& at) const { return length_of(d_.at(at.pose)); }
+  /// d.
+  Planar<T> place(const Configuration<T>& at) const { return d_.at(at.pose); }
 
   template <class Use>
   void gradient(const Configuration<T>& at, Use use) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -71,6 +72,19 @@ class CompiledMeasure {
   }
   T third(const Configuration<T>& at, const T* u, const T* v, const T* w) const {
     return std::visit([&](const auto& g) { return g.third(at, u, v, w); }, form_);
+  }
+
+  /// Of a distance the vector between its points, of an outline the place of the point in the outline's frame: a
+  /// distance, and a clearance outside of the outline, change by no more than this moves. None of others.
+  std::optional<Planar<T>> place(const Configuration<T>& at) const {
+    return std::visit(
+        [&]<class G>(const G& g) -> std::optional<Planar<T>> {
+          if constexpr (requires { g.place(at); })
+            return g.place(at);
+          else
+            return std::nullopt;
+        },
+        form_);
   }
 
   /// Dg[u].

@@ -56,6 +56,11 @@ class OutlineMeasure {
   int scratch_size() const { return scratch_of_components() + static_cast<int>(support().size()); }
 
   T value(const Configuration<T>& at) const { return function(at).value; }
+  /// (x, y).
+  Planar<T> place(const Configuration<T>& at) const {
+    const auto value = [&](const auto& component) { return component.value(at); };
+    return {std::visit(value, x_), std::visit(value, y_)};
+  }
 
   template <class Use>
   void gradient(const Configuration<T>& at, Use use) const {
@@ -126,9 +131,7 @@ class OutlineMeasure {
   }
 
   PlaneValue<T> function(const Configuration<T>& at) const {
-    const auto value = [&](const auto& component) { return component.value(at); };
-    const Planar<T> place{std::visit(value, x_), std::visit(value, y_)};
-    return along_ ? outline_.along(place, radius_) : outline_.clearance(place);
+    return along_ ? outline_.along(place(at), radius_) : outline_.clearance(place(at));
   }
 
   // Gives the derivatives of both components by each slot, in the scratch behind that of the components.
