@@ -181,7 +181,7 @@ class TimesOfImpacts : public test::WrittenExperiment {
   static std::string experiment(const std::string& keys, const std::string& further = "") {
     return "scene = \"scene.toml\"\n[[sensor]]\nname = \"click\"\nimpacts = \"floor\"\n" + keys +
            "[[unknown]]\npath = \"stop.floor.restitution\"\n" + further +
-           "[[run]]\nstart_known = true\nrelease = { y = 0.9 }\ndata = \"clicks.csv\"\n";
+           "[[run]]\nstart_known = true\nrelease = { y = 0.9 }\nrelease_rate = { y = 0 }\ndata = \"clicks.csv\"\n";
   }
 };
 
@@ -224,18 +224,19 @@ TEST_F(TimesOfImpacts, RefuseWhatTheyCannotHave) {
   folder_.write("clicks.csv", "time,click\n0.4,1\n0.9,1\n1.3,1\n");
   EXPECT_EQ(error(experiment("noise = 1e-4\n")), "");
   EXPECT_EQ(error(experiment("")),
-            "experiment.toml:2: sensor: expected the deviation of its times, s; add noise = NUMBER");
+            "experiment.toml:2: sensor \"click\": expected the deviation of its times, s; add noise = NUMBER");
   EXPECT_EQ(error(experiment("noise = 1e-4\ndelay = 0.1\n")),
-            "experiment.toml:6: sensor.delay: expected no such key of a sensor of impacts; leave it out");
-  EXPECT_EQ(error(experiment("noise = 1e-4\n", "[[unknown]]\npath = \"sensor.click.factor\"\n")),
-            "experiment.toml:9: unknown.path: expected sensor.click.zero, the only number of a sensor of impacts that "
-            "can be unknown");
+            "experiment.toml:6: sensor \"click\".delay: expected no such key of a sensor of impacts; leave it out");
+  EXPECT_EQ(
+      error(experiment("noise = 1e-4\n", "[[unknown]]\npath = \"sensor.click.factor\"\n")),
+      "experiment.toml:9: unknown 2.path: expected sensor.click.zero, the only number of a sensor of impacts that "
+      "can be unknown");
   std::string other = experiment("noise = 1e-4\n");
   other.replace(other.find("\"floor\""), 7, "\"flor\"");
-  EXPECT_EQ(
-      error(other),
-      "experiment.toml:4: sensor.impacts: expected the name of a stop, contact, rope or cam that may be hit, found "
-      "\"flor\"; did you mean \"floor\"?");
+  EXPECT_EQ(error(other),
+            "experiment.toml:4: sensor \"click\".impacts: expected the name of a stop, contact, rope or cam that may "
+            "be hit, found "
+            "\"flor\"; did you mean \"floor\"?");
 }
 
 }  // namespace

@@ -579,6 +579,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"bump_stop", point_to_point},
                                                 {"damper", point_to_point},
                                                 {"torsion_damper", two_links},
+                                                {"motor", {nowhere, on_crank}},
                                                 {"friction", two_links},
                                                 {"force", {block}},
                                                 {"distributed_load", {knee, {185, 22}}},
