@@ -41,6 +41,7 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw dashpot = [](Canvas& c) {
     draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
   };
+  static const Draw motor = [](Canvas& c) { draw_motor(c, {17, 0}, 9, {.stroke = ink::drive, .width = 1.4}); };
   static const Draw bar = [](Canvas& c) { draw_massless_bar(c, {3, 0}, {31, 0}, 5.0); };
   static const Draw pitch_circle = [](Canvas& c) {
     c.circle({17, 0}, 9, {.stroke = ink::free_stop, .width = 1.3, .dash = "7 2 2 2"});
@@ -73,6 +74,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::gas_strut, "gas strut, tension +", strut},
       {Sign::torsion_spring, "torsion spring, moment on its second body", spiral},
       {Sign::damper, "damper, no force in equilibrium", dashpot},
+      {Sign::motor, "motor, off in statics", motor},
       {Sign::massless_bar, "massless bar, tension +", bar},
       {Sign::centre_of_mass, "centre of mass", centre},
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},

@@ -22,6 +22,7 @@ enum class Sign {
   gas_strut,
   torsion_spring,
   damper,
+  motor,
   massless_bar,
   centre_of_mass,
   rope,

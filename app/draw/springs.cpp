@@ -147,6 +147,20 @@ void draw_torsion_spring(Stage& stage, std::size_t i, std::vector<Vec2>& pivots)
   stage.label(text, at, {0.7, -0.7}, radius + 4, ink::spring);
 }
 
+/// A motor stands at its pivot.
+void draw_motor_of(Stage& stage, std::size_t i) {
+  const Element& motor = stage.scene.elements[i];
+  const Vec2 at = stage.pivot(motor.on.body_a, motor.on.body_b);
+  const bool full = stage.detail == Detail::full;
+  const double radius = full ? 13.0 : 6.0;
+  stage.canvas.item(motor.family() + " " + motor.name, state_of(stage, motor, stage.now.elements[i]));
+  draw_motor(stage.canvas, at, radius, {.stroke = ink::drive, .width = full ? 1.6 : 0.9});
+  stage.signs.insert(Sign::motor);
+  if (!full) return;
+  stage.setter.avoid(at, radius);
+  stage.label(motor.name, at, {-0.7, -0.7}, radius + 4, ink::drive);
+}
+
 }  // namespace
 
 void draw_springs_and_dampers(Stage& stage) {
@@ -175,6 +189,7 @@ void draw_springs_and_dampers(Stage& stage) {
   for (std::size_t i = 0; i < elements.size() && !sketch; ++i) {
     const bool torsion = stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle;
     if (torsion && !std::holds_alternative<CompliantStop>(elements[i].law)) draw_torsion_spring(stage, i, pivots);
+    if (is_motor(elements[i].law)) draw_motor_of(stage, i);
   }
   stage.canvas.close();
 }

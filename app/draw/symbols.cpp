@@ -166,6 +166,14 @@ void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& 
   canvas.polyline(points, paint);
 }
 
+void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint) {
+  canvas.circle(at, radius, paint);
+  std::vector<Vec2> letter;
+  for (const Vec2 p : {Vec2{-1, 1}, Vec2{-1, -1}, Vec2{0, 0.3}, Vec2{1, -1}, Vec2{1, 1}})
+    letter.push_back(at + 0.45 * radius * p);
+  canvas.polyline(letter, paint);
+}
+
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash) {
   const Vec2 u = direction(tail, tip);
   const double head = std::min(5.0 + 2.6 * width, 0.8 * norm(tip - tail));

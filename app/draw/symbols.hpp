@@ -42,6 +42,8 @@ void draw_dashpot(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint
 void draw_gas_strut(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& paint);
 /// A torsion spring as a spiral round `at` that ends in direction `end` at `radius`.
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint);
+/// A motor: an M in a circle.
+void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint);
 
 /// An arrow from tail to tip.
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash = {});
