@@ -213,6 +213,25 @@ void draw_distributed(Stage& stage, const Force& force, Vec2 now, bool named) {
   stage.signs.insert(Sign::load);
 }
 
+/// The forces of what is touched: in motion of all stops, at rest of contacts and of what has clearance.
+std::vector<TouchingForce> touching_in(const Stage& stage) {
+  std::vector<TouchingForce> out = stage.picture.touching;
+  if (!stage.picture.reactions) return out;
+  for (const Reaction& reaction : *stage.picture.reactions) {
+    if (!reaction.of_stop() || static_cast<std::size_t>(reaction.stop) >= stage.scene.stops.size()) continue;
+    const auto stop = static_cast<std::size_t>(reaction.stop);
+    const std::string& table = stage.scene.stops[stop].table;
+    if (!table.starts_with("contact") && !table.starts_with("loose_")) continue;
+    out.push_back({.stop = stop,
+                   .body_a = reaction.body_a,
+                   .body_b = reaction.body_b,
+                   .at = reaction.at,
+                   .force = reaction.force,
+                   .pressing = norm(reaction.force)});
+  }
+  return out;
+}
+
 }  // namespace
 
 void draw_loads(Stage& stage) {
@@ -263,11 +282,12 @@ void draw_reactions(Stage& stage) {
 }
 
 void draw_contact_forces(Stage& stage) {
-  if (stage.picture.touching.empty()) return;
+  const std::vector<TouchingForce> touching = touching_in(stage);
+  if (touching.empty()) return;
   constexpr std::string_view layer = "contact-forces";
   stage.canvas.open(layer);
   stage.label_layer = layer;
-  for (const TouchingForce& one : stage.picture.touching) {
+  for (const TouchingForce& one : touching) {
     const Stop& stop = stage.scene.stops[one.stop];
     const std::string& on = stage.scene.bodies[static_cast<std::size_t>(one.body_b)].name;
     const std::string& by = stage.scene.bodies[static_cast<std::size_t>(one.body_a)].name;
@@ -287,7 +307,9 @@ void draw_contact_forces(Stage& stage) {
       item("force", stage.value(size, Quantity::force) +
                         (rubs ? fmt::format(", {} of it pressing,", stage.value(one.pressing, Quantity::force)) : ""));
       const Vec2 at = stage.page(one.at);
-      const std::string text = stage.detail == Detail::full ? stage.value(size, Quantity::force) : "";
+      // At rest the stop's own label says it.
+      const bool is_said = stage.detail != Detail::full || stage.picture.reactions;
+      const std::string text = is_said ? "" : stage.value(size, Quantity::force);
       draw_force(stage, at, leaving(stage, at, one.force), text, ink::stop, 1.8, "");
     }
     stage.signs.insert(Sign::contact_force);
