@@ -30,8 +30,15 @@ double difference(const Motion& a, const Motion& b, double of_most) {
   std::vector<int> all(n);
   std::vector<double> reach(n, 0.0), apart(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) all[i] = static_cast<int>(i);
-  TrajectoryReader reader(coarse, all);
+  TrajectoryReader reader(coarse, all), between(fine, all);
   for (std::size_t node = 0; node < fine.nodes() && fine.t[node] <= coarse.t.back(); ++node) {
+    // Nodes of both are near each other, where the reading of neither errs.
+    const double last = node > 0 ? fine.t[node - 1] : fine.t[node], middle = (last + fine.t[node]) / 2;
+    if (middle > last) {
+      reader.at(middle);
+      between.at(middle);
+      for (std::size_t i = 0; i < n; ++i) apart[i] = std::max(apart[i], std::abs(between.q(i) - reader.q(i)));
+    }
     reader.at(fine.t[node]);
     for (std::size_t i = 0; i < n; ++i) {
       reach[i] = std::max(reach[i], std::abs(fine.q[node * n + i] - fine.q[i]));
