@@ -61,6 +61,13 @@ double first_fall(const Quintic& p, double past) {
   return 0.0;
 }
 
+/// Whether a measure is no polynomial of lengths.
+bool is_curved(const Measure& on) {
+  using Kind = Measure::Kind;
+  return on.kind == Kind::distance || on.kind == Kind::rope || on.kind == Kind::clearance ||
+         std::any_of(on.terms.begin(), on.terms.end(), [](const auto& term) { return is_curved(term.measure); });
+}
+
 /// What a place may pass by within a step: the shortest edge of an outline, or the radius of an arc; the circle outside
 /// of which a distance is. Inside of a circle there is nothing to pass.
 double feature_of(const Scene& scene, const Stop& stop, const Touch& at) {
@@ -93,8 +100,7 @@ Contacts::Contacts(const MotionModel& model, const std::vector<Variation>& varia
       for (const int i : side.on.support()) {
         if (i < model.layout().angles) angles_.push_back(i);
       }
-      using Kind = Measure::Kind;
-      side.curved = stop.on.kind == Kind::distance || stop.on.kind == Kind::rope || stop.on.kind == Kind::clearance;
+      side.curved = is_curved(stop.on);
       side.feature = feature_of(scene, stop, side.at);
       are_curved_ = are_curved_ || side.curved;
       if (const int element = stop_friction_element(scene, side.at.stop); element >= 0) {
