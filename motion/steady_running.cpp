@@ -21,17 +21,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double turn = 2 * std::numbers::pi;
-constexpr double motion_accuracy = 1e-11;
+constexpr double running_accuracy = 1e-11;
 /// Of the state after a period, over sizes and speeds.
-constexpr double period_closed_within = 1e-11, period_rounding = 1e-8;
+constexpr double turn_closed_within = 1e-11, turn_closed_at_all = 1e-8;
 /// From here Newton's method takes over.
-constexpr double near_enough = 0.05;
+constexpr double near_running = 0.05;
 constexpr int most_newton_steps = 20;
 /// A first period that takes longer than this, s, is none.
 constexpr double longest_period = 1e4;
 
 /// A state on the section a period after another.
-struct Shot {
+struct Turned {
   std::string why;  ///< empty if it reached the section
   VectorXd after;   ///< P(x)
   MatrixXd by;      ///< DP, where asked for
@@ -98,8 +98,8 @@ class Runs {
     return simulate(model_, start_motion(model_, wanted, &from_, &independent_), options);
   }
 
-  Shot shoot(const VectorXd& x, bool derivatives, double accuracy) {
-    Shot out;
+  Turned shoot(const VectorXd& x, bool derivatives, double accuracy) {
+    Turned out;
     double duration = last_period_ > 0.0 ? 1.1 * last_period_ : first_duration(x);
     for (;; duration *= 2) {
       try {
@@ -205,7 +205,7 @@ class Runs {
     return std::nullopt;
   }
 
-  void read_section(Shot& shot, bool derivatives) const {
+  void read_section(Turned& shot, bool derivatives) const {
     const int f = freedoms();
     TrajectoryReader reader(shot.motion.trajectory, independent_);
     reader.at(shot.period);
@@ -304,18 +304,18 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
   Runs runs(model, start, options);
   VectorXd x = runs.start();
   const auto interrupted = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
-  const auto relative = [&](const Shot& shot, const VectorXd& before) {
+  const auto relative = [&](const Turned& shot, const VectorXd& before) {
     return runs.off(before, shot.after).cwiseQuotient(runs.sizes(shot.period)).cwiseAbs().maxCoeff();
   };
-  Shot shot;
-  for (double near = near_enough; near > period_closed_within; near /= 10) {
+  Turned shot;
+  for (double near = near_running; near > turn_closed_within; near /= 10) {
     for (;;) {
       if (out.periods >= options.most_turns) {
         out.why = fmt::format("after {} periods its speed still changes from each to the next, by {:.2g} of it",
                               out.periods, relative(shot, x));
         return out;
       }
-      shot = runs.shoot(x, false, motion_accuracy);
+      shot = runs.shoot(x, false, running_accuracy);
       if (interrupted()) shot.why = "interrupted";
       if (!shot.why.empty()) {
         out.why = std::move(shot.why);
@@ -329,11 +329,11 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
     }
     VectorXd at = x;
     for (int step = 0; step < most_newton_steps; ++step) {
-      shot = runs.shoot(at, true, motion_accuracy);
+      shot = runs.shoot(at, true, running_accuracy);
       if (!shot.why.empty()) break;
       const VectorXd size = runs.sizes(shot.period), off = runs.off(at, shot.after);
       const double residual = off.cwiseQuotient(size).cwiseAbs().maxCoeff();
-      if (residual < period_closed_within) {
+      if (residual < turn_closed_within) {
         out.found = true;
         break;
       }
@@ -343,7 +343,7 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
       const VectorXd change =
           size.cwiseProduct(solvers::minimum_norm_solution<double>(J, VectorXd(off.cwiseQuotient(size))));
       at += change;
-      if (change.cwiseQuotient(size).cwiseAbs().maxCoeff() < period_closed_within && residual < period_rounding) {
+      if (change.cwiseQuotient(size).cwiseAbs().maxCoeff() < turn_closed_within && residual < turn_closed_at_all) {
         out.found = true;
         break;
       }
@@ -357,7 +357,7 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
     std::sort(out.multipliers.begin(), out.multipliers.end(),
               [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
     out.stable = out.multipliers.empty() || std::abs(out.multipliers.front()) < 1.0;
-    Shot again = runs.shoot(at, false, motion_accuracy / 100);
+    Turned again = runs.shoot(at, false, running_accuracy / 100);
     out.found = again.why.empty();
     if (!out.found) {
       out.why = std::move(again.why);
@@ -367,9 +367,9 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
     out.period = again.period;
     out.direction = runs.direction();
     out.mean = turn * options.turns / out.period;
-    out.motion = runs.move(at, out.period, false, motion_accuracy / 100);
-    out.error = difference(out.motion, runs.move(at, out.period, false, motion_accuracy));
-    if (out.residual > period_rounding) {
+    out.motion = runs.move(at, out.period, false, running_accuracy / 100);
+    out.error = difference(out.motion, runs.move(at, out.period, false, running_accuracy));
+    if (out.residual > turn_closed_at_all) {
       out.found = false;
       out.why = fmt::format("its state after a period differs by {:.2g} from that before", out.residual);
     }
