@@ -12,17 +12,17 @@
 namespace poise::app {
 namespace {
 
-constexpr double turn = 2 * M_PI;
-constexpr int digits = 10;
+constexpr double whole_turn_in_rad = 2 * M_PI;
+constexpr int digits_of_running = 10;
 
-std::string per_minute(double speed) { return fmt::format("{:.7g} turns/min", speed * 60 / turn); }
+std::string per_minute(double speed) { return fmt::format("{:.7g} turns/min", speed * 60 / whole_turn_in_rad); }
 
 std::string speed_in_words(double speed, const Units& units) {
   return fmt::format("{:.9g} {}/s", speed / units.angle, unit_name(Quantity::angle, units));
 }
 
 double angle_in_turn(double angle, const Units& units) {
-  return (angle - turn * std::floor(angle / turn)) / units.angle;
+  return (angle - whole_turn_in_rad * std::floor(angle / whole_turn_in_rad)) / units.angle;
 }
 
 Line verdict(const RunningAnswer& answer, const Units& units) {
@@ -36,7 +36,7 @@ Line verdict(const RunningAnswer& answer, const Units& units) {
 void add_speeds(Group& group, const RunningAnswer& answer, const Units& units) {
   const SteadyRunning& found = answer.found;
   const std::string angle = unit_name(Quantity::angle, units);
-  const Format exact{.style = Format::Style::significant, .digits = digits};
+  const Format exact{.style = Format::Style::significant, .digits = digits_of_running};
   group.entry("period", "period", found.period, "s", exact,
               fmt::format("{} of {}, {}", answer.turns == 1 ? "one turn" : fmt::format("{} turns", answer.turns),
                           answer.turning, found.direction > 0 ? "counter-clockwise" : "clockwise"));
