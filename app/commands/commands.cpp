@@ -61,7 +61,7 @@ std::vector<CommandEntry> all_commands() {
       {modes_command(), "datasets/lift.toml", InPage::of_scene},
       {response_command(), "datasets/forced_machine.toml --excite load.F --of y.machine.C --svg response.svg",
        InPage::of_scene},
-      {running_command(), "datasets/motor_slider_crank.toml --svg running.svg", InPage::of_scene},
+      {running_command(), "datasets/machines/motor_slider_crank.toml --svg running.svg", InPage::of_scene},
       {forces_command(), "datasets/lift.toml --drive stroke=0.5..0.79 --svg forces.svg", InPage::of_scene},
       {equations_command(), "datasets/double_pendulum.toml --from start --code pendulum.c --python pendulum.py",
        InPage::of_scene},

@@ -18,7 +18,7 @@ using nlohmann::json;
 TEST(RunningCommand, SaysHowAMachineRuns) {
   const TempFolder folder;
   const std::string csv = folder.path("turn.csv").string();
-  const json r = run_json(folder, {"running", dataset("motor_slider_crank"), "--csv", csv}, 0);
+  const json r = run_json(folder, {"running", dataset("machines/motor_slider_crank"), "--csv", csv}, 0);
   EXPECT_TRUE(r["found"]);
   EXPECT_TRUE(r["stable"]);
   EXPECT_NEAR(r["period"], 0.12290078165, 1e-11);

@@ -89,7 +89,7 @@ TEST(Motors, UnderAConstantLoadTheSlipIsThatOfTheFormula) {
 
 // A DC motor on a slider crank: ../shared/benchmarks.md 4.3.
 TEST(Motors, ADcMotorTurnsASliderCrank) {
-  const MotionModel model(read_scene(test::dataset("motor_slider_crank.toml")));
+  const MotionModel model(read_scene(test::dataset("machines/motor_slider_crank.toml")));
   RunningOptions options;
   options.coordinate = test::coordinate_of(model, "crank");
   const MotionState rest = test::released(model, {});
