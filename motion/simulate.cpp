@@ -670,7 +670,7 @@ class Simulation {
                              .rate_before = before * unit,
                              .rate_after = after * unit,
                              .impulse = impulse * (turns ? scales.energy() : scales.force),
-                             .energy_lost = -impulse * (before + after) / 2 * scales.energy(),
+                             .energy_lost = 0.0 - impulse * (before + after) / 2 * scales.energy(),
                              .t_p = hit_time_by(),
                              .unique = hit.impact.unique && !grazes});
       if (rests[hit.sides[i]] >= 0.0) {
