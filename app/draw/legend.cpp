@@ -84,7 +84,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::rolling, "wheel or curve that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
-      {Sign::contact_force, "force of a contact, on the body named", an_arrow(ink::stop, 1.8)},
+      {Sign::contact_force, "force of a contact", an_arrow(ink::stop, 1.8)},
       {Sign::impact, "impact, larger with its impulse",
        [](Canvas& c) {
          draw_burst(c, {17, 0}, 4.0, 10.0, {.stroke = ink::stop, .width = 1.8});
