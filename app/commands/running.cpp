@@ -136,7 +136,7 @@ int run_running(const RunningRequest& request, const Palette& palette) {
     }
     if (files.wants_html()) {
       const MotionRecord moving = record(model, answer.found.motion, instants / answer.found.period, false);
-      pictures.figures = {motion_figure(model, answer.found.motion, moving, {}, answer.found.stable)};
+      pictures.figures = {motion_figure(scene, model, answer.found.motion, moving, {}, answer.found.stable)};
       for (Figure& figure : chart_figures("Over the period", std::move(panels)))
         pictures.figures.push_back(std::move(figure));
     }
