@@ -38,9 +38,10 @@ void add_speeds(Group& group, const RunningAnswer& answer, const Units& units) {
   const std::string angle = unit_name(Quantity::angle, units);
   const Format exact{.style = Format::Style::significant, .digits = digits_of_running};
   group.entry("period", "period", found.period, "s", exact,
-              fmt::format("{} of {}, {}", answer.turns == 1 ? "one turn" : fmt::format("{} turns", answer.turns),
+              fmt::format("({} of {}, {})", answer.turns == 1 ? "one turn" : fmt::format("{} turns", answer.turns),
                           answer.turning, found.direction > 0 ? "counter-clockwise" : "clockwise"));
-  group.entry("mean_speed", "mean speed", found.mean / units.angle, angle + "/s", exact, per_minute(found.mean));
+  group.entry("mean_speed", "mean speed", found.mean / units.angle, angle + "/s", exact,
+              "(" + per_minute(found.mean) + ")");
   const auto extreme = [&](const char* key, const char* label, const SpeedAt& at) {
     group.entry(key, label, at.speed / units.angle, angle + "/s", exact,
                 fmt::format("at {:.4g} {}", angle_in_turn(at.angle, units), angle));
@@ -68,8 +69,9 @@ void add_stability(Group& group, const SteadyRunning& found) {
   table.data("re", each(found.multipliers, [](const std::complex<double>& z) { return z.real(); }));
   table.data("im", each(found.multipliers, [](const std::complex<double>& z) { return z.imag(); }));
   group.entry("residual", "residual", found.residual, "", {.style = Format::Style::error},
-              "of the state after a period, in a motion a hundred times as accurate");
-  group.entry("error", "error", found.error, "", {.style = Format::Style::error}, "of the motion", Verbosity::verbose);
+              "(of the state after a period, in a motion a hundred times as accurate)");
+  group.entry("error", "error", found.error, "", {.style = Format::Style::error}, "(of the motion)",
+              Verbosity::verbose);
   group.data("periods", found.periods);
 }
 
@@ -99,13 +101,15 @@ void add_joints(Group& group, const MotionModel& model, const RunningAnswer& ans
   const std::vector<std::size_t> rows = places(answer.joints.size());
   const auto range = [&](std::size_t k) -> const QuantityRange& { return answer.ranges[answer.motors.size() + k]; };
   const std::string unit = unit_name(Quantity::force, units);
+  double largest = 0.0;
+  for (const std::size_t k : rows) largest = std::max(largest, range(k).greatest.value);
+  const Format format{.style = Format::Style::significant, .digits = 8, .zero_below = 1e-10 * largest / units.force};
   Table& table = group.table("joint_forces", "Forces of joints over the period", Rows::list);
   table.words("name", "joint", each(rows, [&](std::size_t k) {
                 return model.scene().joints[static_cast<std::size_t>(answer.joints[k].item)].name;
               }));
   const auto column = [&](const char* key, const char* title, auto value) {
-    table.numbers(key, title, unit, each(rows, [&](std::size_t k) { return value(range(k)) / units.force; }),
-                  {.style = Format::Style::significant, .digits = 8});
+    table.numbers(key, title, unit, each(rows, [&](std::size_t k) { return value(range(k)) / units.force; }), format);
   };
   column("mean", "mean", [](const QuantityRange& one) { return one.mean; });
   column("least", "least", [](const QuantityRange& one) { return one.least.value; });
