@@ -68,17 +68,24 @@ bool is_curved(const Measure& on) {
          std::any_of(on.terms.begin(), on.terms.end(), [](const auto& term) { return is_curved(term.measure); });
 }
 
-/// What a place may pass by within a step: the shortest edge of an outline, or the radius of an arc; the circle outside
-/// of which a distance is. Inside of a circle there is nothing to pass.
+/// What a place may pass by within a step: the shortest edge of an outline, or how thin it is, with the circle around
+/// the point; the radius of an arc; the circle outside of which a distance is. Inside of a circle there is nothing.
 double feature_of(const Scene& scene, const Stop& stop, const Touch& at) {
-  const std::vector<PointRef>& points = stop.on.outline.points;
-  double shortest = std::numeric_limits<double>::infinity();
-  if (points.size() < 2) return !at.upper && stop.min > 0.0 ? stop.min : shortest;
-  const std::size_t edges = stop.on.outline.form == Outline::Form::polygon ? points.size() - 1 : 1;
-  for (std::size_t k = 0; k < edges; ++k) {
-    shortest = std::min(shortest, norm(scene.local(points[k + 1]) - scene.local(points[k])));
+  double out = std::numeric_limits<double>::infinity();
+  std::vector<Vec2> points;
+  for (const PointRef& point : stop.on.outline.points) points.push_back(scene.local(point));
+  if (points.size() < 2) return !at.upper && stop.min > 0.0 ? stop.min : out;
+  const bool is_polygon = stop.on.outline.form == Outline::Form::polygon;
+  for (std::size_t k = 0; k + 1 < points.size() && (is_polygon || k == 0); ++k) {
+    out = std::min(out, norm(points[k + 1] - points[k]));
   }
-  return shortest;
+  for (std::size_t k = 0; is_polygon && !stop.on.outline.backed && k < points.size(); ++k) {
+    const Vec2 edge = points[(k + 1) % points.size()] - points[k];
+    double farthest = 0.0;
+    for (const Vec2& point : points) farthest = std::max(farthest, std::abs(cross(edge, point - points[k])));
+    out = std::min(out, farthest / norm(edge));
+  }
+  return out + stop.min;
 }
 
 }  // namespace
@@ -147,6 +154,11 @@ double Contacts::still(const Side& side, const std::vector<double>& v) {
   return std::max(no_rate_of_gap * side.speed, rounding_of_gap_rate * fastest);
 }
 
+void Contacts::read_slope(const Side& side, const Configuration<double>& here, std::vector<double>& slope) {
+  slope.clear();
+  side.on.gradient(here, [&](int, double by) { slope.push_back(by); });
+}
+
 double Contacts::gap(const Side& side, const Configuration<double>& at) {
   return sign(side) * (side.on.value(at) - side.limit);
 }
@@ -164,11 +176,11 @@ double Contacts::acceleration(std::size_t side, const Reduced& motion) {
   return gap_of(sides_[side], place(motion.q()), motion).acceleration;
 }
 
-void Contacts::refuse_start(const double* q) {
+void Contacts::refuse_start(const double* q, double within) {
   const Configuration<double> here = place(q);
   for (Side& side : sides_) {
     side.gap = gap(side, here);
-    if (side.gap >= -no_gap_at_start) continue;
+    if (side.gap >= -std::max(within, no_gap_at_start)) continue;
     const Stop& stop = model_.scene().stops[static_cast<std::size_t>(side.at.stop)];
     const double unit = stop.on.is_angle() ? 1.0 : model_.scales().length;
     throw InputError(
@@ -187,6 +199,7 @@ void Contacts::watch(const Reduced& motion) {
     side.rate = now.rate;
     side.acceleration = now.acceleration;
     side.place = side.on.place(here);
+    if (side.curved && side.touched) read_slope(side, here, side.slope);
     side.speed = std::max(side.speed, std::abs(now.rate));
   }
   for (std::size_t k = 0; k < motion.touching().size(); ++k) {
@@ -238,6 +251,13 @@ std::vector<Contacts::End> Contacts::ends(const Reduced& motion) {
   for (const Side& side : sides_) {
     const Gap now = gap_of(side, here, motion);
     out.push_back({now.value, now.rate, now.acceleration, side.on.place(here)});
+    if (!side.curved || !side.touched || side.slope.empty()) continue;
+    std::vector<double> slope;
+    read_slope(side, here, slope);
+    const auto product = [](const std::vector<double>& a, const std::vector<double>& b) {
+      return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    };
+    out.back().turned = product(slope, side.slope) / std::sqrt(product(slope, slope) * product(side.slope, side.slope));
   }
   return out;
 }
@@ -245,12 +265,13 @@ std::vector<Contacts::End> Contacts::ends(const Reduced& motion) {
 bool Contacts::are_followed(const Reduced& motion, double h, const std::vector<End>& ends, bool turns) {
   constexpr double well = 1e-6, far = 30.0;
   // A way is longer than two chords of it.
-  constexpr double longer = 1.5, part_of_feature = 0.25;
+  constexpr double longer = 1.5, part_of_feature = 0.25, least_turned = 0.9;
   const Configuration<double> here = place(motion.q());
   for (std::size_t k = 0; k < sides_.size(); ++k) {
     const Side& side = sides_[k];
-    if (side.touched || side.idle || !(side.curved || turns)) continue;
     const End& end = ends[k];
+    if (side.touched && end.turned < least_turned) return false;
+    if (side.touched || side.idle || !(side.curved || turns)) continue;
     if (side.place && end.place) {
       const Planar<double> middle = *side.on.place(here);
       const double way = longer * (norm(middle - *side.place) + norm(*end.place - middle));

@@ -30,8 +30,9 @@ class Contacts {
 
   /// Whether the scene has such stops.
   bool act() const { return !sides_.empty(); }
-  /// Throws InputError where a gap is negative at the coordinates q: the motion would begin inside a stop.
-  void refuse_start(const double* q);
+  /// Throws InputError where a gap is negative at the coordinates q, by more than `within` (sizes of the mechanism,
+  /// rad; 0: rounding): the motion would begin inside a stop.
+  void refuse_start(const double* q, double within = 0.0);
   /// Notes gaps, their rates and accelerations at a node of the motion.
   void watch(const ReducedMotion<double>& motion);
   /// Least force of the sides that are touched, over the largest force yet: negative where one would have to pull.
@@ -51,13 +52,14 @@ class Contacts {
   struct End {
     double gap = 0.0, rate = 0.0, acceleration = 0.0;
     std::optional<Planar<double>> place{};
+    double turned = 1.0;  ///< of a curved side that is touched: cosine between its slope and that at the last node
   };
   /// Those of all sides where `motion` is.
   std::vector<End> ends(const ReducedMotion<double>& motion);
   /// Whether first_hit() would follow the gaps in a step of h that ends in `ends`, half-way in which `motion` is: they
   /// do not close on the way from place to place; or this way is short for what the outline or distance is like, and
   /// gaps are those of the polynomials, or far from zero in comparison. Where nothing `turns` far the gaps of other
-  /// measures are taken to be.
+  /// measures are taken to be. What is touched must not turn far: it could go on as if it touched elsewhere.
   bool are_followed(const ReducedMotion<double>& motion, double h, const std::vector<End>& ends, bool turns);
   /// Whether some gap is no polynomial of lengths.
   bool are_curved() const { return are_curved_; }
@@ -116,6 +118,7 @@ class Contacts {
     bool curved = false;                               // no polynomial of lengths
     double feature = 0.0;                              // of a measure with a place: size of what it may pass
     std::optional<Planar<double>> place{};             // at the last node
+    std::vector<double> slope{};                       // there, of a curved side that is touched
     double gap = 0.0, rate = 0.0, acceleration = 0.0;  // at the last node
     double speed = 0.0;                                // largest rate yet
     bool touched = false;
@@ -132,6 +135,8 @@ class Contacts {
     double value, rate, acceleration;
   };
   Configuration<double> place(const double* q);
+  /// Reads the gradient of a side's measure, by the coordinates of its support.
+  static void read_slope(const Side& side, const Configuration<double>& here, std::vector<double>& slope);
   static double sign(const Side& side) { return side.at.upper ? -1.0 : 1.0; }
   static double gap(const Side& side, const Configuration<double>& at);
   /// The rate of the gap at the rates v of all coordinates.

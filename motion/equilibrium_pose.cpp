@@ -17,17 +17,6 @@ constexpr double pose_closed_within = 1e-14;
 // Loops that remain open by more than this are an error.
 constexpr double pose_open_beyond = 1e-9;
 
-double largest_gap(const MotionModel& motion, const std::vector<double>& x) {
-  const Mechanism<double>& m = motion.mechanism();
-  std::vector<Planar<double>> pose(m.pose_size());
-  std::vector<double> c(m.constraints());
-  m.place(x.data(), pose.data());
-  m.constraint(x.data(), pose.data(), c.data());
-  double widest = 0.0;
-  for (int r = 0; r < m.equalities(); ++r) widest = std::max(widest, std::abs(c[r]));
-  return widest;
-}
-
 /// Sets the coordinates that cut joints make to poses of the bodies, SI.
 template <class Find>
 void place_what_is_cut(const MotionModel& motion, const std::vector<BodyPose<double>>& poses, const Find& find,
@@ -59,6 +48,17 @@ void place_what_is_cut(const MotionModel& motion, const std::vector<BodyPose<dou
 }
 
 }  // namespace
+
+double largest_gap(const MotionModel& motion, const std::vector<double>& x) {
+  const Mechanism<double>& m = motion.mechanism();
+  std::vector<Planar<double>> pose(m.pose_size());
+  std::vector<double> c(m.constraints());
+  m.place(x.data(), pose.data());
+  m.constraint(x.data(), pose.data(), c.data());
+  double widest = 0.0;
+  for (int r = 0; r < m.equalities(); ++r) widest = std::max(widest, std::abs(c[r]));
+  return widest;
+}
 
 std::vector<double> motion_coordinates(const MotionModel& motion, const StaticModel& statics,
                                        const std::vector<double>& static_x) {

@@ -23,6 +23,9 @@ std::vector<double> coordinates_in(const MotionModel& motion, const ScaledModel&
 /// Whether joints are cut in a layout.
 bool has_cuts(const Layout& layout);
 
+/// The widest opening of a loop at the scaled coordinates x: rad, or sizes of the mechanism.
+double largest_gap(const MotionModel& motion, const std::vector<double>& x);
+
 /// Closes the loops of the scaled coordinates x by minimum-norm steps. Throws InputError if that fails.
 std::vector<double> closed_from(const MotionModel& motion, std::vector<double> x);
 

@@ -124,7 +124,7 @@ bool is_unique(const MatrixXd& D, const VectorXd& impulse, const VectorXd& after
 template <class T>
 struct Impulses {
   Vector<T> at, along;
-  Vector<T> rate;  // of the gaps after them
+  Vector<T> rate, slip;  // of the gaps, and along them, after them
   T energy_lost = T(0), terms = T(0);
   bool keeps_open = false;
   bool unique = true;
@@ -221,6 +221,7 @@ void state(const Matrix<T>& D, const std::vector<SideIn<T>>& sides, Impulses<T>&
   if (D.rows() > m) all.tail(m) = out.along;
   const Vector<T> change = D * all;
   out.rate.resize(m);
+  out.slip = Vector<T>::Constant(m, T(0));
   out.energy_lost = out.terms = T(0);
   double fastest = 0.0, lowest = 0.0;
   for (Eigen::Index i = 0; i < m; ++i) {
@@ -235,7 +236,9 @@ void state(const Matrix<T>& D, const std::vector<SideIn<T>>& sides, Impulses<T>&
       out.terms += abs(impulse) * (abs(before) + abs(then)) / 2.0;
     };
     take(out.at[i], side.rate, out.rate[i]);
-    if (D.rows() > m) take(out.along[i], side.slip, side.slip + change[m + i]);
+    if (D.rows() == m) continue;
+    out.slip[i] = side.slip + change[m + i];
+    take(out.along[i], side.slip, out.slip[i]);
   }
   out.keeps_open = lowest >= -1e-9 * fastest;
 }
@@ -352,6 +355,7 @@ Impact impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw
   out.impulse.assign(by->at.begin(), by->at.end());
   out.rub.assign(by->along.begin(), by->along.end());
   out.rate.assign(by->rate.begin(), by->rate.end());
+  out.slip.assign(by->slip.begin(), by->slip.end());
   out.energy_lost = by->energy_lost;
   out.gains = by->gains();
   out.unique = by->unique;

@@ -22,6 +22,7 @@ struct Impact {
   std::vector<double> impulse;  ///< P >= 0
   std::vector<double> rub;      ///< impulse of friction, along the slip
   std::vector<double> rate;     ///< of the gap after it, >= 0 but for rounding
+  std::vector<double> slip;     ///< after it, along the friction; 0 of sides without
   /// The energy that it takes: minus the sum of the impulses times the means of their rates before and after; negative
   /// where the law would add some.
   double energy_lost = 0.0;

@@ -42,6 +42,8 @@ constexpr double least_bounce = 1e-13;
 constexpr double grazing = 10.0;
 /// More changes of what is touched or held at one time never end.
 constexpr int most_events_here = 100;
+/// So do as many that are apart by a billionth of the duration at most: hops in a corner whose heights do not fall.
+constexpr int most_events_in_row = 3000;
 /// Rates after impacts, over those before, up to which they are rounding.
 constexpr double no_rebound = 1e-12;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
@@ -320,8 +322,9 @@ class Simulation {
         }
         ++out_.rejected;
         h = std::isfinite(error) ? solvers::next_step(h, error) : h / 5;
-        // Without independent coordinates the pose alone says on which branch of the loops the motion is.
-        if (reduced_.freedoms() == 0) step_.return_to_node(t);
+        // Without independent coordinates the pose alone says on which branch of the loops the motion is, and from a
+        // pose far away what touches could be found to touch elsewhere.
+        if (reduced_.freedoms() == 0 || !reduced_.touching().empty()) step_.return_to_node(t);
         return false;
       }
       ++out_.rejected;
@@ -536,8 +539,9 @@ class Simulation {
   /// d(j) along the changes of places and rates at the event.
   bool change_mode(double t, const Event& event) {
     events_here_ = t > last_event_ + 1e-14 * options_.duration ? 0 : events_here_ + 1;
+    events_in_row_ = t > last_event_ + 1e-9 * options_.duration ? 0 : events_in_row_ + 1;
     last_event_ = t;
-    if (events_here_ > most_events_here) {
+    if (events_here_ > most_events_here || events_in_row_ > most_events_in_row) {
       stop(MotionStatus::stuck,
            fmt::format("at t = {:.9g} s what friction holds, or touches a stop, changes without end", t));
       return false;
@@ -607,9 +611,10 @@ class Simulation {
       if (hit.outcome == Contacts::Hit::Outcome::none) return choose_mode(t, q, v, left);
       if (hit.outcome != Contacts::Hit::Outcome::done) {
         const std::string name = contacts_.name_of(contacts_.sides()[hit.first].at);
-        stop(MotionStatus::jammed,
-             fmt::format("at t = {:.9g} s {}", t,
-                         hit.outcome == Contacts::Hit::Outcome::gains ? gaining_impact(name) : pushing_drive(name)));
+        stop(MotionStatus::jammed, fmt::format("at t = {:.9g} s {}", t,
+                                               hit.outcome == Contacts::Hit::Outcome::gains
+                                                   ? gaining_impact(name)
+                                                   : pushing_drive(name, !model_.scene().drives.empty())));
         return false;
       }
       for (std::size_t i = 0; i < n; ++i) v[i] = before[i] + hit.jump[i];
@@ -660,6 +665,7 @@ class Simulation {
       const bool turns = model_.scene().stops[static_cast<std::size_t>(side.at.stop)].on.is_angle();
       const double unit = turns ? 1.0 : scales.length;
       const double impulse = hit.impact.impulse[i], before = hit.before[i].rate;
+      const double rubbed = hit.impact.rub[i] * (hit.before[i].slip + hit.impact.slip[i]) / 2;
       const double after = std::abs(hit.impact.rate[i]) > no_rebound * std::abs(before) ? hit.impact.rate[i] : 0.0;
       // It would have turned round just behind the limit, or not have come so far.
       const bool grazes =
@@ -670,7 +676,7 @@ class Simulation {
                              .rate_before = before * unit,
                              .rate_after = after * unit,
                              .impulse = impulse * (turns ? scales.energy() : scales.force),
-                             .energy_lost = 0.0 - impulse * (before + after) / 2 * scales.energy(),
+                             .energy_lost = 0.0 - (impulse * (before + after) / 2 + rubbed) * scales.energy(),
                              .t_p = hit_time_by(),
                              .unique = hit.impact.unique && !grazes});
       if (rests[hit.sides[i]] >= 0.0) {
@@ -805,7 +811,7 @@ class Simulation {
       last.v.push_back(at.v);
       last.a.push_back(at.a);
     }
-    if (reduced_.freedoms() == 0) {
+    if (reduced_.freedoms() == 0 && reduced_.touching().empty()) {
       out_.dead_centre = dead_centre_beyond(model_, last, looked_ahead * options_.duration);
     }
     if (!out_.dead_centre) {
@@ -843,6 +849,7 @@ class Simulation {
   double ahead_ = 0.0;           // time in which choices of friction are told apart
   double last_event_ = -1.0;     // time of the last change of mode
   int events_here_ = 0;          // and how many there were at this time
+  int events_in_row_ = 0;        // and one soon after the other
   double shortest_period_ = std::numeric_limits<double>::infinity();  // of drives and inputs, s
   int departures_ = 0;                                                // steps that are short behind the border passed
   double onward_ = 0.0;                                               // length of steps to go on with behind a border

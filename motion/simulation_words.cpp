@@ -14,7 +14,8 @@ namespace {
 constexpr double contradiction = 1e-6;
 
 constexpr const char* locked_words =
-    "friction locks: the friction of joints grows with the forces that it makes, so that these may be several, or "
+    "friction locks: friction of joints or contacts grows with the forces that it makes, so that these may be several, "
+    "or "
     "none (P. Painleve); give less friction";
 
 }  // namespace
@@ -43,8 +44,10 @@ std::string gaining_impact(const std::string& stop) {
       stop);
 }
 
-std::string pushing_drive(const std::string& stop) {
-  return fmt::format("drives push against {}, which no freedom of the mechanism can yield to", stop);
+std::string pushing_drive(const std::string& stop, bool is_driven) {
+  return fmt::format(
+      "{} against {}, which no freedom of the mechanism can yield to",
+      is_driven ? "drives push" : "the impact finds no impulses with this friction, or other stops press,", stop);
 }
 
 std::string words_of(StickSlip::Choice choice, bool rubs) {
@@ -57,7 +60,8 @@ std::string words_of(StickSlip::Choice choice, bool rubs) {
     case StickSlip::Choice::locked:
       return locked_words;
     case StickSlip::Choice::several:
-      return "friction of joints may hold or let go, or let go in several ways: more than one motion agrees with its "
+      return "friction of joints or contacts may hold or let go, or let go in several ways: more than one motion "
+             "agrees with its "
              "laws; give less friction";
     case StickSlip::Choice::none:
       return "friction leaves no motion that agrees with its laws (P. Painleve); give less of it";

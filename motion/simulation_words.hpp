@@ -20,7 +20,7 @@ std::string words_of(StickSlip::Choice choice, bool rubs);
 
 /// What ends a motion at a stop so named: an impact that would add energy, and a drive that pushes it.
 std::string gaining_impact(const std::string& stop);
-std::string pushing_drive(const std::string& stop);
+std::string pushing_drive(const std::string& stop, bool is_driven);
 
 /// Throws InputError where no rates of the coordinates, as `reduced` has them, are those that drives ask for and keep
 /// the joints closed.

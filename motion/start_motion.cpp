@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/contacts.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -48,9 +49,20 @@ Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValu
                   where(model)));
 }
 
+/// Throws InputError where the start that the scene gives closes all loops, but is inside a stop by more than a guess
+/// may be: it is not moved out of it without a word.
+void refuse_start_inside_stops(const MotionModel& model) {
+  constexpr double closed = 1e-9, much = 1e-3;  // sizes of the mechanism, rad
+  const std::vector<double> written = model.start();
+  if (largest_gap(model, written) <= closed) Contacts(model, {}).refuse_start(written.data(), much);
+}
+
 /// The pose in which the scene is assembled, whichever joints the friction in them cuts.
 std::vector<double> assembled_pose(const MotionModel& model) {
-  if (!has_cuts(model.layout())) return close_loops(model);
+  if (!has_cuts(model.layout())) {
+    refuse_start_inside_stops(model);
+    return close_loops(model);
+  }
   Scene whole = model.scene();
   for (Joint& joint : whole.joints) joint.friction.reset();
   const ScaledModel uncut(std::move(whole), Purpose::dynamics);

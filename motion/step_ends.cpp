@@ -34,7 +34,7 @@ bool StepEnds::meets_hit(double t) {
   // Over small angles gaps are polynomials of the time as coordinates are; half-way in a step of several turns they may
   // be so by chance.
   constexpr double little = 0.3, too_far = 1.0;
-  constexpr int most_repeats = 6, most_halvings = 12;
+  constexpr int most_repeats = 6, most_halvings = 40;
   const auto is_followed = [&] {
     const bool turns = turned() > little;
     if (!turns && !contacts_.are_curved()) return true;

@@ -38,7 +38,8 @@ const Channel& turning_channel(const RunningRequest& request, const Scene& scene
   std::string name = request.turning;
   for (const Element& element : scene.elements) {
     if (name.empty() && is_motor(element.law) && element.on.kind == Measure::Kind::angle)
-      name = scene.bodies[static_cast<std::size_t>(element.on.body_b)].name;
+      name =
+          scene.bodies[static_cast<std::size_t>(element.on.body_b != 0 ? element.on.body_b : element.on.body_a)].name;
   }
   if (name.empty()) {
     throw InputError(scene.file +

@@ -88,7 +88,7 @@ TEST(Impacts, DerivativesCrossThemWithFriction) {
                         {"body.rod.mass", "body.rod.inertia", "body.rod.center.x", "point.rod.A.x", "point.rod.B.y",
                          "gravity.y", "stop.floor A.min", "stop.floor A.friction", "stop.floor B.friction",
                          "stop.floor A.restitution", "stop.floor B.restitution"});
-    poise::Run run = test::simulated(60, 60, {});
+    poise::Run run = test::simulated(50, 50, {});
     run.release.push_back({.body = 1, .rate = true, .value = 0.7});
     e.runs = {run};
     const FitProblem problem(e);

@@ -983,15 +983,24 @@ WatchedEvents watch_events(std::uint64_t seed, const std::string& program, const
   out.why = motion.why;
   out.confirmed = motion.exit_code == 0;
   if (!out.confirmed) return out;
+  // Of several sides that are hit at a time one may be given what another has lost.
+  struct Exchanged {
+    double lost = 0.0, size = 0.0;
+  };
+  std::map<double, Exchanged> exchanged;
   if (motion.said.contains("events")) {
     for (const json& event : motion.said.at("events")) {
       ++out.events;
       if (event.at("what") != "impact") continue;
       ++out.impacts;
       const double before = event.at("rate_before"), after = event.at("rate_after"), impulse = event.at("impulse");
-      const double size = impulse * (std::abs(before) + std::abs(after)) / 2;
-      out.gained = std::max(out.gained, -event.at("energy_lost").get<double>() / size);
+      Exchanged& all = exchanged[event.at("t").get<double>()];
+      all.lost += event.at("energy_lost").get<double>();
+      all.size += impulse * (std::abs(before) + std::abs(after)) / 2;
     }
+  }
+  for (const auto& [t, all] : exchanged) {
+    if (all.size > 0.0) out.gained = std::max(out.gained, -all.lost / all.size);
   }
   const double error = motion.said.at("error");
   const std::vector<double> travel = travels(motion.read);
