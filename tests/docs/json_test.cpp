@@ -559,6 +559,10 @@ TEST(JsonDocs, Response) {
                    "y.table.P"}}});
 }
 
+TEST(JsonDocs, Running) {
+  check_section("running", {{{"running", scene("machines/motor_slider_crank"), "--show", "energy.kinetic"}, with_csv}});
+}
+
 TEST(JsonDocs, Kinematics) {
   check_section(
       "kinematics",
