@@ -48,6 +48,8 @@ class Contacts {
     double gap = 0.0, time = 0.0;
   };
   Miss miss(const ReducedMotion<double>& motion);
+  /// The gap of that side at the last node.
+  double gap_before() const { return sides_[hit_].gap; }
   /// A gap, its rate and acceleration, and CompiledMeasure::place() of its measure.
   struct End {
     double gap = 0.0, rate = 0.0, acceleration = 0.0;

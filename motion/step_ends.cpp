@@ -60,9 +60,11 @@ bool StepEnds::meets_hit(double t) {
   }
   constexpr double near = 1e-12;
   if (contacts_.miss(reduced_).gap < near) return true;
-  // It only comes near zero.
-  step_.repeat(t, whole, gap);
-  return false;
+  // It only comes near zero; or what is nearest of an outline changes on the way, and it is inside at the end.
+  const double at_end = step_.repeat(t, whole, gap);
+  if (!(at_end < -past)) return false;
+  step_.shorten_to_zero(t, contacts_.gap_before(), whole, at_end, gap);
+  return contacts_.miss(reduced_).gap < near;
 }
 
 bool StepEnds::is_of_friction() { return friction_margin() <= contacts_.force_margin(reduced_); }
