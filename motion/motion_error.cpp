@@ -33,10 +33,12 @@ double difference(const Motion& a, const Motion& b, double of_most) {
   TrajectoryReader reader(coarse, all), between(fine, all);
   for (std::size_t node = 0; node < fine.nodes() && fine.t[node] <= coarse.t.back(); ++node) {
     // Nodes of both are near each other, where the reading of neither errs.
-    const double last = node > 0 ? fine.t[node - 1] : fine.t[node], middle = (last + fine.t[node]) / 2;
-    if (middle > last) {
-      reader.at(middle);
-      between.at(middle);
+    const double last = node > 0 ? fine.t[node - 1] : fine.t[node];
+    for (const double part : {0.25, 0.5, 0.75}) {
+      const double within = last + part * (fine.t[node] - last);
+      if (!(within > last)) continue;
+      reader.at(within);
+      between.at(within);
       for (std::size_t i = 0; i < n; ++i) apart[i] = std::max(apart[i], std::abs(between.q(i) - reader.q(i)));
     }
     reader.at(fine.t[node]);

@@ -24,7 +24,11 @@ SensitivityColumns::SensitivityColumns(const MotionModel& model, const MotionOpt
   for (auto i = static_cast<std::size_t>(model.layout().angles); i < unit_.size(); ++i) {
     unit_[i] = model.scales().length;
   }
-  for (int c = 2 * freedoms(); c < count_; ++c) {
+  for (int c = options.accurate_sensitivities ? 0 : 2 * freedoms(); c < count_; ++c) {
+    if (options.accurate_sensitivities) {
+      that_switch_.push_back(c);
+      continue;
+    }
     const auto influence = static_cast<std::size_t>(influence_of(c));
     if (switches_over(model.scene(), options.influences[influence])) that_switch_.push_back(c);
   }

@@ -41,6 +41,8 @@ struct MotionOptions {
   /// Compute sensitivities to the f initial independent coordinates, the f initial independent rates, then
   /// `influences`.
   bool sensitivities = false;
+  /// Steps keep the errors of all sensitivities small, too, which may change where the motion itself hardly does.
+  bool accurate_sensitivities = false;
   /// Initial choice of independent coordinates, if it is to be the same in several motions; empty: chosen.
   std::vector<int> independent{};
   std::vector<Influence> influences{};  ///< in the units of the scaled scene, per unit of the caller's number

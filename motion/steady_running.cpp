@@ -92,7 +92,7 @@ class Runs {
     MotionOptions options;
     options.duration = duration;
     options.accuracy = accuracy;
-    options.sensitivities = derivatives;
+    options.sensitivities = options.accurate_sensitivities = derivatives;
     options.independent = independent_;
     options.interrupt = options_.interrupt;
     return simulate(model_, start_motion(model_, wanted, &from_, &independent_), options);
@@ -333,17 +333,15 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
       if (!shot.why.empty()) break;
       const VectorXd size = runs.sizes(shot.period), off = runs.off(at, shot.after);
       const double residual = off.cwiseQuotient(size).cwiseAbs().maxCoeff();
-      if (residual < turn_closed_within) {
-        out.found = true;
-        break;
-      }
       if (residual > 1.0) break;
       const MatrixXd scaled = size.cwiseInverse().asDiagonal() * shot.by * size.asDiagonal();
       const MatrixXd J = MatrixXd::Identity(at.size(), at.size()) - scaled;
       const VectorXd change =
           size.cwiseProduct(solvers::minimum_norm_solution<double>(J, VectorXd(off.cwiseQuotient(size))));
       at += change;
-      if (change.cwiseQuotient(size).cwiseAbs().maxCoeff() < turn_closed_within && residual < turn_closed_at_all) {
+      // Where the speed grows without end the residual falls, but not the step.
+      const double step_size = change.cwiseQuotient(size).cwiseAbs().maxCoeff();
+      if (residual < turn_closed_at_all && step_size < turn_closed_at_all) {
         out.found = true;
         break;
       }

@@ -67,7 +67,7 @@ TEST(RunningCommand, SaysWhatIsMissing) {
   EXPECT_TRUE(has(run_poise({"running", folder.write("a.toml", motor + "stall_torque = 1\n")}).err,
                   "expected the key no_load_rate"));
   EXPECT_TRUE(has(run_poise({"running", folder.write("b.toml", motor + "stall_torque = -1\nno_load_rate = 3\n")}).err,
-                  "motor 1\".stall_torque: expected a number >= 0"));
+                  "stall_torque: expected a finite number >= 0, found -1"));
   EXPECT_TRUE(
       has(run_poise({"running", folder.write("c.toml", motor + "stall_torque = 1\nno_load_rate = 3\n"), "--turns", "0"})
               .err,

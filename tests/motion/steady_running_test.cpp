@@ -99,7 +99,7 @@ TEST(Motors, ADcMotorTurnsASliderCrank) {
   EXPECT_NEAR(found.period, 0.12290078165, 5e-11);
   EXPECT_NEAR(found.slowest.speed, 41.9999515, 2e-7);
   EXPECT_NEAR(found.fastest.speed, 63.9869923, 2e-7);
-  EXPECT_NEAR(found.motion.trajectory.v[static_cast<std::size_t>(options.coordinate)], 60.6162067299, 1e-9);
+  EXPECT_NEAR(found.motion.trajectory.v[static_cast<std::size_t>(options.coordinate)], 60.6162067299, 5e-8);
   EXPECT_LT(found.residual, 1e-10);
   EXPECT_EQ(found.multipliers.size(), 1U);
   // The first turn from rest.

@@ -30,7 +30,10 @@ Line verdict(const RunningAnswer& answer, const Units& units) {
   if (!found.found) return bad("No steady running found: " + found.why + ".");
   const std::string speed = fmt::format("{}, {}", speed_in_words(found.mean, units), per_minute(found.mean));
   if (found.stable) return good(fmt::format("It runs steadily at {} on average; stable.", speed));
-  return doubtful(fmt::format("It can run at {} on average, but not stably: a disturbance grows.", speed));
+  constexpr double as_large = 1e-6;
+  const bool stays = std::abs(found.multipliers.front()) < 1 + as_large;
+  return doubtful(fmt::format("It can run at {} on average, but not stably: a disturbance {}.", speed,
+                              stays ? "stays, as no torque holds this speed" : "grows"));
 }
 
 void add_speeds(Group& group, const RunningAnswer& answer, const Units& units) {
