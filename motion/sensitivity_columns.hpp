@@ -29,8 +29,9 @@ class SensitivityColumns {
   int column_of(std::size_t influence) const { return 2 * freedoms() + static_cast<int>(influence); }
   /// Index of the variation that a column is of; -1 of others.
   int variation_of(std::size_t column) const;
-  /// Columns whose errors count in the length of steps: all where options ask for that. Dry friction turns with the rate over a width: where its size
-  /// is small, or even 0, the state tells nothing of that, but its sensitivities to the size do.
+  /// Columns whose errors count in the length of steps: all where options ask for that. Dry friction turns with the
+  /// rate over a width: where its size is small, or even 0, the state tells nothing of that, but its sensitivities to
+  /// the size do.
   const std::vector<int>& that_switch() const { return that_switch_; }
 
  private:
