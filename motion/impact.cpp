@@ -371,7 +371,7 @@ Impact impact(const MatrixXd& D, const std::vector<ImpactSide>& sides, ImpactLaw
   return out;
 }
 
-ImpulseChange impulse_change(const MatrixXd& D, const MatrixXd& dD, const std::vector<ImpactSide>& sides,
+ImpulseChange impulse_change(const MatrixXd& D, const MatrixXd& change, const std::vector<ImpactSide>& sides,
                              const std::vector<ImpactSide>& changes, ImpactLaw law) {
   std::vector<SideIn<Dual>> all;
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -381,7 +381,7 @@ ImpulseChange impulse_change(const MatrixXd& D, const MatrixXd& dD, const std::v
                    dual(at.slip, by.slip)});
   }
   const std::optional<Impulses<Dual>> found =
-      impulses<Dual>(D.binaryExpr(dD, [](double value, double by) { return dual(value, by); }), all, law);
+      impulses<Dual>(D.binaryExpr(change, [](double value, double by) { return dual(value, by); }), all, law);
   ImpulseChange out{std::vector<double>(sides.size(), 0.0), std::vector<double>(sides.size(), 0.0)};
   for (std::size_t i = 0; found && i < sides.size(); ++i) {
     out.impulse[i] = found->at[static_cast<Eigen::Index>(i)].v[0];

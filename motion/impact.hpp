@@ -62,7 +62,8 @@ struct ImpulseChange {
 
 /// The derivatives of the impulses along a change of D and of what the sides have, while the same of them act, slip
 /// and stick: exact, in dual numbers.
-ImpulseChange impulse_change(const Eigen::MatrixXd& D, const Eigen::MatrixXd& dD, const std::vector<ImpactSide>& sides,
-                             const std::vector<ImpactSide>& changes, ImpactLaw law);
+ImpulseChange impulse_change(const Eigen::MatrixXd& D, const Eigen::MatrixXd& change,
+                             const std::vector<ImpactSide>& sides, const std::vector<ImpactSide>& changes,
+                             ImpactLaw law);
 
 }  // namespace poise

@@ -46,14 +46,14 @@ using DcMotor = DcMotorOf<double>;
 
 template <>
 inline constexpr std::array<Number, 2> DcMotorOf<double>::numbers = [] {
-  Number stall = plain_number<&DcMotor::stall>("stall_force", {}, Range::not_negative);
-  stall.angle_key = "stall_torque";
-  stall.effort_power = 1;
-  stall.needed = Number::Needed::always;
-  Number no_load = plain_number<&DcMotor::no_load>("no_load_rate", dimension::time.power(-1), Range::positive);
-  no_load.measure_power = 1;
-  no_load.needed = Number::Needed::always;
-  return std::array{stall, no_load};
+  Number rest = plain_number<&DcMotor::stall>("stall_force", {}, Range::not_negative);
+  rest.angle_key = "stall_torque";
+  rest.effort_power = 1;
+  rest.needed = Number::Needed::always;
+  Number free = plain_number<&DcMotor::no_load>("no_load_rate", dimension::time.power(-1), Range::positive);
+  free.measure_power = 1;
+  free.needed = Number::Needed::always;
+  return std::array{rest, free};
 }();
 
 }  // namespace poise

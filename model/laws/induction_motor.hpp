@@ -63,17 +63,17 @@ using InductionMotor = InductionMotorOf<double>;
 
 template <>
 inline constexpr std::array<Number, 3> InductionMotorOf<double>::numbers = [] {
-  Number breakdown = plain_number<&InductionMotor::breakdown>("breakdown_force", {}, Range::not_negative);
-  breakdown.angle_key = "breakdown_torque";
-  breakdown.effort_power = 1;
-  breakdown.needed = Number::Needed::always;
-  Number slip = plain_number<&InductionMotor::slip>("breakdown_slip", {}, Range::positive);
-  slip.needed = Number::Needed::always;
+  Number most = plain_number<&InductionMotor::breakdown>("breakdown_force", {}, Range::not_negative);
+  most.angle_key = "breakdown_torque";
+  most.effort_power = 1;
+  most.needed = Number::Needed::always;
+  Number part = plain_number<&InductionMotor::slip>("breakdown_slip", {}, Range::positive);
+  part.needed = Number::Needed::always;
   Number rate =
       plain_number<&InductionMotor::synchronous>("synchronous_rate", dimension::time.power(-1), Range::positive);
   rate.measure_power = 1;
   rate.needed = Number::Needed::always;
-  return std::array{breakdown, slip, rate};
+  return std::array{most, part, rate};
 }();
 
 }  // namespace poise
