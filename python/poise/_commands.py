@@ -653,6 +653,42 @@ class SceneCommands:
             "--seek": seek,
         }, None, progress)
 
+    def running(
+        self,
+        *,
+        set: Settings | None = None,
+        turning: str | None = None,
+        turns: int | None = None,
+        speed: float | None = None,
+        show: Words | None = None,
+        progress: Progress | None = None,
+    ) -> Found:
+        """Find how a machine with motors runs steadily: speed over a turn, forces, stability.
+
+        As by the command line::
+
+            poise running datasets/machines/motor_slider_crank.toml --svg running.svg
+
+        set: Change a number of the scene, in its own units: load.P=40,
+            body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
+            can be given several times;
+            or a dictionary, {PATH: NUMBER}
+        turning: The body whose turns make the period (that of the first motor)
+        turns: Turns of it in a period (1)
+        speed: Start at this rate of it, in the scene's unit of angle per second;
+            without it from rest, where the motors have to start it
+        show: Quantities to show, with commas between: angle.BODY, x.BODY.POINT,
+            length.ELEMENT, force.ELEMENT, reaction.JOINT, push.BODY.POINT.x,
+            d(A)/d(B), energy, ..., and expressions of them (docs/quantities.md)
+        """
+        return run(Found, "running", self._core, {
+            "--set": set,
+            "--turning": turning,
+            "--turns": turns,
+            "--speed": speed,
+            "--show": show,
+        }, None, progress)
+
     def forces(
         self,
         name: str | None = None,
