@@ -32,6 +32,7 @@ GUIDES = {
     "motion": ["motion", "tutorial-identification"],
     "modes": ["motion", "recipes"],
     "response": ["response", "motion"],
+    "running": ["running"],
     "forces": ["motion", "friction"],
     "equations": ["equations", "motion"],
     "design": ["design-recipes", "design-files", "synthesis", "path-synthesis", "balance"],
