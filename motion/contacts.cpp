@@ -448,13 +448,13 @@ void Contacts::change_jump(Reduced& motion, const Hit& hit, double t, const std:
     }
   }
   const auto r = static_cast<Eigen::Index>(rows);
-  Eigen::MatrixXd D(r, r), dD(r, r);
+  Eigen::MatrixXd D(r, r), change_of_d(r, r);
   for (std::size_t c = 0; c < changes.size(); ++c) {
     for (std::size_t i = 0; i < rows; ++i) {
       for (std::size_t j = 0; j < rows; ++j) {
         const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
         D(row, column) = sum(&slopes[i * n], &a[j * n]);
-        dD(row, column) = sum(&dw[c][i * n], &a[j * n]) + sum(&slopes[i * n], &da[c][j * n]);
+        change_of_d(row, column) = sum(&dw[c][i * n], &a[j * n]) + sum(&slopes[i * n], &da[c][j * n]);
       }
     }
     std::vector<ImpactSide> by(m);
@@ -470,7 +470,7 @@ void Contacts::change_jump(Reduced& motion, const Hit& hit, double t, const std:
       if (hit.before[i].restitution > 0.0) by[i].restitution = numbers.restitution(stop).v[0];
       if (sides_[hit.sides[i]].slip) by[i].friction = numbers.stop_friction(stop).v[0];
     }
-    const ImpulseChange impulses = impulse_change(D, dD, hit.before, by, law_);
+    const ImpulseChange impulses = impulse_change(D, change_of_d, hit.before, by, law_);
     std::fill(changes[c].jump, changes[c].jump + n, 0.0);
     const auto add = [&](std::size_t j, double impulse, double change) {
       for (std::size_t k = 0; k < n; ++k) changes[c].jump[k] += impulse * da[c][j * n + k] + change * a[j * n + k];
