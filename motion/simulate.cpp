@@ -42,8 +42,8 @@ constexpr double least_bounce = 1e-13;
 constexpr double grazing = 10.0;
 /// More changes of what is touched or held at one time never end.
 constexpr int most_events_here = 100;
-/// So do as many that are apart by a billionth of the duration at most: hops in a corner whose heights do not fall.
-constexpr int most_events_in_row = 3000;
+/// So do as many that are apart by a millionth of the duration at most: hops in a corner whose heights do not fall.
+constexpr int most_events_in_row = 20'000;
 /// Rates after impacts, over those before, up to which they are rounding.
 constexpr double no_rebound = 1e-12;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
@@ -539,7 +539,7 @@ class Simulation {
   /// d(j) along the changes of places and rates at the event.
   bool change_mode(double t, const Event& event) {
     events_here_ = t > last_event_ + 1e-14 * options_.duration ? 0 : events_here_ + 1;
-    events_in_row_ = t > last_event_ + 1e-9 * options_.duration ? 0 : events_in_row_ + 1;
+    events_in_row_ = t > last_event_ + 1e-6 * options_.duration ? 0 : events_in_row_ + 1;
     last_event_ = t;
     if (events_here_ > most_events_here || events_in_row_ > most_events_in_row) {
       stop(MotionStatus::stuck,
