@@ -154,7 +154,7 @@ class SceneBuilder {
 
   /// A force element with the numbers (and words) of its table in docs/scene-files.md#force-elements: "spring",
   /// "torsion_spring", "cubic_spring", "constant_force", "damper", "torsion_damper", "friction",
-  /// "bump_stop".
+  /// "bump_stop", "motor".
   SceneBuilder& element(const std::string& table, const std::string& name, const MeasureByName& on,
                         const std::vector<Key>& keys);
   /// A drive with its "start", "rate", "acceleration", "amplitude", "frequency", "phase".

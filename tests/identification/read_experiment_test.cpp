@@ -196,7 +196,7 @@ TEST(ReadExperiment, RejectsTheFile) {
 
 TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
-  const std::string kinds = "expected one of the keys read, angle, travel, distance, x, y, force";
+  const std::string kinds = "expected one of the keys read, angle, travel, distance, x, y, force, impacts";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
   EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"),
             place + kinds + ", found x and y; leave one in, or give each a sensor");

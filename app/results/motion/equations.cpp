@@ -89,7 +89,7 @@ void add_equation(Group& group, const EquationsAnswer& answer) {
   table.numbers("Q", "Q", "", at.Q, of_forces);
   table.numbers("alpha", "z''", "", at.alpha,
                 {.digits = equation_digits, .zero_below = lightest > 0 ? rounding / lightest : 0.0});
-  table.footnotes.push_back(
+  table.footnotes.emplace_back(
       "D: inertia; h: Coriolis and centrifugal forces, and those of moving drives; c: gravity and what is elastic; "
       "Q: loads, dampers, friction");
 }
