@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "motion/private/golden_section.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/root.hpp"
@@ -22,33 +23,12 @@ using Eigen::VectorXd;
 constexpr double longest_correction = 1e-4;  // of the predicted pose: a bound that keeps the path on its branch
 constexpr double closed_within = 1e-12;
 constexpr double crossing_below = 1e-7;   // closeness to singular that counts as singular
+constexpr double narrowest = 1e-13;       // to which least values are found, of the path's parameter
 constexpr double shortest_step = 1e-10;   // of a driven coordinate
 constexpr double farthest_turning = 0.1;  // along the path, in which a turning point is searched
 constexpr double end_of_way = 1.0 - 1e-13;
 
 double largest(const VectorXd& v) { return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0.0; }
-
-// Minimum of f, unimodal on a .. b: golden section, down to rounding of the argument.
-template <class F>
-double minimiser(F f, double a, double b) {
-  const double part = 0.5 * (std::sqrt(5.0) - 1.0);
-  double l = b - part * (b - a), r = a + part * (b - a);
-  double at_l = f(l), at_r = f(r);
-  while (b - a > 1e-13) {
-    if (at_l <= at_r) {
-      b = std::exchange(r, l);
-      at_r = at_l;
-      l = b - part * (b - a);
-      at_l = f(l);
-    } else {
-      a = std::exchange(l, r);
-      at_l = at_r;
-      r = a + part * (b - a);
-      at_r = f(r);
-    }
-  }
-  return 0.5 * (a + b);
-}
 
 }  // namespace
 
@@ -254,7 +234,8 @@ std::optional<PathPose> DrivenPath::crossing_between(const PathPose& a, const Pa
     measure(pose, closure_.jacobian(pose.x));
     return pose;
   };
-  PathPose pose = pose_at(minimiser([&](double at) { return pose_at(at).closeness; }, a.at, c.at));
+  const ValueAt nearest = least_between([&](double at) { return pose_at(at).closeness; }, a.at, c.at, narrowest);
+  PathPose pose = pose_at(nearest.at);
   if (pose.closeness > crossing_below) return std::nullopt;
   return pose;
 }
@@ -334,7 +315,7 @@ std::optional<PathEnd> DrivenPath::stop_between(const PathPose& from, const Path
       // It may be passed and returned from within the step.
       const double little = 1e-6 * (to.at - from.at);
       if (overrun(from.at + little) <= overrun(from.at) || overrun(to.at - little) <= overrun(to.at)) continue;
-      beyond = minimiser([&](double at) { return -overrun(at); }, from.at, to.at);
+      beyond = least_between([&](double at) { return -overrun(at); }, from.at, to.at, narrowest).at;
       if (overrun(beyond) <= StopRoom::rounding) continue;
     }
     solvers::Bracket bracket{from.at, beyond};

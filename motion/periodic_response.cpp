@@ -12,6 +12,7 @@
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
 #include "model/time_function.hpp"
+#include "motion/private/golden_section.hpp"
 #include "motion/quantities_along.hpp"
 #include "motion/simulate.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -224,30 +225,6 @@ int outside(const PeriodicAnswer& answer, bool is_complex) {
   }));
 }
 
-/// The largest value of f between two places, at which it is largest within, by golden sections down to a width.
-template <class F>
-double greatest_between(F f, double low, double high, double width) {
-  constexpr double golden = 0.61803398874989484820;
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double at_a = f(a), at_b = f(b);
-  while (high - low > width) {
-    if (at_a > at_b) {
-      high = b;
-      b = a;
-      at_b = at_a;
-      a = high - golden * (high - low);
-      at_a = f(a);
-    } else {
-      low = a;
-      a = b;
-      at_a = at_b;
-      b = low + golden * (high - low);
-      at_b = f(b);
-    }
-  }
-  return std::max(at_a, at_b);
-}
-
 /// The greatest value over a period, from values at evenly spaced times of it, the first at t = 0: summits of these
 /// that are almost as high are all looked at.
 template <class F>
@@ -262,7 +239,7 @@ double greatest_in_period(F f, const std::vector<double>& values) {
     const bool is_high = values[k] >= *greatest - almost * (*greatest - *least);
     if (!is_high || values[k] < before || values[k] < after) continue;
     const auto at = static_cast<double>(k);
-    out = std::max(out, greatest_between(f, at - 1.0, at + 1.0, width));
+    out = std::max(out, -least_between([&](double x) { return -f(x); }, at - 1.0, at + 1.0, width).value);
   }
   return out;
 }
@@ -620,7 +597,7 @@ class Follower {
         if (found->answer.amplitude > largest.amplitude) largest = found->answer;
         return found->answer.amplitude;
       };
-      greatest_between(amplitude, 0.0, 2.0, narrow);
+      least_between([&](double s) { return -amplitude(s); }, 0.0, 2.0, narrow);
     }
     events_.push_back({Event::largest, largest});
   }

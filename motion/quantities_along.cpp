@@ -14,6 +14,7 @@
 
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
+#include "motion/private/golden_section.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
 
@@ -521,30 +522,6 @@ double series_at(const std::vector<double>& coefficients, double s) {
   return coefficients[0] + s * next - after;
 }
 
-/// The place of the least value of f between `from` and `to`, and that value, by golden sections; `f` has one there.
-ValueInTime least_between(const std::function<double(double)>& f, double from, double to) {
-  constexpr double golden = 0.381966011250105;
-  constexpr int most_steps = 60;
-  const double narrow = 1e-8 * (to - from);  // rounding of f hides what is nearer
-  double a = from, b = to, x = a + golden * (b - a), y = b - golden * (b - a), fx = f(x), fy = f(y);
-  for (int k = 0; k < most_steps && b - a > narrow; ++k) {
-    if (fx <= fy) {
-      b = y;
-      y = x;
-      fy = fx;
-      x = a + golden * (b - a);
-      fx = f(x);
-    } else {
-      a = x;
-      x = y;
-      fx = fy;
-      y = b - golden * (b - a);
-      fy = f(y);
-    }
-  }
-  return fx <= fy ? ValueInTime{x, fx} : ValueInTime{y, fy};
-}
-
 /// Places at which extremes are looked for: all nodes, at which something may jump, with both sides of them, and
 /// between.
 std::vector<double> places_between(const std::vector<double>& nodes) {
@@ -729,9 +706,10 @@ ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector
   ValueInTime found{times[best], values[best]};
   for (const std::size_t from : {best == 0 ? 0 : best - 1, best}) {
     if (from + 1 >= times.size() || !(times[from] < times[from + 1])) continue;
-    const ValueInTime refined =
-        least_between([&](double t) { return sign * value(of, t); }, times[from], times[from + 1]);
-    if (refined.value < sign * found.value) found = {refined.time, sign * refined.value};
+    constexpr double narrow = 1e-8;  // of an interval: rounding of the value hides what is nearer
+    const ValueAt refined = least_between([&](double t) { return sign * value(of, t); }, times[from], times[from + 1],
+                                          narrow * (times[from + 1] - times[from]));
+    if (refined.value < sign * found.value) found = {refined.at, sign * refined.value};
   }
   return found;
 }

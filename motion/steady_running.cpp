@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
+#include "motion/private/golden_section.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -22,7 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double running_accuracy = 1e-11;
-/// Of the state after a period, over sizes and speeds.
+/// These bound the change of the state over a period, of sizes and speeds.
 constexpr double turn_closed_within = 1e-11, turn_closed_at_all = 1e-8;
 /// From here Newton's method takes over.
 constexpr double near_running = 0.05;
@@ -123,6 +124,18 @@ class Runs {
         return out;
       }
     }
+  }
+
+  /// P(x) - x, in which angles count modulo whole turns.
+  VectorXd off(const VectorXd& x, const VectorXd& after) const {
+    VectorXd out = after - x;
+    int at = 0;
+    for (int k = 0; k < freedoms(); ++k) {
+      if (k == section_) continue;
+      if (independent_[static_cast<std::size_t>(k)] < model_.layout().angles) out[at] = std::remainder(out[at], turn);
+      ++at;
+    }
+    return out;
   }
 
  private:
@@ -239,19 +252,6 @@ class Runs {
   int section_ = 0;  // place of the angle among the independent coordinates
   double angle_ = 0.0, direction_ = 1.0, last_period_ = 0.0;
   VectorXd state_;
-
- public:
-  /// P(x) - x, in which angles count modulo whole turns.
-  VectorXd off(const VectorXd& x, const VectorXd& after) const {
-    VectorXd out = after - x;
-    int at = 0;
-    for (int k = 0; k < freedoms(); ++k) {
-      if (k == section_) continue;
-      if (independent_[static_cast<std::size_t>(k)] < model_.layout().angles) out[at] = std::remainder(out[at], turn);
-      ++at;
-    }
-    return out;
-  }
 };
 
 /// The least and largest rate of the angle within a period: at nodes and between them.
@@ -278,17 +278,10 @@ void find_speeds(const RunningOptions& options, SteadyRunning& out) {
   const auto refined = [&](double sign) {
     const auto best = std::max_element(all.begin(), all.end(),
                                        [&](const At& a, const At& b) { return sign * a.speed < sign * b.speed; });
-    double low = best == all.begin() ? best->t : (best - 1)->t;
-    double high = best + 1 == all.end() ? best->t : (best + 1)->t;
-    constexpr double golden = 0.61803398874989484820;
-    for (int k = 0; k < 60 && high - low > 1e-9 * out.period; ++k) {
-      const double a = high - golden * (high - low), b = low + golden * (high - low);
-      if (sign * speed_at(a) > sign * speed_at(b))
-        high = b;
-      else
-        low = a;
-    }
-    const double t = (low + high) / 2, speed = speed_at(t);
+    const double low = best == all.begin() ? best->t : (best - 1)->t;
+    const double high = best + 1 == all.end() ? best->t : (best + 1)->t;
+    const ValueAt found = least_between([&](double t) { return -sign * speed_at(t); }, low, high, 1e-9 * out.period);
+    const double t = found.at, speed = -sign * found.value;
     const bool is_better = sign * speed > sign * best->speed;
     reader.at(is_better ? t : best->t);
     return SpeedAt{is_better ? speed : best->speed, reader.q(0)};
