@@ -58,7 +58,7 @@ class Box2dMotion : public ContactMotion {
     return {read_->GetAngle(), read_->GetAngularVelocity()};
   }
 
-  // Of 1 kg; the inertia is about its center.
+  // The body has 1 kg; its inertia is about its center.
   b2Body* make_body(const b2Vec2& at, double angle, const b2Vec2& center, double inertia) {
     b2BodyDef about;
     about.type = b2_dynamicBody;

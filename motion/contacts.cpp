@@ -435,7 +435,7 @@ void Contacts::change_jump(Reduced& motion, const Hit& hit, double t, const std:
   const std::vector<double> slopes = slopes_of(hit.sides, here);
   const std::size_t m = hit.sides.size(), n = q.size(), rows = slopes.size() / n;
   const auto sum = [&](const double* w, const double* a) { return std::inner_product(w, w + n, a, 0.0); };
-  // By change and row: of slopes, and of the jumps by unit impulses.
+  // dw are the changes of slopes and da those of the jumps by unit impulses, by change and row.
   std::vector<std::vector<double>> dw, da(changes.size(), std::vector<double>(rows * n, 0.0));
   for (const JumpChange& change : changes) dw.push_back(slope_changes(hit.sides, here, motion.q(), change));
   std::vector<double> a(rows * n);

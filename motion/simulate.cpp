@@ -711,7 +711,7 @@ class Simulation {
     }
   }
 
-  /// Of the event, SI.
+  /// The derivatives of the time of the event by the parameters, SI.
   std::vector<double> hit_time_by() const {
     std::vector<double> out;
     for (std::size_t c = 0; c < changes_.size(); ++c) {

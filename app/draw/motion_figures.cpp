@@ -147,7 +147,7 @@ void add_impacts(std::vector<Position>& positions, const Play& play, const Motio
     const Vec2 at = place_of(scene, stop, poses.at(event.t));
     for (std::size_t k = first; k < std::min(first + frames, positions.size()); ++k) {
       std::vector<ImpactSign>& there = positions[k].picture.impacts;
-      // Of bounces that follow each other quickly the first, which is the largest, stands for all.
+      // The first of bounces that follow each other quickly stands for all: it is the largest.
       const bool is_there = std::any_of(there.begin(), there.end(), [&](const ImpactSign& other) {
         return static_cast<int>(other.stop) == event.at.stop;
       });

@@ -275,7 +275,7 @@ class ExperimentReader {
                                 did_you_mean_or_list(name.value, valid)));
   }
 
-  /// Those of a stop, or of a contact, which has one for each pair that can meet.
+  /// The places of a stop, or of those of a contact, which has one for each pair that can meet.
   std::vector<int> find_stops(const TomlText& name) const {
     const std::vector<Stop>& stops = experiment_.scene.stops;
     std::vector<int> out;

@@ -86,7 +86,7 @@ class RunModel::Readings {
     return column_;
   }
 
-  /// The same of the time of an impact.
+  /// The derivatives of the time of an impact.
   const std::vector<double>& derivatives(const ContactEvent& impact) {
     column_ = impact.t_p;
     follow_start();

@@ -206,7 +206,7 @@ TEST_F(TimesOfImpacts, TellWhatABounceGivesBack) {
   EXPECT_NEAR(fitted.parameters[1], -0.02, 1e-9);
 }
 
-// Of a ball that has come to rest there are more bounces than are followed, more so at other values and accuracies.
+// A ball that has come to rest has bounced more often than is followed, more so at other values and accuracies.
 TEST(Impacts, BouncesUpToRestAreFitted) {
   Experiment e = with(ball, {impacts_at(parse_scene(ball, "scene.toml"), "floor")}, {"stop.floor.restitution"});
   e.unknowns[0].start = 0.5;

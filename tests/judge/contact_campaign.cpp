@@ -983,7 +983,7 @@ WatchedEvents watch_events(std::uint64_t seed, const std::string& program, const
   out.why = motion.why;
   out.confirmed = motion.exit_code == 0;
   if (!out.confirmed) return out;
-  // Of several sides that are hit at a time one may be given what another has lost.
+  // One side may be given what another has lost where several are hit at a time.
   struct Exchanged {
     double lost = 0.0, size = 0.0;
   };
