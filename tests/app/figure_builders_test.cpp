@@ -26,6 +26,7 @@
 #include "motion/equilibrium_pose.hpp"
 #include "motion/release.hpp"
 #include "tests/app/run_poise.hpp"
+#include "tests/support/touching_scenes.hpp"
 
 namespace poise::app::figure_builders_test {
 namespace {
@@ -181,25 +182,8 @@ std::vector<std::string> states_of(const Frame& frame, const std::string& layer)
   return out;
 }
 
-// A ball of 0.2 kg falls by 0.5 m on a slope of 30 deg, on which it rolls down, held by friction.
 TEST(FigureBuilders, MotionHasForcesImpactsAndEventsOfContacts) {
-  const Scene scene = parse_scene(R"(gravity = [0, -9.81]
-[ground]
-points = { A = [-1, 0.57735026918962573], B = [1, -0.57735026918962573] }
-[body.ball]
-points = { C = [0, 0] }
-mass = 0.2
-inertia = 0.001
-[[contact]]
-name = "slope"
-point = "ball.C"
-radius = 0.1
-segment = ["ground.A", "ground.B"]
-friction = 0.3
-[start]
-position = { ball = [0, 0.61547005383792515] }
-)",
-                                  "ball.toml");
+  const Scene scene = parse_scene(test::ball_on_slope, "ball.toml");
   const MotionModel model(resisted_by_joints(scene));
   MotionOptions options;
   options.duration = 0.6;

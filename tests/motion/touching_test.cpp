@@ -14,6 +14,7 @@
 #include "motion/contacts.hpp"
 #include "motion/simulate.hpp"
 #include "tests/support/motions.hpp"
+#include "tests/support/touching_scenes.hpp"
 
 namespace poise::touching_test {
 namespace {
@@ -465,23 +466,7 @@ position = { block = [0, 0] }
 
 // What an impact leaves of a rate by rounding is no bounce, which would end at a time that is rounding, too.
 TEST(Touching, ABallThatDoesNotReboundRollsAtOnce) {
-  const Motion motion = moved(R"(
-gravity = [0, -9.81]
-[ground]
-points = { A = [-1, 0.57735026918962573], B = [1, -0.57735026918962573] }
-[body.ball]
-points = { C = [0, 0] }
-mass = 0.2
-inertia = 0.001
-[[contact]]
-point = "ball.C"
-radius = 0.1
-segment = ["ground.A", "ground.B"]
-friction = 0.3
-[start]
-position = { ball = [0, 0.61547005383792515] }
-)",
-                              0.6);
+  const Motion motion = moved(test::ball_on_slope, 0.6);
   ASSERT_EQ(motion.events.size(), 2U);
   EXPECT_EQ(motion.events[0].kind, Kind::impact);
   EXPECT_EQ(motion.events[0].rate_after, 0.0);
