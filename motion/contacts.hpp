@@ -56,7 +56,7 @@ class Contacts {
     std::optional<Planar<double>> place{};
     double turned = 1.0;  ///< of a curved side that is touched: cosine between its slope and that at the last node
   };
-  /// Those of all sides where `motion` is.
+  /// The ends of all sides where `motion` is.
   std::vector<End> ends(const ReducedMotion<double>& motion);
   /// Whether first_hit() would follow the gaps in a step of h that ends in `ends`, half-way in which `motion` is: they
   /// do not close on the way from place to place; or this way is short for what the outline or distance is like, and

@@ -181,7 +181,7 @@ void draw_centres_of_mass(Stage& stage);
 void draw_paths(Stage& stage);
 void draw_diagrams(Stage& stage);
 void draw_reactions(Stage& stage);
-/// Of what is touched, with their names where they are pointed at.
+/// Draws the forces of what is touched, with their names where they are pointed at.
 void draw_contact_forces(Stage& stage);
 void draw_impacts(Stage& stage);
 void draw_drives(Stage& stage);

@@ -74,8 +74,8 @@ class CompiledMeasure {
     return std::visit([&](const auto& g) { return g.third(at, u, v, w); }, form_);
   }
 
-  /// Of a distance the vector between its points, of an outline the place of the point in the outline's frame: a
-  /// distance, and a clearance outside of the outline, change by no more than this moves. None of others.
+  /// The vector between the points of a distance, or the place of a point in the frame of an outline; others have none.
+  /// A distance, and a clearance outside of the outline, change by no more than this moves.
   std::optional<Planar<T>> place(const Configuration<T>& at) const {
     return std::visit(
         [&]<class G>(const G& g) -> std::optional<Planar<T>> {
