@@ -226,6 +226,9 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       if (!full && row[e] != column[e]) force_[column[e]] += tangent_[e] * dq[row[e]];
     }
     for (int k = 0; k < drives(); ++k) drives_[k].on.add_bend(here(), dq, drive_multipliers_[k], force_.data());
+    for (std::size_t i = 0; i < first_teeth_ && !jumps_; ++i) {
+      if (grips_[i].is_stop()) grips_[i].on.add_bend(here(), dq, efforts_[i], force_.data());
+    }
     for (std::size_t c = 0; c < contact_efforts_.size() && !jumps_; ++c) {
       const T& effort = contact_efforts_[c];
       drives_[stop_row(static_cast<int>(c))].on.add_bend(here(), dq, effort, force_.data());
@@ -354,6 +357,7 @@ void ReducedMotion<T>::state_for_variations() {
   take(state.multipliers, multipliers_);
   take(state.drive_multipliers, drive_multipliers_);
   take(state.contact_efforts, contact_efforts_);
+  take(state.grip_efforts, efforts_);
   state.second.resize(second_.size());
   take_vectors(state.second, second_, second_.size());
   take_vectors(state.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));

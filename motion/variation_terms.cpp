@@ -35,8 +35,12 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
   }
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
   input_forces_.set_inputs(numbers, inputs);
-  for (const auto& [joint, stop] : grips) {
+  for (std::size_t i = 0; i < grips.size(); ++i) {
+    const auto [joint, stop] = grips[i];
     if (stop >= 0) {
+      const auto element = static_cast<std::size_t>(stop_friction_element(scene, stop));
+      rubs_.push_back({i, compiled.measure(scene.elements[element].on)});
+      scratch = std::max(scratch, rubs_.back().on.scratch_size());
       factors_.push_back(numbers.stop_friction(stop).v[0]);
       axes_.push_back({});
       continue;
@@ -74,6 +78,8 @@ void VariationTerms::add_forces(VariedState& state) {
     m.resist(pose, state.v.data(), state.sliding, resistances_.data(), input_forces_.laws());
     m.add_resistance(resistances_.data(), g);
     input_forces_.add(pose, g);
+    const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};
+    for (const Rub& rub : rubs_) rub.on.add_gradient(here, state.grip_efforts[rub.grip], g);
   }
   inertia.weigh(state.second.data(), work_.data());
   m.phasors().add_projection(pose, work_.data(), g);

@@ -30,6 +30,7 @@ struct VariedState {
   std::vector<Dual> multipliers;           ///< of the closures' rows
   std::vector<Dual> drive_multipliers;     ///< of the rows of drives
   std::vector<Dual> contact_efforts;       ///< of BearingLoads::contacts()
+  std::vector<Dual> grip_efforts;          ///< of the grips, as far as they are across stops
 };
 
 /// What changes with a number of a scene at fixed coordinates, rates, accelerations, multipliers and efforts: the gaps
@@ -77,6 +78,11 @@ class VariationTerms {
   Variation variation_;
   std::vector<Row> rows_;
   std::size_t first_stop_ = 0;
+  struct Rub {
+    std::size_t grip;
+    CompiledMeasure<Dual> on;
+  };
+  std::vector<Rub> rubs_;  // across stops
   InputForces<Dual> input_forces_;
   BearingLoads<Dual, Numbers<Dual>> bearing_loads_;
   std::vector<double> factors_;
