@@ -1,14 +1,17 @@
 #include "model/cam_geometry.hpp"
 
+#include <tuple>
+#include <utility>
+
 namespace poise {
 namespace {
 
-/// The point of `base` about which `body` turns on it; nothing where no pin joins them.
-std::optional<PointRef> pin_of(const Scene& scene, int base, int body) {
+/// The points of `base` and of `body` at which a pin joins them; nothing where none does.
+std::optional<std::pair<PointRef, PointRef>> pin_of(const Scene& scene, int base, int body) {
   for (const Joint& joint : scene.joints) {
     if (joint.kind != Joint::Kind::pin) continue;
-    if (joint.a.body == base && joint.b.body == body) return joint.a;
-    if (joint.b.body == base && joint.a.body == body) return joint.b;
+    if (joint.a.body == base && joint.b.body == body) return std::pair(joint.a, joint.b);
+    if (joint.b.body == base && joint.a.body == body) return std::pair(joint.b, joint.a);
   }
   return std::nullopt;
 }
@@ -27,9 +30,9 @@ std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop) {
   const auto on_base = [&](int base) -> std::optional<CamGeometry> {
     CamGeometry out;
     const int body = other_of(cam, base);
-    const std::optional<PointRef> axis = body < 0 ? std::nullopt : pin_of(scene, base, body);
+    const auto axis = body < 0 ? std::nullopt : pin_of(scene, base, body);
     if (!axis) return std::nullopt;
-    out.axis = *axis;
+    std::tie(out.axis, out.on_cam) = *axis;
     out.sense = cam.body_a == base ? 1.0 : -1.0;
     if (follower.kind == Measure::Kind::travel) {
       const Joint& slide = scene.joints[static_cast<std::size_t>(follower.joint)];
@@ -41,10 +44,10 @@ std::optional<CamGeometry> cam_geometry(const Scene& scene, const Stop& stop) {
       return out;
     }
     const int arm = other_of(follower, base);
-    const std::optional<PointRef> pivot = arm < 0 || arm == body ? std::nullopt : pin_of(scene, base, arm);
+    const auto pivot = arm < 0 || arm == body ? std::nullopt : pin_of(scene, base, arm);
     if (!pivot || !stop.roller || stop.roller->body != arm) return std::nullopt;
     out.roller = *stop.roller;
-    out.pivot = *pivot;
+    std::tie(out.pivot, out.on_follower) = *pivot;
     out.turn_sense = follower.body_a == base ? 1.0 : -1.0;
     return out;
   };

@@ -16,10 +16,12 @@ namespace poise {
 /// A knife-edged follower has its edge in place of that centre.
 struct CamGeometry {
   PointRef axis;            ///< of the cam, on the base
+  PointRef on_cam;          ///< the same place, on the cam
   double sense = 1.0;       ///< -1 where the angle of the cam is that of the base against it
   PointRef roller;          ///< centre, a point of the follower
   int slide = -1;           ///< joint on which the follower slides; -1 where it turns
   PointRef pivot{};         ///< of a follower that turns, on the base
+  PointRef on_follower{};   ///< the same place, on the follower
   double turn_sense = 1.0;  ///< -1 where its angle is that of the base against it
 };
 

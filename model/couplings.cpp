@@ -159,12 +159,15 @@ constexpr Number point_number() {
   return number;
 }
 
-constexpr int cam_numbers_before = 4;
+constexpr int cam_numbers_before = 5;
 constexpr auto cam_numbers = []<std::size_t... Point>(std::index_sequence<Point...>) {
   Number lift = needed(factor_number<1>("lift", {}, Range::finite));
   lift.measure_power = 1;
-  return std::array<Number, cam_numbers_before + most_curve_points>{lift, shift_number<1>("phase", dimension::angle),
-                                                                    value_number("base"), Stop::restitution_number(),
+  return std::array<Number, cam_numbers_before + most_curve_points>{lift,
+                                                                    shift_number<1>("phase", dimension::angle),
+                                                                    value_number("base"),
+                                                                    Stop::restitution_number(),
+                                                                    Stop::friction_number(),
                                                                     point_number<Point, true, true>()...};
 }
 (std::make_index_sequence<most_curve_points>());

@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "model/cam_geometry.hpp"
 #include "model/couplings.hpp"
 #include "model/input_error.hpp"
 
@@ -43,6 +44,17 @@ int stop_rubbed_by(const Scene& scene, int element) {
   return -1;
 }
 
+std::optional<Measure> tangent_of(const Scene& scene, int stop) {
+  const Stop& of = scene.stops[static_cast<std::size_t>(stop)];
+  const std::optional<CamGeometry> cam = of.roller ? cam_geometry(scene, of) : std::nullopt;
+  if (!cam) return of.tangent();
+  Measure slip = Measure::distance_between(cam->on_cam, cam->roller);
+  slip.kind = Measure::Kind::slip_on_cam;
+  slip.stop = stop;
+  slip.turns = cam->slide < 0;
+  return slip;
+}
+
 double grip_factor(const Joint& joint) {
   return joint.has_travel() ? joint.friction->coefficient : joint.friction->circle();
 }
@@ -70,7 +82,7 @@ Scene resisted_by_joints(Scene scene) {
     Element element;
     element.table = stop.table;
     element.name = stop.name;
-    element.on = *stop.tangent();
+    element.on = *tangent_of(scene, static_cast<int>(s));
     element.law = DryFriction{.force = 0.0, .width = 0.0};
     element.line = stop.line;
     scene.elements.push_back(std::move(element));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,7 @@ namespace poise {
 
 /// For motion: the scene with a force element for every joint with friction, on its angle or travel, that has the
 /// constant part of its bound: friction that sticks (DryFriction of width 0), with the table and the name of the joint;
-/// and one for every stop with friction, on its tangent.
+/// and one for every stop with friction, on its tangent_of().
 /// Elements that the scene has keep their places. The rest of the bound, which grows with the force in the joint, is
 /// added by ReducedMotion; for it lay_out() leaves such joints out of its tree, so that their forces are multipliers of
 /// closures. A scene that has been resisted already is returned as it is.
@@ -22,8 +23,12 @@ Scene resisted_by_joints(Scene scene);
 /// scenes.
 void let_friction_follow(Scene& scene);
 
-/// Index of the element of a stop with friction, on its tangent(), in a scene that is resisted_by_joints(), else -1. It
-/// has no constant part.
+/// The measure along which what touches a stop slides: Stop::tangent(), or of a cam with a roller, whose edge rubs on
+/// it, Measure::Kind::slip_on_cam. None of others.
+std::optional<Measure> tangent_of(const Scene& scene, int stop);
+
+/// Index of the element of a stop with friction, on its tangent_of(), in a scene that is resisted_by_joints(), else -1.
+/// It has no constant part.
 int stop_friction_element(const Scene& scene, int stop);
 /// The stop of such an element, else -1.
 int stop_rubbed_by(const Scene& scene, int element);

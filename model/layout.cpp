@@ -582,6 +582,7 @@ class Builder {
       case Measure::Kind::component:
       case Measure::Kind::clearance:
       case Measure::Kind::along_outline:
+      case Measure::Kind::slip_on_cam:
         return out_.path(scene_, measure.a, measure.b);
       case Measure::Kind::rope: {
         std::vector<Arm> arms;
@@ -599,7 +600,7 @@ class Builder {
   // A measure in directions that turn with the body of its point a.
   static bool has_direction(const Measure& measure) {
     return measure.kind == Measure::Kind::component || measure.kind == Measure::Kind::clearance ||
-           measure.kind == Measure::Kind::along_outline;
+           measure.kind == Measure::Kind::along_outline || measure.kind == Measure::Kind::slip_on_cam;
   }
 
   // False for a measure that is constant: an angle between parallel bodies, a distance on one body.
@@ -636,6 +637,7 @@ class Builder {
       case Measure::Kind::component:
       case Measure::Kind::clearance:
       case Measure::Kind::along_outline:
+      case Measure::Kind::slip_on_cam:
         mark(out_.links[measure.a.body].frame, reason);
         mark_path(arms_of(measure), reason);
         break;

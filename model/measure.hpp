@@ -57,10 +57,12 @@ struct Outline {
 ///            or the arc; negative inside
 /// along_outline  way of the centre b of a circle along an outline, m, as its contact goes: along an edge or arc, and
 ///            by `radius` times the angle around a corner. Less the circle's turning it is how far it slips (slip_on())
+/// slip_on_cam  how far the edge `b` of a cam's follower slips along the cam, from point a of the cam, its axis
+///            (model/measures/cam_slip.hpp); an angle where the follower's measure is one
 /// sum        sum of factor_i g_i, or of factor_i P_i(g_i), over `terms`; an angle if all terms without a profile P are
 ///            angles, otherwise a length, with factors in m/rad of angles and in m of profiles
 struct Measure {
-  enum class Kind { angle, distance, travel, x, y, component, rope, clearance, along_outline, sum };
+  enum class Kind { angle, distance, travel, x, y, component, rope, clearance, along_outline, slip_on_cam, sum };
   struct Term;
 
   Kind kind = Kind::angle;
@@ -71,6 +73,8 @@ struct Measure {
   std::vector<RopeContact> contacts;
   Outline outline;      ///< clearance, along_outline: of the body of point a, the first of its points
   double radius = 0.0;  ///< along_outline, m
+  int stop = -1;        ///< slip_on_cam: the cam, index into Scene::stops
+  bool turns = false;   ///< slip_on_cam: the follower's measure is an angle
   std::vector<Term> terms;
 
   static Measure angle_between(int body_a, int body_b);
@@ -185,7 +189,7 @@ inline bool Measure::is_angle() const {
     return std::all_of(terms.begin(), terms.end(),
                        [](const Term& term) { return term.profile != nullptr || term.measure.is_angle(); });
   }
-  return kind == Kind::angle;
+  return kind == Kind::angle || (kind == Kind::slip_on_cam && turns);
 }
 
 }  // namespace poise

@@ -72,7 +72,8 @@ class CouplingReader {
     if (stop.table == "rope") stop.min = -std::numeric_limits<double>::infinity();
     if (stop.table == "cam" && !table.flag("guided", false)) stop.max = std::numeric_limits<double>::infinity();
     if (stop.table == "cam" || stop.table == "rope") {
-      read_numbers(table, std::span(Stop::limits).subspan(2, 1), &stop, &stop.on);
+      read_numbers(table, std::span(Stop::limits).subspan(2, stop.table == "cam" ? 2 : 1), &stop, &stop.on);
+      check_rubbing(table, stop);
       read_impact(table, stop);
     }
     return stop;
@@ -558,8 +559,8 @@ class CouplingReader {
 
   // follower - lift P((angle - phase) / turn).
   void read_cam(const TomlTable& table, Stop& stop) const {
-    table.allow_keys(
-        {"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller", "restitution"});
+    table.allow_keys({"name", "bodies", "follower", "law", "curve", "lift", "phase", "base", "guided", "roller",
+                      "restitution", "friction"});
     const auto [a, b] = names_.two_bodies(table);
     const std::optional<TomlTable> follower = table.find_table("follower");
     if (!follower)
@@ -581,6 +582,21 @@ class CouplingReader {
       follower->place_of("sum").fail("expected a single measure");
     }
     if (const std::optional<TomlText> roller = table.find_text("roller")) read_roller(*roller, stop);
+  }
+
+  // Friction acts along the curve on which the follower's edge is, which only a cam with a roller tells.
+  static void check_rubbing(const TomlTable& table, const Stop& cam) {
+    if (!cam.friction) return;
+    if (cam.holds()) {
+      table.place_of("friction")
+          .fail("expected no friction of a guided cam, whose roller rolls in its groove; leave it out");
+    }
+    if (!cam.roller) {
+      table.place_of("friction")
+          .fail(
+              "expected the key roller beside it, the edge of the follower that rubs on the cam; add roller = "
+              "\"BODY.POINT\"");
+    }
   }
 
   void read_roller(const TomlText& roller, Stop& stop) const {

@@ -50,6 +50,8 @@ bool is_same(const Scene& scene, const Measure& one, const Measure& other) {
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
       return one.outline == other.outline && one.b == other.b && one.radius == other.radius;
+    case Measure::Kind::slip_on_cam:
+      return one.stop == other.stop;
     case Measure::Kind::rope:
       return one.contacts.size() == other.contacts.size() &&
              std::equal(one.contacts.begin(), one.contacts.end(), other.contacts.begin(),

@@ -311,7 +311,7 @@ class MovingLoads {
       const Stop& stop = scene.stops[static_cast<std::size_t>(k)];
       sides.push_back(is_coupling(stop) ? 2 : touched(stop));
       if (sides.back() == 0 || !stop.friction) continue;
-      const Measure on = *stop.tangent();
+      const Measure on = *tangent_of(scene, k);
       if (stands_still(on))
         hold(on, {.stop = k});
       else

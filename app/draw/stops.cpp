@@ -238,6 +238,7 @@ void draw_stop(Stage& stage, const Stop& stop, double now, const Reaction* activ
       draw_contact(stage, stop, active);
       break;
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
       return;  // of friction, no stop
     case Measure::Kind::sum:
       if (stop.table != "stop") draw_coupling(stage, stop, active != nullptr);

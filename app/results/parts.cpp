@@ -216,6 +216,7 @@ std::string second_body(const Scene& scene, const Measure& on) {
     case Measure::Kind::component:
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
     case Measure::Kind::x:
     case Measure::Kind::y:
       return scene.bodies[on.b.body].name;

@@ -85,6 +85,7 @@ class Connections {
       case Measure::Kind::component:
       case Measure::Kind::clearance:
       case Measure::Kind::along_outline:
+      case Measure::Kind::slip_on_cam:
         return connect(measure.a.body, measure.b.body);
       case Measure::Kind::x:
       case Measure::Kind::y:

@@ -81,6 +81,9 @@ struct Stop {
     return number;
   }
 
+  /// The last of these, for contacts and cams.
+  static constexpr Number friction_number();
+
  private:
   template <bool is_max>
   static constexpr Number limit(std::string_view key) {
@@ -107,11 +110,13 @@ struct Stop {
   }
 };
 
-inline constexpr std::array<Number, 4> Stop::limits{limit<false>("min"), limit<true>("max"), restitution_number(), [] {
-                                                      Number number = optional_number<&Stop::friction>(
-                                                          "friction", {}, Range::not_negative);
-                                                      number.scale = [](void*, double) {};
-                                                      return number;
-                                                    }()};
+constexpr Number Stop::friction_number() {
+  Number number = optional_number<&Stop::friction>("friction", {}, Range::not_negative);
+  number.scale = [](void*, double) {};
+  return number;
+}
+
+inline constexpr std::array<Number, 4> Stop::limits{limit<false>("min"), limit<true>("max"), restitution_number(),
+                                                    friction_number()};
 
 }  // namespace poise

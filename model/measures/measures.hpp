@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/measures/angle.hpp"
+#include "model/measures/cam_slip.hpp"
 #include "model/measures/component.hpp"
 #include "model/measures/distance.hpp"
 #include "model/measures/half_square.hpp"
@@ -15,6 +16,7 @@
 #include "model/measures/sum.hpp"
 #include "model/measures/travel.hpp"
 #include "model/scene.hpp"
+#include "model/scene_numbers.hpp"
 
 namespace poise {
 
@@ -41,6 +43,7 @@ class CompiledMeasure {
   /// scene of the numbers; `stop` as of Numbers::term(). Others have none.
   template <class NumbersOfScene>
   void set_terms(const NumbersOfScene& numbers, const Measure& measure, int stop) {
+    if (auto* const slip = std::get_if<CamSlipMeasure<T>>(&form_)) slip->set_shape(numbers);
     auto* const sum = std::get_if<SumMeasure<T>>(&form_);
     if (sum == nullptr) return;
     std::size_t next = 0;
@@ -105,7 +108,7 @@ class CompiledMeasure {
 
  private:
   using Form = std::variant<LinearMeasure<T>, DistanceMeasure<T>, PositionMeasure<T>, ComponentMeasure<T>,
-                            RopeMeasure<T>, OutlineMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
+                            RopeMeasure<T>, OutlineMeasure<T>, CamSlipMeasure<T>, SumMeasure<T>, HalfSquareMeasure<T>>;
 
   static Form compile(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure) {
     switch (measure.kind) {
@@ -126,6 +129,8 @@ class CompiledMeasure {
       case Measure::Kind::clearance:
       case Measure::Kind::along_outline:
         return on_outline(scene, layout, phasors, measure);
+      case Measure::Kind::slip_on_cam:
+        return on_cam(scene, layout, phasors, measure);
       case Measure::Kind::sum:
         break;
     }
@@ -190,6 +195,16 @@ class CompiledMeasure {
             static_cast<T>(measure.radius)};
   }
 
+  static CamSlipMeasure<T> on_cam(const Scene& scene, const Layout& layout, const Phasors<T>& phasors,
+                                  const Measure& measure) {
+    const Stop& stop = scene.stops[static_cast<std::size_t>(measure.stop)];
+    CamSlipMeasure<T> out(
+        component(scene, layout, phasors, measure, {1, 0}), component(scene, layout, phasors, measure, {0, 1}),
+        compile_angle(layout, phasors, stop.on.terms[1].measure), *cam_geometry(scene, stop), measure.stop);
+    out.set_shape(SceneNumbers<T>(scene));
+    return out;
+  }
+
   // A sum within a sum is expanded; profiles are of single measures.
   static void add_terms(const Scene& scene, const Layout& layout, const Phasors<T>& phasors, const Measure& measure,
                         const T& factor, SumMeasure<T>& sum) {
@@ -204,7 +219,8 @@ class CompiledMeasure {
       }
       std::visit(
           [&]<class G>(G g) {
-            if constexpr (!std::is_same_v<G, SumMeasure<T>> && !std::is_same_v<G, HalfSquareMeasure<T>>) {
+            if constexpr (!std::is_same_v<G, SumMeasure<T>> && !std::is_same_v<G, HalfSquareMeasure<T>> &&
+                          !std::is_same_v<G, CamSlipMeasure<T>>) {
               sum.add(whole, std::move(g), std::move(of));
             }
           },

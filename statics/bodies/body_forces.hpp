@@ -17,6 +17,7 @@
 #include "model/scene_numbers.hpp"
 #include "model/select.hpp"
 #include "statics/bodies/body_measures.hpp"
+#include "statics/bodies/cam_push.hpp"
 
 namespace poise {
 namespace body_forces {
@@ -216,6 +217,8 @@ auto BodyForces<Pose, NumbersOfScene>::value(const Measure& measure, int stop) c
       return outline(measure).clearance(place_at_outline(measure)).value;
     case Measure::Kind::along_outline:
       return outline(measure).along(place_at_outline(measure), T(measure.radius)).value;
+    case Measure::Kind::slip_on_cam:
+      return T(0);  // Friction does not depend on how far something has slipped.
     case Measure::Kind::sum:
       break;
   }
@@ -287,6 +290,16 @@ void BodyForces<Pose, NumbersOfScene>::for_each_effort(const Measure& measure, c
       const Planar<T> along = Planar<T>{g.x, g.y} * at(measure.a.body).direction();
       const Planar<T> b = world(measure.b);
       visit(Effort{measure.a.body, measure.b.body, b, b, effort * along, T(0)});
+      return;
+    }
+    case Measure::Kind::slip_on_cam: {
+      // Along the cam, and longer than the effort as the normal force is.
+      const std::optional<CamPush<T>> push =
+          cam_push(*this, measure.stop, *cam_geometry(scene(), stop_of(measure.stop)));
+      const Planar<T> b = world(measure.b);
+      Planar<T> along{};
+      if (push) along = T(effort / push->lever) * (quarter_turn(push->along) - push->tangent * push->along);
+      visit(Effort{measure.a.body, measure.b.body, b, b, along, T(0)});
       return;
     }
     case Measure::Kind::sum:

@@ -782,6 +782,8 @@ bool is_same(const Measure& a, const Measure& b) {
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
       return a.outline == b.outline && a.b == b.b;
+    case Measure::Kind::slip_on_cam:
+      return a.stop == b.stop;
     case Measure::Kind::rope:
       return std::equal(a.contacts.begin(), a.contacts.end(), b.contacts.begin(), b.contacts.end(),
                         [](const RopeContact& one, const RopeContact& other) { return one.at == other.at; });

@@ -125,6 +125,7 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
     case Measure::Kind::component:
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
     case Measure::Kind::rope:
     case Measure::Kind::sum:
       break;

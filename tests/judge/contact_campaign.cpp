@@ -548,6 +548,14 @@ struct LiftingCam : ContactMechanism {
     if (!is_driven) out[0] = -lift * profile(angle(t, q)).slope;
     return out;
   }
+  // The edge of a follower slips on a cam that is not driven along the tangent (-1, -m) of the profile, with the slope
+  // m = s' / s of its normal: by 1 / cos of the angle between normal and guide more than along a unit vector, because
+  // the force along the guide is less than the normal force by that.
+  Small tangent(std::size_t, const Small& q) const override {
+    Small out(2);
+    out << -q[1], -lift * profile(q[0]).slope / q[1];
+    return out;
+  }
   double driven_rate(std::size_t, double t, const Small& q) const override {
     return is_driven ? -lift * profile(angle(t, q)).slope * drive.rate_at(t) : 0.0;
   }
@@ -605,6 +613,12 @@ struct LiftingCam : ContactMechanism {
       scene += fmt::format("[[torque]]\non = \"cam\"\nvalue = {:.17g}\n", turning.size) + turning.course.text();
     }
     const double above = chance(random, 0.3) ? random.uniform(0.002, 0.02) : 0.0;
+    if (!is_driven && chance(random, 0.6)) {
+      contacts.back().friction = random.uniform(0.02, 0.4);
+      const std::string key = "[[cam]]\n";
+      scene.insert(scene.find(key) + key.size(),
+                   fmt::format("roller = \"follower.T\"\nfriction = {:.17g}\n", contacts.back().friction));
+    }
     scene += fmt::format("[start]\ncam = 0\nguide = {:.17g}\n", base + above);
     if (is_driven) {
       names = {"guide"};

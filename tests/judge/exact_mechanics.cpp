@@ -170,6 +170,7 @@ Smooth ExactMechanics::measure(const Measure& m, const Vector& q) const {
       return component(end(m.a, q), end(m.b, q), direction<Real>(m.axis) * unit(angle(m.a.body, q)), true);
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
       throw std::invalid_argument("the judge knows no outlines");
     case Measure::Kind::rope:
       throw std::invalid_argument("the judge knows no ropes");

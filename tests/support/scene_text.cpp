@@ -44,6 +44,7 @@ std::string key_of(const Scene& scene, const Measure& m) {
       return fmt::format("points = [{}, {}]\naxis = {}", quoted(scene, m.a), quoted(scene, m.b), pair(m.axis));
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
       throw std::invalid_argument("a text has outlines in contacts only");
     case Measure::Kind::rope:
       return "rope = " + contacts_of(scene, m);

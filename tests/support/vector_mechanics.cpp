@@ -199,6 +199,8 @@ double measured(const Scene& scene, const Measure& measure, const Poses& poses) 
       return clearance(scene, measure, poses);
     case Measure::Kind::along_outline:
       return along_outline(scene, measure, poses);
+    case Measure::Kind::slip_on_cam:
+      throw std::invalid_argument("friction on a cam does not depend on how far it has slipped");
     case Measure::Kind::sum:
       break;
   }

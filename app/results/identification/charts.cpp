@@ -202,6 +202,7 @@ Vec2 place_read(const Scene& scene, const Measure& on, const Poses& poses) {
     case Measure::Kind::y:
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
+    case Measure::Kind::slip_on_cam:
       return world(on.b);
     case Measure::Kind::rope:
       return poses[static_cast<std::size_t>(on.contacts.front().at.body)].origin;

@@ -129,9 +129,12 @@ void add_warnings(Result& result, const MotionModel& model, const ForcesAlong& f
   if (!rubbing.empty() && !rubs(found)) warn(fmt::format("Friction in {} is left out of all forces.", listed(rubbing)));
   warn_of_rest(result, model.scene(), found);
   if (rubs(found)) warn_of_unloaded_bearings(result, model.scene());
-  for (const Stop& rope : model.scene().stops) {
-    if (rubbing_rims(rope.on).empty()) continue;
-    warn(fmt::format("Friction of the rope \"{}\" on its pulleys is left out of all forces.", rope.name));
+  for (const Stop& stop : model.scene().stops) {
+    // The parts of a contact share their name.
+    if (stop.friction.value_or(0.0) != 0.0 && !stop.table.starts_with("contact_part"))
+      warn(fmt::format("Friction of the {} is left out of all forces.", stop.title()));
+    if (rubbing_rims(stop.on).empty()) continue;
+    warn(fmt::format("Friction of the rope \"{}\" on its pulleys is left out of all forces.", stop.name));
   }
   if (!dead.empty() && !found.complete && !found.stop) warn("Dead point: " + dead + ".");
   if (found.stop) warn("The range ends early: " + found.why + ".");

@@ -100,6 +100,9 @@ std::string measure_in_words(const Scene& scene, const Measure& on) {
       return fmt::format("clearance of {} from {}", scene.name_of(on.b), outline_in_words(scene, on.outline));
     case Measure::Kind::along_outline:
       return fmt::format("way of {} along {}", scene.name_of(on.b), outline_in_words(scene, on.outline));
+    case Measure::Kind::slip_on_cam:
+      return fmt::format("slip of {} on the {}", scene.name_of(on.b),
+                         scene.stops[static_cast<std::size_t>(on.stop)].title());
     case Measure::Kind::sum:
       break;
   }
