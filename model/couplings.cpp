@@ -174,6 +174,9 @@ constexpr auto cam_numbers = []<std::size_t... Point>(std::index_sequence<Point.
 constexpr std::array<CouplingPart, 3> cam_parts{CouplingPart{Of::factor, 1, 0, 1.0, true},
                                                 CouplingPart{Of::shift, 1, 1}, CouplingPart{Of::value, 0, 2}};
 
+constexpr std::array<Number, 2> geneva_numbers{shift_number<1>("phase", dimension::angle), value_number("offset")};
+constexpr std::array<CouplingPart, 2> geneva_parts{CouplingPart{Of::shift, 1, 0}, CouplingPart{Of::value, 0, 1}};
+
 constexpr std::array<Number, 1> coupling_numbers{value_number("value")};
 constexpr Number positive_value(std::string_view key) {
   Number length = needed(value_number(key));
@@ -461,11 +464,12 @@ constexpr std::array<CouplingPart, 2> play_parts{CouplingPart{Of::lower, 0, 0, -
 
 constexpr auto contact_part_tables = indexed_keys<most_contact_parts>("contact_part");
 
-constexpr std::array<CouplingKind, 30> kinds_without_parts{
+constexpr std::array<CouplingKind, 31> kinds_without_parts{
     {{"gear", gear_numbers, factor_and_backlash},
      {"belt", belt_numbers, factor_and_value},
      {"rack", rack_numbers, factor_and_backlash},
      {"cam", cam_numbers, cam_parts},
+     {"geneva", geneva_numbers, geneva_parts},
      {"coupling", coupling_numbers, value_only},
      {"rope", rope_numbers, value_only},
      {"chain", chain_numbers, chain_parts},
@@ -514,6 +518,8 @@ const CouplingKind* coupling_kind(const Stop& stop) {
       std::find_if(kinds.begin(), kinds.end(), [&](const CouplingKind& kind) { return kind.table == stop.table; });
   return found == kinds.end() ? nullptr : &*found;
 }
+
+int slots_of(const Stop& geneva) { return static_cast<int>(std::lround(2 * M_PI / geneva.on.terms[1].factor)); }
 
 bool is_contact(const Stop& stop) { return stop.table.starts_with("contact"); }
 

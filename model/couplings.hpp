@@ -45,6 +45,9 @@ struct CouplingKind {
 ///   belt      the same with the signs exchanged: + of an open belt, - of a crossed one
 ///   rack      travel of the rack = offset + radius times the angle of the pinion from its carrier
 ///   cam       follower >= base + lift P((angle - phase) / turn); = where it is guided on both sides
+///   geneva    angle of the wheel + 2 pi / slots P((angle of the crank - phase) / turn) = offset, both from their
+///   carrier,
+///             with the profile P of ProfileIn::geneva()
 ///   coupling  sum of factor times measure = value
 ///   rope      length of a rope over points and pulleys <= length
 ///   chain     length of the strand from the rim of one sprocket to that of another, with what is wound off and on,
@@ -86,6 +89,9 @@ std::span<const CouplingKind> coupling_kinds();
 inline constexpr std::size_t most_contact_parts = 63;
 /// Whether a stop is one of those of a contact between bodies.
 bool is_contact(const Stop& stop);
+
+/// Of the wheel of a Geneva drive.
+int slots_of(const Stop& geneva);
 
 /// Index of the pressure angle in the numbers of a gear or rack.
 inline constexpr int pressure_angle_at = 2;

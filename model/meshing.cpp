@@ -110,7 +110,7 @@ const Stop* cam_that_may_lift(const Scene& scene) {
 }
 
 bool transmits(const Stop& stop) {
-  static const std::set<std::string_view> tables{"gear", "belt", "rack", "coupling", "cam"};
+  static const std::set<std::string_view> tables{"gear", "belt", "rack", "geneva", "coupling", "cam"};
   return tables.contains(stop.table);
 }
 

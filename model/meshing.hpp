@@ -52,7 +52,7 @@ bool separates(const Stop& stop);
 /// The first cam that may lift off its follower, and so acts in statics alone; null if there is none.
 const Stop* cam_that_may_lift(const Scene& scene);
 
-/// A coupling whose force acts between parts by contact: gear, belt, rack, cam, coupling of measures.
+/// A coupling whose force acts between parts by contact: gear, belt, rack, Geneva drive, cam, coupling of measures.
 bool transmits(const Stop& stop);
 
 }  // namespace poise

@@ -117,12 +117,13 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     name_in(table, "on", &MovedItems::name_body);
     name_in(table, "at", &MovedItems::name_point);
     mirror_number(table, "value");
-  } else if (is_any_of(key, {"gear", "belt"})) {
+  } else if (is_any_of(key, {"gear", "belt", "geneva"})) {
     name_list(table, "bodies", &MovedItems::name_body);
     name_in(table, "carrier", &MovedItems::name_body);
     const std::string carrier = table.contains("carrier") ? "" : carrier_of_gears();
     if (!carrier.empty()) table.insert_or_assign("carrier", carrier);
     mirror_number(table, "phase");
+    if (key == "geneva") mirror_number(table, "offset");
   } else if (key == "rack") {
     name_in(table, "slide", &MovedItems::name_joint);
     name_in(table, "pinion", &MovedItems::name_body);

@@ -1,5 +1,7 @@
 #include "model/profile.hpp"
 
+#include <cmath>
+
 namespace poise {
 
 template <class C>
@@ -19,6 +21,18 @@ typename ProfileIn<C>::Piece ProfileIn<C>::standard(std::string_view law, double
   return piece;
 }
 
+template <class C>
+ProfileIn<C> ProfileIn<C>::geneva(int slots) {
+  const double k = std::sin(M_PI / slots);
+  const double in_slot = std::acos(k), part = in_slot / (2 * M_PI), per_slot = slots / (2 * M_PI);
+  return {{{0.0, part, Law::geneva, {0.0, per_slot, k, 0.0, in_slot}},
+           {part, 1.0 - part, Law::polynomial, {0.5}},
+           {1.0 - part, 1.0, Law::geneva, {1.0, per_slot, k, -in_slot, in_slot}}},
+          true,
+          1.0};
+}
+
+template ProfileIn<double> ProfileIn<double>::geneva(int slots);
 template ProfileIn<double>::Piece ProfileIn<double>::standard(std::string_view law, double from, double to,
                                                               double begin, double end);
 

@@ -22,7 +22,16 @@ ProfileValue<S> hull(const ProfileValue<S>& a, const ProfileValue<S>& b) {
 }
 
 /// How a piece of a profile goes (ProfileIn).
-enum class ProfileLaw { polynomial, harmonic, cycloidal, tangent_angle, arc_length, along_tangent, across_tangent };
+enum class ProfileLaw {
+  polynomial,
+  harmonic,
+  cycloidal,
+  geneva,
+  tangent_angle,
+  arc_length,
+  along_tangent,
+  across_tangent
+};
 
 /// A function P(u) of a number, both without dimension: the lift of a cam over its angle, a coordinate along a curve.
 /// It is made of pieces; in each, with s = (u - from) / (to - from) from 0 to 1,
@@ -30,6 +39,7 @@ enum class ProfileLaw { polynomial, harmonic, cycloidal, tangent_angle, arc_leng
 ///   polynomial   P = sum_k c_k s^k
 ///   harmonic     P = c_0 + c_1 (1 - cos(pi s)) / 2
 ///   cycloidal    P = c_0 + c_1 (s - sin(2 pi s) / (2 pi))
+///   geneva       P = c_0 + c_1 atan2(c_2 sin f, 1 - c_2 cos f),  f = c_3 + c_4 s,  0 < c_2 < 1
 ///
 /// (R. L. Norton, "Cam Design and Manufacturing Handbook", 2009, chapter 2: simple harmonic, cycloidal displacement and
 /// the polynomial 3-4-5, P = c_0 + c_1 (10 s^3 - 15 s^4 + 6 s^5).) Of a curve r = (X, Y) of a body that rolls on
@@ -65,6 +75,11 @@ class ProfileIn {
   static Piece standard(std::string_view law, double from, double to, double begin, double end);
   /// The names of these laws.
   static constexpr std::array<std::string_view, 4> laws{"dwell", "harmonic", "cycloidal", "polynomial_345"};
+  /// By how many slots the wheel of a Geneva drive has turned, at a share u of a turn of its crank from where the pin
+  /// is deepest in a slot: with the angle f = 2 pi u of the crank and k = sin(pi / slots), while the pin is in the
+  /// slot, cos f >= k,  P = slots / (2 pi) atan2(k sin f, 1 - k cos f);  else the wheel rests. P(u + 1) = P(u) + 1.
+  /// `slots` is at least 3.
+  static ProfileIn geneva(int slots);
   /// The Spline through the points (u_k, P_k).
   static ProfileIn spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,
                           bool has_curved_ends = false);
@@ -77,6 +92,8 @@ class ProfileIn {
 
   const std::vector<Piece>& pieces() const { return pieces_; }
   bool periodic() const { return periodic_; }
+  /// Whether it is another function a whole period on: it does not repeat, or rises with each.
+  bool counts_periods() const { return !periodic_ || any(rise_ != C(0)); }
 
   /// P(u); for sets of numbers it encloses the values and derivatives of all pieces that u may be in.
   template <class S>
@@ -92,6 +109,8 @@ class ProfileIn {
   ProfileValue<S> in_turns(const S& u) const;
   template <class S>
   static auto turns_before(const S& u);
+  template <class S>
+  static ProfileValue<S> on_geneva(const Piece& piece, const S& s);
   template <class S>
   static std::array<Planar<S>, 4> curve(const Piece& piece, const S& t);
   template <class S>
@@ -239,6 +258,22 @@ ProfileValue<S> ProfileIn<C>::on_curve(const Piece& piece, const S& t) {
   return out;
 }
 
+// With D = 1 - 2 k cos f + k^2, the square of the pin's distance from the wheel's axis over that of the axes:
+//   psi' = k (cos f - k) / D,  psi'' = -k (1 - k^2) sin f / D^2,  psi''' = k (1 - k^2) (4 k sin^2 f / D - cos f) / D^2.
+template <class C>
+template <class S>
+ProfileValue<S> ProfileIn<C>::on_geneva(const Piece& piece, const S& s) {
+  const S k(piece.c[2]), turned(piece.c[4]);
+  const Planar<S> crank = unit(S(S(piece.c[3]) + turned * s));
+  const Planar<S> pin{S(1) - k * crank.x, k * crank.y};  // to the right of zero
+  const S square = S(1) - S(2) * k * crank.x + k * k;
+  const S bend = k * (S(1) - k * k) / (square * square);
+  const S factor(piece.c[1]);
+  return {S(piece.c[0]) + factor * (full_angle_of(quarter_turn(pin)) - pi_of<S>() / S(2)),
+          factor * turned * k * (crank.x - k) / square, -(factor * turned * turned * bend * crank.y),
+          factor * turned * turned * turned * bend * (S(4) * k * crank.y * crank.y / square - crank.x)};
+}
+
 template <class C>
 template <class S>
 ProfileValue<S> ProfileIn<C>::on(const Piece& piece, const S& u) {
@@ -270,6 +305,9 @@ ProfileValue<S> ProfileIn<C>::on(const Piece& piece, const S& u) {
               rise * full * full * turn.x};
       break;
     }
+    case Law::geneva:
+      by_s = on_geneva(piece, s);
+      break;
     default:
       by_s = on_curve(piece, S(s - S(0.5)));
   }

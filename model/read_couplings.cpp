@@ -59,6 +59,8 @@ class CouplingReader {
       read_wheels(table, stop);
     else if (kind.table == "rack")
       read_rack(table, stop);
+    else if (kind.table == "geneva")
+      read_geneva(table, stop);
     else if (kind.table == "cam")
       read_cam(table, stop);
     else if (kind.table == "rope")
@@ -93,13 +95,10 @@ class CouplingReader {
   }
 
  private:
-  // angle(carrier -> b) -+ ratio angle(carrier -> a).
-  void read_wheels(const TomlTable& table, Stop& stop) const {
-    const bool is_gear = stop.table == "gear";
-    const std::string_view other_way = is_gear ? "internal" : "crossed";
-    std::vector<std::string_view> keys{"name", "bodies", "carrier", "ratio", other_way, "phase"};
-    if (is_gear) keys.insert(keys.end(), {"pressure_angle", "backlash"});
-    table.allow_keys(keys);
+  struct WheelsOnCarrier {
+    int a, b, carrier;
+  };
+  WheelsOnCarrier wheels_on_carrier(const TomlTable& table) const {
     const auto [a, b] = names_.two_bodies(table);
     const int carrier = carrier_of(table);
     for (const int wheel : {a, b}) {
@@ -107,6 +106,35 @@ class CouplingReader {
         table.place_of("carrier").fail("expected a body that carries both wheels, found one of them");
       }
     }
+    return {a, b, carrier};
+  }
+
+  // angle(carrier -> wheel) + 2 pi / slots P(angle(carrier -> crank)).
+  void read_geneva(const TomlTable& table, Stop& stop) const {
+    table.allow_keys({"name", "bodies", "carrier", "slots", "phase", "offset"});
+    const auto [crank, wheel, carrier] = wheels_on_carrier(table);
+    if (!table.has("slots"))
+      table.place().fail("expected the key slots, the number of slots of the wheel; add slots = 4");
+    constexpr long long least_slots = 3, most_slots = 360;
+    const long long slots = table.whole_number("slots", least_slots, least_slots);
+    if (slots > most_slots) {
+      table.place_of("slots").fail(
+          fmt::format("expected a whole number from {} to {}, found {}", least_slots, most_slots, slots));
+    }
+    const int count = static_cast<int>(slots);
+    stop.on = Measure::sum_of({{1.0, Measure::angle_between(carrier, wheel)},
+                               {full_turn / count, Measure::angle_between(carrier, crank),
+                                std::make_shared<const Profile>(Profile::geneva(count)), 0.0, full_turn}});
+  }
+
+  // angle(carrier -> b) -+ ratio angle(carrier -> a).
+  void read_wheels(const TomlTable& table, Stop& stop) const {
+    const bool is_gear = stop.table == "gear";
+    const std::string_view other_way = is_gear ? "internal" : "crossed";
+    std::vector<std::string_view> keys{"name", "bodies", "carrier", "ratio", other_way, "phase"};
+    if (is_gear) keys.insert(keys.end(), {"pressure_angle", "backlash"});
+    table.allow_keys(keys);
+    const auto [a, b, carrier] = wheels_on_carrier(table);
     // Wheels that mesh outside and crossed belts turn in opposite ways.
     const bool opposite = is_gear != table.flag(other_way, false);
     stop.sense = opposite ? 1.0 : -1.0;
@@ -760,8 +788,8 @@ std::optional<double> guessed(const Scene& scene, const Measure& measure) {
       double sum = 0.0;
       for (const Measure::Term& term : measure.terms) {
         const std::optional<double> g = guessed(scene, term.measure);
-        if (!g || term.profile) return std::nullopt;
-        sum += term.factor * *g;
+        if (!g) return std::nullopt;
+        sum += term.factor * (term.profile ? term.profile->at((*g - term.shift) / term.span).value : *g);
       }
       return sum;
     }

@@ -408,6 +408,12 @@ SceneBuilder& SceneBuilder::belt(const std::string& a, const std::string& b, con
   return *this;
 }
 
+SceneBuilder& SceneBuilder::geneva(const std::string& crank, const std::string& wheel, const std::vector<Key>& keys,
+                                   const std::string& name) {
+  document_->add_on("geneva", name, measures::angle(crank, wheel), keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::rack(const std::string& slide, const std::string& pinion, const std::vector<Key>& keys,
                                  const std::string& name) {
   toml::table& table = document_->next("rack", name);

@@ -170,6 +170,9 @@ class SceneBuilder {
   /// A belt round two bodies: "ratio", "crossed", ...
   SceneBuilder& belt(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                      const std::string& name = {});
+  /// A Geneva drive of a crank and a wheel: "slots", ...
+  SceneBuilder& geneva(const std::string& crank, const std::string& wheel, const std::vector<Key>& keys,
+                       const std::string& name = {});
   /// A rack, which is a slide, and its pinion, a body: "radius", ...
   SceneBuilder& rack(const std::string& slide, const std::string& pinion, const std::vector<Key>& keys,
                      const std::string& name = {});

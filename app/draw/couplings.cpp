@@ -1,3 +1,5 @@
+#include "model/couplings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -69,6 +71,29 @@ void draw_rack(Stage& stage, const Stop& stop) {
   draw_wheel(stage, pivot, radius, pinion.body_b);
   stage.canvas.line(contact - (1.5 * radius + 8.0) * along, contact + (1.5 * radius + 8.0) * along,
                     {.stroke = ink::free_stop, .width = line_width, .dash = pitch_line});
+}
+
+void draw_geneva(Stage& stage, const Stop& stop) {
+  const Measure& wheel = stop.on.terms[0].measure;
+  const Measure::Term& crank = stop.on.terms[1];
+  const Readings& now = stage.now;
+  const Vec2 on_crank = pivot_of(stage.scene, now, crank.measure.body_a, crank.measure.body_b);
+  const Vec2 on_wheel = pivot_of(stage.scene, now, wheel.body_a, wheel.body_b);
+  const Vec2 line = on_wheel - on_crank;
+  if (stage.scale * norm(line) < 4.0) return;
+  const int slots = slots_of(stop);
+  const double turned = value_of(stage.scene, crank.measure, now.poses) - crank.shift;
+  const double advanced = -crank.factor * crank.profile->at(turned / crank.span).value;
+  const auto draw = [&](std::vector<Vec2> outline, Vec2 axis, Vec2 along, double angle) {
+    for (Vec2& point : outline) point = stage.page(axis + point * (along * unit(angle)));
+    stage.canvas.polygon(std::move(outline), {.stroke = ink::free_stop, .width = line_width});
+  };
+  draw(geneva_wheel(slots), on_wheel, -line, advanced);
+  draw(geneva_disc(slots), on_crank, line, turned);
+  const Vec2 pin = on_crank + std::sin(M_PI / slots) * (line * unit(turned));
+  stage.canvas.line(stage.page(on_crank), stage.page(pin), {.stroke = ink::free_stop, .width = line_width});
+  stage.canvas.circle(stage.page(pin), stage.scale * norm(line) * geneva_pin_radius(slots),
+                      {.stroke = ink::free_stop, .width = line_width});
 }
 
 constexpr int sides_of_cam = 120;
@@ -185,6 +210,9 @@ void draw_coupling(Stage& stage, const Stop& stop, bool in_contact) {
   } else if (stop.table == "rack") {
     draw_rack(stage, stop);
     stage.signs.insert(Sign::wheels);
+  } else if (stop.table == "geneva") {
+    draw_geneva(stage, stop);
+    stage.signs.insert(Sign::geneva);
   } else if (stop.table == "cam") {
     draw_cam(stage, stop, in_contact);
     stage.signs.insert(Sign::cam);

@@ -49,6 +49,11 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw cam = [](Canvas& c) {
     c.polygon({{10, -6}, {17, -8}, {30, 0}, {17, 8}, {10, 6}, {8, 0}}, {.stroke = ink::stop, .width = 1.6});
   };
+  static const Draw geneva = [](Canvas& c) {
+    std::vector<Vec2> wheel = geneva_wheel(3);
+    for (Vec2& point : wheel) point = Vec2{17, 0} + 10.0 * point;
+    c.polygon(std::move(wheel), {.stroke = ink::free_stop, .width = 1.2});
+  };
   static const Draw track = [](Canvas& c) {
     const std::vector<Vec2> line{{4, 4}, {9, -3}, {16, -5}, {24, 1}, {30, 4}};
     c.polyline(line, {.stroke = ink::dark, .width = 8.0});
@@ -79,6 +84,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::centre_of_mass, "centre of mass", centre},
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},
       {Sign::wheels, "gears, rack, belt or chain, at their pitch circles", pitch_circle},
+      {Sign::geneva, "Geneva drive", geneva},
       {Sign::cam, "cam: path of the roller's centre, or larger where it lifts", cam},
       {Sign::track, "slot along a curve", track},
       {Sign::rolling, "wheel or curve that rolls without slipping", rolling},

@@ -27,6 +27,7 @@ enum class Sign {
   centre_of_mass,
   rope,
   wheels,
+  geneva,
   cam,
   track,
   rolling,

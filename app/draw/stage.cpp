@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/draw/symbols.hpp"
+#include "model/couplings.hpp"
 #include "model/curved_slots.hpp"
 #include "model/one_line.hpp"
 
@@ -171,6 +172,12 @@ Box extent_of(const Scene& scene, const Readings& readings) {
       constexpr double with_rack = 1.8;  // radii
       box.include(pivot_of(scene, readings, pinion.measure.body_a, pinion.measure.body_b),
                   with_rack * std::abs(pinion.factor));
+    } else if (stop.table == "geneva") {
+      const PitchCircles axes = pitch_circles(scene, readings, stop);
+      const double apart = norm(axes.centre_b - axes.centre_a), half = M_PI / slots_of(stop);
+      constexpr double with_pin = 1.15;  // lengths of the crank
+      box.include(axes.centre_a, with_pin * std::sin(half) * apart);
+      box.include(axes.centre_b, std::cos(half) * apart);
     } else if (stop.table == "cam") {
       for (const Vec2& point : pitch_curve(scene, readings, stop)) box.include(point);
     }

@@ -188,7 +188,8 @@ void draw_drives(Stage& stage);
 /// A rope over its points and pulleys.
 void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
 void draw_rope(Stage& stage, const Stop& stop, bool taut);
-/// Pitch circles of gears, racks and belts; a cam by its pitch curve, or as a shape that stands out where it lifts.
+/// Pitch circles of gears, racks and belts; wheel, locking disc and pin of a Geneva drive; a cam by its pitch curve, or
+/// as a shape that stands out where it lifts.
 void draw_coupling(Stage& stage, const Stop& stop, bool in_contact);
 /// Two wheels, m in the world: where they turn, and the radii at which they roll on one another or with a belt; 0 of
 /// wheels on one axis, which are not known.

@@ -174,6 +174,53 @@ void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint) {
   canvas.polyline(letter, paint);
 }
 
+namespace {
+
+// Of the disc: it ends beside the mouths of the slots.
+double geneva_disc_radius(int slots) { return std::sin(M_PI / slots) - 2.2 * geneva_pin_radius(slots); }
+
+/// Adds points of an arc from one angle to another.
+void add_arc(std::vector<Vec2>& points, Vec2 centre, double radius, double from, double to) {
+  const int parts = 1 + static_cast<int>(std::abs(to - from) * 16);
+  for (int k = 0; k <= parts; ++k) points.push_back(centre + radius * unit(from + (to - from) * k / parts));
+}
+
+}  // namespace
+
+double geneva_pin_radius(int slots) {
+  const double crank = std::sin(M_PI / slots);
+  return std::min(0.15 * crank, 0.4 * (1.0 - crank));
+}
+
+std::vector<Vec2> geneva_wheel(int slots) {
+  const double half = M_PI / slots, crank = std::sin(half), rim = std::cos(half);
+  const double pin = geneva_pin_radius(slots), disc = geneva_disc_radius(slots);
+  const double beside_slot = std::asin(pin / rim);
+  // Half of the hollow in which the disc turns, as seen from the wheel's axis and from that of the disc.
+  const double hollow = std::acos((1.0 + rim * rim - disc * disc) / (2.0 * rim));
+  const double of_disc = std::asin(rim * std::sin(hollow) / disc);
+  std::vector<Vec2> out;
+  for (int k = 0; k < slots; ++k) {
+    const double slot = 2.0 * half * k, between = slot + half;
+    add_arc(out, (1.0 - crank) * unit(slot), pin, slot + 1.5 * M_PI, slot + 0.5 * M_PI);
+    add_arc(out, {}, rim, slot + beside_slot, between - hollow);
+    add_arc(out, unit(between), disc, between + M_PI + of_disc, between + M_PI - of_disc);
+    add_arc(out, {}, rim, between + hollow, slot + 2.0 * half - beside_slot);
+  }
+  return out;
+}
+
+std::vector<Vec2> geneva_disc(int slots) {
+  const double crank = std::sin(M_PI / slots), disc = geneva_disc_radius(slots), in_slot = std::acos(crank);
+  // Cut out around the wheel's axis from where the disc begins to hold.
+  const double cut = std::sqrt(1.0 + disc * disc - 2.0 * disc * crank);
+  const double of_cut = std::asin(disc * std::sin(in_slot) / cut);
+  std::vector<Vec2> out;
+  add_arc(out, {}, disc, in_slot, 2.0 * M_PI - in_slot);
+  add_arc(out, {1, 0}, cut, M_PI + of_cut, M_PI - of_cut);
+  return out;
+}
+
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash) {
   const Vec2 u = direction(tail, tip);
   const double head = std::min(5.0 + 2.6 * width, 0.8 * norm(tip - tail));

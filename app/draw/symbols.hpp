@@ -45,6 +45,12 @@ void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& 
 /// A motor: an M in a circle.
 void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint);
 
+/// Parts of a Geneva drive over the distance of its axes, in their own frames: the outline of a wheel with a slot along
+/// x, and that of the locking disc of a crank with its pin along x. The half width of a slot is the radius of the pin.
+std::vector<Vec2> geneva_wheel(int slots);
+std::vector<Vec2> geneva_disc(int slots);
+double geneva_pin_radius(int slots);
+
 /// An arrow from tail to tip.
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash = {});
 /// An arrow on a circle round `at`, beginning in direction `from`, counter-clockwise as seen or clockwise.

@@ -14,7 +14,7 @@ DRAWINGS = (
     basics.frames, basics.section, basics.joints, basics.measures, basics.springs, basics.spring_curve,
     basics.gas_strut, basics.bump_stop, basics.loads, basics.time_functions, basics.time_ways,
     gears.gear, gears.gear_internal, gears.tooth_force, gears.belt, gears.rack, gears.coupling, gears.cam,
-    gears.cam_law, gears.rope, gears.chain,
+    gears.cam_law, gears.geneva, gears.rope, gears.chain,
     slots.circular_slot, slots.curved_slot, slots.rolling, slots.rolling_on_circle, slots.rolling_profile,
     slots.rolling_profile_on_circle, slots.hollow_rocker,
     files.stop_drive, files.sensor, files.run, files.goals, files.straight_line,

@@ -185,6 +185,61 @@ def rack() -> Drawing:
     return drawing
 
 
+def geneva_outline(center: complex, slots: int, first: float, apart: float, pin: float) -> list[complex]:
+    """A wheel with a slot in the direction `first`, degrees, and hollows for the locking disc between the slots."""
+    half = math.pi / slots
+    crank, rim = apart * math.sin(half), apart * math.cos(half)
+    disc = crank - 2.2 * pin
+    beside = math.asin(pin / rim)
+    hollow = math.acos((apart ** 2 + rim ** 2 - disc ** 2) / (2 * apart * rim))
+    of_disc = math.asin(rim * math.sin(hollow) / disc)
+    out: list[complex] = []
+
+    def arc(middle: complex, radius: float, begin: float, end: float) -> None:
+        out.extend(middle + radius * cmath.exp(1j * angle) for angle in np.linspace(begin, end, 16))
+
+    for k in range(slots):
+        slot = math.radians(first) + 2 * half * k
+        between = slot + half
+        arc(center + (apart - crank) * cmath.exp(1j * slot), pin, slot + 1.5 * math.pi, slot + 0.5 * math.pi)
+        arc(center, rim, slot + beside, between - hollow)
+        arc(center + apart * cmath.exp(1j * between), disc, between + math.pi + of_disc, between + math.pi - of_disc)
+        arc(center, rim, between + hollow, slot + 2 * half - beside)
+    return out
+
+
+def geneva() -> Drawing:
+    drawing = Drawing("Geneva drive: slots, phase and offset", 290)
+    slots, apart, pin, crank = 4, 150.0, 13.0, 24.0
+    k = math.sin(math.pi / slots)
+    r = apart * k
+    panel = drawing.panel(122 + 138j)
+    tip = r * turned(crank)
+    psi = math.degrees(math.atan2(k * math.sin(math.radians(crank)), 1 - k * math.cos(math.radians(crank))))
+    panel.area(geneva_outline(apart, slots, 180 - psi, apart, pin), "e")
+    disc = r - 2.2 * pin
+    ends = math.degrees(math.acos(k))
+    cut = math.sqrt(apart ** 2 + disc ** 2 - 2 * apart * disc * k)
+    of_cut = math.degrees(math.asin(disc * math.sin(math.radians(ends)) / cut))
+    panel.area([*(disc * turned(crank + a) for a in np.linspace(ends, 360 - ends, 60)),
+                *((apart + cut * turned(a)) * turned(crank) for a in np.linspace(180 + of_cut, 180 - of_cut, 20))], "a")
+    panel.line(0, apart, style="c")
+    panel.line(0, tip)
+    panel.circle(tip, pin - 1, "a")
+    panel.line(apart, apart + 1.06 * r * turned(180 - psi), style="c")
+    panel.turn(0, 46, 0, crank)
+    panel.turn(apart, 40, 180, 180 - psi)
+    panel.leader(47 * turned(10), 40 + 104j, "angle(crank) - `phase`", "middle")
+    panel.leader(apart + 41 * turned(180 - 0.5 * psi), apart - 10 + 106j, "psi", "middle")
+    panel.leader(disc * turned(200), -76 - 84j, "locking disc", "middle")
+    panel.pin(0)
+    panel.pin(complex(apart))
+    panel.dimension(0, complex(apart), "c", -104)
+    panel.text(complex(apart + 44, 2), "wheel", down=4)
+    panel.texts(-110 - 124j, ["r = c sin(pi / n), so that the pin enters along the slot;", "each turn moves the wheel by 2 pi / n"])
+    return drawing
+
+
 def strand(c_a: complex, c_b: complex, r_a: float, r_b: float) -> tuple[complex, complex]:
     """Ends of the straight strand between two wheels; radii are positive where it passes counter-clockwise."""
     d, over = c_b - c_a, r_b - r_a

@@ -37,7 +37,7 @@ FEATURES: list[tuple[str, str, Callable[[dict[str, Any]], bool]]] = [
     ("bump stops", "scene-files.md#bump-stops", lambda d: "bump_stop" in d),
     ("stops", "scene-files.md#stops", lambda d: "stop" in d),
     ("gears, cams and ropes", "scene-files.md#gears-cams-and-ropes",
-     lambda d: bool(d.keys() & {"gear", "belt", "rack", "coupling", "cam", "rope", "chain"})),
+     lambda d: bool(d.keys() & {"gear", "belt", "rack", "coupling", "geneva", "cam", "rope", "chain"})),
     ("curved slots and rolling wheels", "scene-files.md#curved-slots-and-rolling-wheels",
      lambda d: bool(d.keys() & {"circular_slot", "curved_slot", "rolling"})),
     ("profiles that roll", "scene-files.md#profiles-that-roll", lambda d: "rolling_profile" in d),

@@ -281,6 +281,7 @@ void bind_couplings(py::class_<Named>& type) {
   between("gear", &Builder::gear);
   between("belt", &Builder::belt);
   between("rack", &Builder::rack);
+  between("geneva", &Builder::geneva);
   between("chain", &Builder::chain);
   between("loose_pin", &Builder::loose_pin);
   between("circular_slot", &Builder::circular_slot);

@@ -190,6 +190,10 @@ class SceneBuilder:
         """A rack, which is a slide, and its pinion, a body: ``radius``, ..."""
         return self._add("rack", slide, pinion, self._keys(keys), name)
 
+    def geneva(self, crank: str, wheel: str, /, name: str = "", **keys: Any) -> SceneBuilder:
+        """A Geneva drive of a crank and a wheel: ``slots``, ``phase``, ``offset``, ..."""
+        return self._add("geneva", crank, wheel, self._keys(keys), name)
+
     def coupling(self, sum: Measure, /, name: str = "", **keys: Any) -> SceneBuilder:
         """A sum of measures, measures.sum(...), held at its ``value``."""
         return self._add("coupling", sum, self._keys(keys), name)

@@ -36,7 +36,7 @@ void add_angles(const Layout& layout, const Measure& g, double by, std::vector<d
 template <class Use>
 void in_profiles(const Measure& g, const Use& use) {
   for (const Measure::Term& term : g.terms) {
-    if (term.profile && !term.profile->periodic()) use(term.measure);
+    if (term.profile && term.profile->counts_periods()) use(term.measure);
     in_profiles(term.measure, use);
   }
 }
@@ -46,7 +46,7 @@ void in_profiles(const Measure& g, const Use& use) {
 bool counts_turns(const Measure& measure) {
   return measure.kind == Measure::Kind::angle ||
          std::any_of(measure.terms.begin(), measure.terms.end(), [](const Measure::Term& term) {
-           return !(term.profile && term.profile->periodic()) && counts_turns(term.measure);
+           return !(term.profile && !term.profile->counts_periods()) && counts_turns(term.measure);
          });
 }
 

@@ -68,6 +68,7 @@ TEST(Profiles, KnowTheirDerivatives) {
   for (const std::string_view law : rises) all.push_back(rise_and_return(law));
   all.push_back(Profile::spline({0.0, 0.2, 0.45, 0.7, 1.0}, {0.1, 1.0, 0.4, -0.3, 0.1}, true));
   all.push_back(Profile::spline({-1.0, 0.2, 0.45, 2.0}, {0.1, 1.0, 0.4, -0.3}, false));
+  all.push_back(Profile::geneva(5));
   for (const Profile& profile : all) {
     for (const double u : {-0.77, 0.11, 0.31, 0.61, 0.83, 1.29, 7.64}) {
       SCOPED_TRACE(u);
@@ -126,6 +127,7 @@ TEST(Profiles, AreEnclosed) {
   std::vector<Profile> all;
   for (const std::string_view law : rises) all.push_back(rise_and_return(law));
   all.push_back(Profile::spline({-1.0, 0.2, 0.45, 2.0}, {0.1, 1.0, 0.4, -0.3}, false));
+  all.push_back(Profile::geneva(3));
   for (const Profile& profile : all) {
     for (const double middle : {-1.02, -0.3, 0.0, 0.2, 0.35, 0.97, 1.01, 4.4, 123.9}) {
       for (const double radius : {0.0, 1e-9, 1e-3, 0.04, 0.3, 0.9, 5.0}) {

@@ -688,21 +688,22 @@ INSTANTIATE_TEST_SUITE_P(
             "UnknownTable", "title = 'a'\n[bdoy.crank]\n",
             "2: bdoy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, slide, "
             "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, torsion_damper, "
-            "friction, bump_stop, motor, gear, belt, rack, cam, coupling, rope, chain, circular_slot, curved_slot, "
+            "friction, bump_stop, motor, gear, belt, rack, cam, geneva, coupling, rope, chain, circular_slot, "
+            "curved_slot, "
             "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
             "loose_pin, loose_slot, contact, drive, force, distributed_load, "
             "torque, "
             "stop, start, outputs, frame; "
             "did you mean \"body\"?"},
-        BadScene{
-            "KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
-            "1: bo dy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, "
-            "slide, "
-            "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
-            "torsion_damper, friction, bump_stop, motor, gear, belt, rack, cam, coupling, rope, chain, circular_slot, "
-            "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
-            "loose_pin, loose_slot, contact, drive, force, "
-            "distributed_load, torque, stop, start, outputs, frame; did you mean \"body\"?"},
+        BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
+                 "1: bo dy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, "
+                 "slide, "
+                 "pin_in_slot, weld, bar, spring, torsion_spring, cubic_spring, constant_force, damper, "
+                 "torsion_damper, friction, bump_stop, motor, gear, belt, rack, cam, geneva, coupling, rope, chain, "
+                 "circular_slot, "
+                 "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
+                 "loose_pin, loose_slot, contact, drive, force, "
+                 "distributed_load, torque, stop, start, outputs, frame; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",

@@ -230,6 +230,11 @@ slide = "guide"
 pinion = "a"
 radius = 30
 pressure_angle = 15
+[[geneva]]
+name = "index"
+bodies = ["a", "b"]
+slots = 5
+phase = 10
 [[coupling]]
 name = "sum"
 sum = [{ factor = 2, slide = "guide" }, { factor = -1, bodies = ["ground", "a"] }]
@@ -356,6 +361,7 @@ SceneBuilder couplings_builder() {
       .gear("a", "b", {{"carrier", "arm"}, {"ratio", 2}, {"phase", 5}})
       .belt("a", "b", {{"ratio", 3}, {"crossed", true}, {"phase", 1}})
       .rack("guide", "a", {{"radius", 30}, {"pressure_angle", 15}}, "teeth")
+      .geneva("a", "b", {{"slots", 5}, {"phase", 10}}, "index")
       .coupling(measures::sum({{2, measures::travel("guide")}, {-1, measures::angle("ground", "a")}}), {{"value", 3}},
                 "sum")
       .cam("ground", "a", measures::travel("guide"),

@@ -591,6 +591,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"loose_pin", {on_rod}},
                                                 {"loose_slot", along},
                                                 {"gear", two_links},
+                                                {"geneva", two_links},
                                                 {"rack", {on_crank, slide}},
                                                 {"cam", {on_crank, slide}},
                                                 {"belt", two_links},

@@ -79,6 +79,7 @@ def couplings_builder():
         .gear("a", "b", carrier="arm", ratio=2, phase=5)
         .belt("a", "b", ratio=3, crossed=np.True_, phase="twice")
         .rack("guide", "a", "teeth", radius=30)
+        .geneva("a", "b", "index", slots=5, phase=10, offset=3)
         .coupling(measures.sum([(2, guide), (-1, measures.angle("ground", "a"))]), "sum", value=3)
         .cam("ground", "a", guide, [(120, "harmonic", 1), (180, "dwell"), (360, "cycloidal", 0)], "lobe", lift=10,
              base=40, guided=True, roller="rack.Q")
@@ -125,7 +126,7 @@ def test_a_scene_that_is_built_is_that_of_the_file():
 def test_every_method_writes_what_the_reader_reads():
     builder = couplings_builder()
     text = builder.toml
-    for item in ("gear", "belt", "rack", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
+    for item in ("gear", "belt", "rack", "geneva", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
                  "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "loose_pin", "loose_slot",
                  "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "spring", "force", "distributed_load",
                  "torque"):
