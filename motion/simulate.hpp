@@ -27,8 +27,10 @@ struct StartValue {
 };
 
 /// Closes the loops of the scene's start, or takes the closed `q` (SI), and moves to the values `wanted` with the least
-/// change of all other degrees of freedom; other independent rates are zero. Changes are those of the coordinates
-/// `independent`, where given. Throws InputError if the loops cannot be closed there, or the values contradict each
+/// change of all other degrees of freedom; other independent rates are zero. Without `independent` flexible links begin
+/// as they are bent in `q`, or straight, and with the least rates of bending (sums of squares over their springs,
+/// weighted by the stiffness), as far as the joints and all that is wanted let them. Changes are those of the
+/// coordinates `independent`, where given. Throws InputError if the loops cannot be closed there, or the values contradict each
 /// other.
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted,
                          const std::vector<double>* q = nullptr, const std::vector<int>* independent = nullptr);

@@ -14,15 +14,73 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Changes of the independent coordinates, of least norm, for which the wanted ones change by `change`.
+/// How the flexible links of a scene bend: the measures of their springs, each times the root of its stiffness, so that
+/// the sum of squares is twice the energy of bending.
+class Bending {
+ public:
+  explicit Bending(const MotionModel& model)
+      : mechanism_(model.mechanism()), pose_(static_cast<std::size_t>(mechanism_.pose_size())) {
+    for (const FlexibleLink& link : model.scaled_scene().flexible_links) {
+      for (const int spring : link.springs) {
+        const auto& law = model.scaled_scene().elements[static_cast<std::size_t>(spring)].law;
+        springs_.push_back({spring, std::sqrt(std::get<LinearSpring>(law).stiffness)});
+      }
+    }
+  }
+
+  bool acts() const { return !springs_.empty(); }
+  Eigen::VectorXd at(const double* q) {
+    mechanism_.place(q, pose_.data());
+    return of_each([&](int spring) { return mechanism_.measure_of(spring, pose_.data()); });
+  }
+  /// How it changes along rates at the pose of the last at().
+  Eigen::VectorXd along(const double* v) {
+    return of_each([&](int spring) { return mechanism_.rate_of(spring, pose_.data(), v); });
+  }
+  /// Its derivatives by the independent coordinates, there.
+  Eigen::MatrixXd by_independent(const Reduced& reduced) {
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(springs_.size()), reduced.freedoms());
+    for (int k = 0; k < reduced.freedoms(); ++k) out.col(k) = along(reduced.B(k));
+    return out;
+  }
+
+ private:
+  struct Spring {
+    int element;
+    double root;
+  };
+  template <class Of>
+  Eigen::VectorXd of_each(const Of& of) const {
+    Eigen::VectorXd out(static_cast<Eigen::Index>(springs_.size()));
+    for (std::size_t s = 0; s < springs_.size(); ++s) {
+      out[static_cast<Eigen::Index>(s)] = springs_[s].root * of(springs_[s].element);
+    }
+    return out;
+  }
+
+  const Mechanism<double>& mechanism_;
+  std::vector<Planar<double>> pose_;
+  std::vector<Spring> springs_;
+};
+
+/// Changes of the independent coordinates for which the wanted ones change by `change`: of least norm, or, where links
+/// bend, those that bring this bending nearest to zero, and of these the ones of least norm.
 Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValue>& wanted,
-                             const Eigen::VectorXd& change) {
+                             const Eigen::VectorXd& change, Bending& links, const Eigen::VectorXd& bending) {
   Eigen::MatrixXd B(change.size(), reduced.freedoms());
   for (Eigen::Index row = 0; row < change.size(); ++row) {
     for (int k = 0; k < reduced.freedoms(); ++k)
       B(row, k) = reduced.B(k)[wanted[static_cast<std::size_t>(row)].coordinate];
   }
-  return solvers::minimum_norm_solution(B, change);
+  if (bending.size() == 0) return solvers::minimum_norm_solution(B, change);
+  const Eigen::MatrixXd by = links.by_independent(reduced);
+  if (change.size() == 0) return solvers::minimum_norm_solution<double>(by, -bending, solvers::known_to::closed_point);
+  const solvers::LeastSquares<double> reached(B);
+  const Eigen::VectorXd first = reached.solve(change);
+  const Eigen::MatrixXd open = reached.null_space();
+  if (open.cols() == 0) return first;
+  return first + open * solvers::minimum_norm_solution<double>(by * open, -(bending + by * first),
+                                                               solvers::known_to::closed_point);
 }
 
 [[noreturn]] void fail(const MotionModel& model, int freedoms, const std::vector<StartValue>& wanted,
@@ -112,36 +170,50 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   std::vector<double> z = independent(x.data());
   reduced.expect(x.data());
   if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail_to_drive(model);
+  // Links that bend begin as in the pose given, or straight, as far as all else lets them.
+  Bending links(model);
+  const bool bend = links.acts() && chosen == nullptr && f > 0;
+  Eigen::VectorXd begin;
+  if (bend && q != nullptr) begin = links.at(model.from_si(*q).data());
+  const auto bending = [&] {
+    if (!bend) return Eigen::VectorXd();
+    Eigen::VectorXd out = links.at(reduced.q());
+    if (begin.size() > 0) out -= begin;
+    return out;
+  };
   // Newton's method on the wanted coordinates, in steps short enough for the loops to close.
-  constexpr double longest_step = 0.1;
+  constexpr double longest_step = 0.1, longest_turn = 0.3;
   int most = 200;
   for (int iteration = 0;; ++iteration) {
     Eigen::VectorXd miss(static_cast<Eigen::Index>(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i) {
       miss[static_cast<Eigen::Index>(i)] = places[i].value - reduced.q()[places[i].coordinate];
     }
-    if (places.empty() || miss.lpNorm<Eigen::Infinity>() < 1e-14) break;
-    const bool settled = miss.lpNorm<Eigen::Infinity>() < 1e-12 && iteration > 20;
-    if (settled) break;
-    const double largest = miss.lpNorm<Eigen::Infinity>();
+    const double largest = places.empty() ? 0.0 : miss.lpNorm<Eigen::Infinity>();
+    const bool reached = largest < 1e-14 || (largest < 1e-12 && iteration > 20);
+    if (reached && (!bend || iteration == most)) break;
     if (iteration == 0) most += static_cast<int>(std::min(largest / longest_step, 1e5));
     if (f == 0 || iteration == most) fail(model, f, places, "places");
     Eigen::VectorXd dz =
-        least_change(reduced, places, largest > longest_step ? Eigen::VectorXd(miss * (longest_step / largest)) : miss);
-    if (!dz.allFinite() || dz.lpNorm<Eigen::Infinity>() > 1.0) fail(model, f, places, "places");
+        least_change(reduced, places, largest > longest_step ? Eigen::VectorXd(miss * (longest_step / largest)) : miss,
+                     links, bending());
+    if (reached && dz.lpNorm<Eigen::Infinity>() < 1e-11) break;
+    if (!dz.allFinite() || (!bend && dz.lpNorm<Eigen::Infinity>() > 1.0)) fail(model, f, places, "places");
+    if (bend) dz *= std::min(1.0, longest_turn / dz.lpNorm<Eigen::Infinity>());
     for (int k = 0; k < f; ++k) z[static_cast<std::size_t>(k)] += dz[k];
     if (reduced.place(0.0, z.data()) != Reduced::Status::ok) fail(model, f, places, "places");
   }
   MotionState state;
   x.assign(reduced.q(), reduced.q() + x.size());
   Eigen::VectorXd w = Eigen::VectorXd::Zero(f);
-  if (!rates.empty()) {
+  if (!rates.empty() || bend) {
     reduced.move(w.data());
     Eigen::VectorXd miss(static_cast<Eigen::Index>(rates.size()));
     for (std::size_t i = 0; i < rates.size(); ++i) {
       miss[static_cast<Eigen::Index>(i)] = rates[i].value - reduced.v()[rates[i].coordinate];
     }
-    w = least_change(reduced, rates, miss);
+    if (bend) links.at(reduced.q());
+    w = least_change(reduced, rates, miss, links, bend ? links.along(reduced.v()) : Eigen::VectorXd());
   }
   reduced.move(w.data());
   for (const StartValue& s : rates) {
