@@ -211,7 +211,7 @@ ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const 
                               .freedoms = over.motors()->freedoms(over.state(nodes.front())),
                               .size = model.scales().length};
   }
-  const bool with_links = has_links(scene) && scene.flexible_links.empty();
+  const bool with_links = has_links(scene);
   double needed = 0.0, left = 0.0, largest_force = 0.0, power_left = 0.0, powers = 0.0;
   for (const double t : record.time) {
     if (stopped()) break;

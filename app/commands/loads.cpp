@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
@@ -48,12 +46,6 @@ int run_in_motion(const LoadsRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const MotionModel model(load_moving_scene(request.common));
   expect_links(model.scene());
-  if (!model.scene().flexible_links.empty()) {
-    throw InputError(
-        fmt::format("{}: \"{}\" bends, and in motion only rigid links have internal loads; expected no "
-                    "flexible = true with --time",
-                    model.scene().file, model.scene().flexible_links.front().name));
-  }
   OutputFiles files(request.common);
   MotionOptions options;
   options.interrupt = &request.common.interrupt();

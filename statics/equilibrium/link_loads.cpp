@@ -566,13 +566,23 @@ auto integral(double from, double to, F f) {
   return sum;
 }
 
-/// One element of a flexible link, of length h, with the turn of its nodes and what its first pin carries.
+/// One element of a flexible link, of length h and mass m, with the turn of its nodes and what its first pin carries.
+/// The force across the line at a place x of 0 .. 1, on what is behind it, is
+///   F(x) = F(0) + m (x g - J(x)),  J(x) = int_0^x a = x a(0) + h int_0^x (x - y) t(y) (i phi'' - phi'^2) dy,
+/// with the accelerations a of the line, r(x) = r(0) + h int_0^x t, and its direction t = d exp(i phi).
 class BentElement {
  public:
-  BentElement(const Scene& scene, const std::vector<BodyPose<double>>& poses, const FlexibleLink& link,
-              std::size_t element) {
+  BentElement(const Scene& scene, const std::vector<BodyPose<double>>& poses,
+              const std::vector<BodyAcceleration>& accelerations, const FlexibleLink& link, std::size_t element) {
+    // Of what rests there are none.
+    const auto acceleration = [&](std::size_t body) {
+      return accelerations.empty() ? BodyAcceleration{} : accelerations[body];
+    };
     for (std::size_t k = 0; k < turn_.size(); ++k) {
-      turn_[k] = poses[static_cast<std::size_t>(link.bodies[3 * element + k])].angle;
+      const auto body = static_cast<std::size_t>(link.bodies[3 * element + k]);
+      turn_[k] = poses[body].angle;
+      rate_[k] = acceleration(body).rate;
+      turning_[k] = acceleration(body).turning;
     }
     // The second body of the element belongs to it alone: its points are where it begins and where it ends.
     const auto second = static_cast<std::size_t>(link.bodies[3 * element + 1]);
@@ -580,22 +590,29 @@ class BentElement {
     const Vec2 along = body.points.back().at - body.points.front().at;
     length_ = norm(along) / beam_element::weight[1];
     direction_ = (1 / norm(along)) * along;
-    weight_ = (body.mass / beam_element::weight[1]) * scene.gravity;
-    begins_ = poses[second].world(body.points.front().at) -
-              (length_ * beam_element::weight[0]) * (direction_ * unit(turn_[0]));
+    mass_ = body.mass / beam_element::weight[1];
+    gravity_ = scene.gravity;
+    const Vec2 first_node = (length_ * beam_element::weight[0]) * (direction_ * unit(turn_[0]));
+    begins_ = poses[second].world(body.points.front().at) - first_node;
+    const BodyAcceleration of_second = acceleration(second);
+    of_first_node_ = of_second.of_origin +
+                     swung(of_second.turning, of_second.rate) * (body.points.front().at * unit(poses[second].angle));
+    of_begin_ = of_first_node_ - swung(turning_[0], rate_[0]) * first_node;
   }
 
   double length() const { return length_; }
-  /// What the first pin carries has the weight of the first node in it.
-  void set_force(Vec2 of_first_pin) { before_ = of_first_pin - beam_element::weight[0] * weight_; }
+  /// What the first pin carries has the weight and the inertia of the first node in it, whose centre of mass is there.
+  void set_force(Vec2 of_first_pin) {
+    before_ = of_first_pin - (mass_ * beam_element::weight[0]) * (gravity_ - of_first_node_);
+  }
 
   LinkSample at(double x) const {
     LinkSample out;
-    out.state.turn = turn(x);
-    out.along = direction_ * unit(out.state.turn);
-    out.state.normal = -dot(before_ + x * weight_, out.along);
+    out.state.turn = by_nodes(turn_, x);
+    out.along = tangent(x);
+    out.state.normal = -dot(force(x), out.along);
     out.state.shear = shear(x);
-    out.state.at = begins_ + length_ * integral(0.0, x, [&](double y) { return direction_ * unit(turn(y)); });
+    out.state.at = begins_ + length_ * integral(0.0, x, [&](double y) { return tangent(y); });
     return out;
   }
   /// Gives the growth of the moment from one place to another: dM/ds = V.
@@ -604,32 +621,44 @@ class BentElement {
   }
 
  private:
-  double turn(double x) const {
+  using AtNodes = std::array<double, beam_element::nodes>;
+
+  static double by_nodes(const AtNodes& values, double x) {
     double sum = 0.0;
     for (int k = 0; k < beam_element::nodes; ++k) {
-      sum += beam_element::lagrange(k, x) * turn_[static_cast<std::size_t>(k)];
+      sum += beam_element::lagrange(k, x) * values[static_cast<std::size_t>(k)];
     }
     return sum;
   }
-  double shear(double x) const { return dot(before_ + x * weight_, quarter_turn(direction_ * unit(turn(x)))); }
+  /// The factor of a vector that turns, of which its second derivative by time is the product.
+  static Vec2 swung(double turning, double rate) { return {-rate * rate, turning}; }
 
-  std::array<double, beam_element::nodes> turn_{};
-  double length_ = 0.0;
-  Vec2 direction_{}, weight_{}, begins_{}, before_{};
+  Vec2 tangent(double x) const { return direction_ * unit(by_nodes(turn_, x)); }
+  Vec2 force(double x) const {
+    const Vec2 within = integral(
+        0.0, x, [&](double y) { return (x - y) * (tangent(y) * swung(by_nodes(turning_, y), by_nodes(rate_, y))); });
+    return before_ + mass_ * (x * (gravity_ - of_begin_) - length_ * within);
+  }
+  double shear(double x) const { return dot(force(x), quarter_turn(tangent(x))); }
+
+  AtNodes turn_{}, rate_{}, turning_{};
+  double length_ = 0.0, mass_ = 0.0;
+  Vec2 direction_{}, gravity_{}, begins_{}, before_{};
+  Vec2 of_begin_{}, of_first_node_{};  // accelerations
 };
 
 /// What the pin between two neighbours of a chain carries, on the second.
-Vec2 force_between(const Scene& scene, const Check& check, int a, int b) {
+Vec2 force_between(const Scene& scene, const std::vector<Reaction>& reactions, int a, int b) {
   const auto joint = std::find_if(scene.joints.begin(), scene.joints.end(),
                                   [&](const Joint& one) { return one.a.body == a && one.b.body == b; });
   const auto index = static_cast<int>(joint - scene.joints.begin());
-  const auto found = std::find_if(check.reactions.begin(), check.reactions.end(),
-                                  [&](const Reaction& one) { return one.joint == index; });
+  const auto found =
+      std::find_if(reactions.begin(), reactions.end(), [&](const Reaction& one) { return one.joint == index; });
   if (!found->determined) throw Refusal{"statics does not determine the forces in it: a joint more than needed"};
   return found->force;
 }
 
-LinkLoads flexible_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check,
+LinkLoads flexible_link(const Scene& scene, const std::vector<BodyPose<double>>& poses, const ForcesInMotion& forces,
                         const FlexibleLink& link) {
   LinkLoads out;
   out.name = link.name;
@@ -637,12 +666,12 @@ LinkLoads flexible_link(const Scene& scene, const std::vector<BodyPose<double>>&
   out.section = link.section;
   const auto& gauss = beam_element::gauss_place;
   for (std::size_t e = 0; 3 * e < link.springs.size(); ++e) {
-    BentElement element(scene, poses, link, e);
-    element.set_force(force_between(scene, check, link.bodies[3 * e], link.bodies[3 * e + 1]));
+    BentElement element(scene, poses, forces.accelerations, link, e);
+    element.set_force(force_between(scene, forces.reactions, link.bodies[3 * e], link.bodies[3 * e + 1]));
     std::array<double, gauss.size()> moment{};
     for (std::size_t g = 0; g < gauss.size(); ++g) {
       const auto spring = static_cast<std::size_t>(link.springs[3 * e + g]);
-      moment[g] = check.element_forces[spring].value / beam_element::gauss_weight[g];
+      moment[g] = forces.element_forces[spring] / beam_element::gauss_weight[g];
     }
     const auto add = [&](double x, double bending) {
       LinkSample sample = element.at(x);
@@ -669,16 +698,6 @@ void add_or_refuse(std::vector<LinkLoads>& out, const std::string& name, Find fi
     refused.name = name;
     refused.why = refusal.why;
   }
-}
-
-std::vector<LinkLoads> rigid_links(const Scene& scene, const std::vector<BodyPose<double>>& poses,
-                                   const ForcesInMotion& forces) {
-  std::vector<LinkLoads> out;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    if (!scene.bodies[i].section) continue;
-    add_or_refuse(out, scene.bodies[i].name, [&] { return rigid_link(scene, poses, forces, static_cast<int>(i)); });
-  }
-  return out;
 }
 
 }  // namespace
@@ -715,20 +734,18 @@ bool has_links(const Scene& scene) {
 std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses, const Check& check) {
   ForcesInMotion at_rest{.element_forces = {}, .reactions = check.reactions, .efforts = {}, .accelerations = {}};
   for (const ElementForce& force : check.element_forces) at_rest.element_forces.push_back(force.value);
-  std::vector<LinkLoads> out = rigid_links(scene, poses, at_rest);
-  for (const FlexibleLink& link : scene.flexible_links) {
-    add_or_refuse(out, link.name, [&] { return flexible_link(scene, poses, check, link); });
-  }
-  return out;
+  return link_loads(scene, poses, at_rest);
 }
 
 std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses,
                                   const ForcesInMotion& forces) {
-  std::vector<LinkLoads> out = rigid_links(scene, poses, forces);
+  std::vector<LinkLoads> out;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (!scene.bodies[i].section) continue;
+    add_or_refuse(out, scene.bodies[i].name, [&] { return rigid_link(scene, poses, forces, static_cast<int>(i)); });
+  }
   for (const FlexibleLink& link : scene.flexible_links) {
-    add_or_refuse(out, link.name, [&]() -> LinkLoads {
-      throw Refusal{"it bends, and in motion only rigid links have internal loads"};
-    });
+    add_or_refuse(out, link.name, [&] { return flexible_link(scene, poses, forces, link); });
   }
   return out;
 }

@@ -223,27 +223,5 @@ rocker = 1.4
   EXPECT_EQ(whole, 63);
 }
 
-TEST(LoadsInMotion, SaysThatFlexibleLinksHaveNone) {
-  const StaticModel model(parse_scene(R"(
-[ground]
-points = { A = [0, 0] }
-[body.strip]
-points = { A = [0, 0], B = [1, 0] }
-[body.strip.section]
-area = 1e-4
-second_moment = 1e-9
-modulus = 2e11
-height = 0.01
-flexible = true
-elements = 2
-[[weld]]
-points = ["ground.A", "strip.A"]
-)",
-                                      "strip.toml"));
-  const std::vector<LinkLoads> found = link_loads(model.scene(), model.poses(model.start()), ForcesInMotion{});
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_NE(found[0].why.find("it bends"), std::string::npos) << found[0].why;
-}
-
 }  // namespace
 }  // namespace poise::loads_in_motion_test
