@@ -82,6 +82,7 @@ FreeNames::FreeNames(const Scene& scene) {
   learn(scene.forces);
   learn(scene.torques);
   learn(scene.stops);
+  learn(scene.blades);
   learn(scene.flexible_links);
   for (const Body& body : scene.bodies) {
     for (const NamedPoint& one : body.points) points_.insert(one.name);

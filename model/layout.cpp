@@ -128,7 +128,8 @@ struct Reason {
     inertia = 32,
     guides = 64,
     damper = 128,
-    drive = 256
+    drive = 256,
+    blade = 512
   };
 };
 
@@ -559,6 +560,9 @@ class Builder {
     for (const Stop& s : scene_.stops) mark_measure(s.on, Reason::stop);
     if (purpose_ == Purpose::dynamics) {
       for (const Drive& d : scene_.drives) mark_measure(d.on, Reason::drive);
+      for (const Blade& b : scene_.blades) {
+        for (const Measure& on : {b.turn(), b.x(), b.y()}) mark_measure(on, Reason::blade);
+      }
     }
     note_what_never_enters(heavy);
   }
@@ -671,6 +675,10 @@ class Builder {
       for (const Drive& drive : scene_.drives) {
         out_.dropped.push_back(
             fmt::format("drive \"{}\": statics leaves drives out, its coordinate is free", drive.name));
+      }
+      for (const Blade& blade : scene_.blades) {
+        out_.dropped.push_back(fmt::format(
+            "blade \"{}\": it keeps no position from being reached, and its force at rest is left out", blade.name));
       }
     }
     for (std::size_t f = 0; f < scene_.forces.size(); ++f) {
@@ -870,6 +878,7 @@ std::string Coordinate::why() const {
   add(Reason::inertia, "has inertia");
   add(Reason::damper, "is damped");
   add(Reason::drive, "is driven");
+  add(Reason::blade, "bears a blade");
   add(Reason::guides, "guides a slide");
   return words;
 }

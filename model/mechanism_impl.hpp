@@ -19,7 +19,8 @@ Mechanism<T>::Mechanism(const Scene& scene, Purpose purpose) : Mechanism(scene, 
 template <class T>
 Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose)
     : layout_(std::move(layout)),
-      phasors_(layout_, !scene.elements.empty() || !scene.stops.empty() || !scene.drives.empty()) {
+      phasors_(layout_,
+               !scene.elements.empty() || !scene.stops.empty() || !scene.drives.empty() || !scene.blades.empty()) {
   load_.assign(coordinates(), {});
   torque_.assign(coordinates(), T(0));
   const bool moves = std::any_of(scene.time_functions.begin(), scene.time_functions.end(),

@@ -117,6 +117,10 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     name_in(table, "on", &MovedItems::name_body);
     name_in(table, "at", &MovedItems::name_point);
     mirror_number(table, "value");
+  } else if (key == "blade") {
+    name_in(table, "at", &MovedItems::name_point);
+    name_in(table, "on", &MovedItems::name_body);
+    mirror_number(table, "angle");
   } else if (is_any_of(key, {"gear", "belt", "geneva"})) {
     name_list(table, "bodies", &MovedItems::name_body);
     name_in(table, "carrier", &MovedItems::name_body);

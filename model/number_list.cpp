@@ -41,6 +41,7 @@ NumberList::NumberList(const Scene& scene, const std::vector<int>& vectors)
   force_.resize(scene_.forces.size());
   torque_.resize(scene_.torques.size());
   joint_.resize(scene_.joints.size());
+  blade_.resize(scene_.blades.size());
   for (const Stop& stop : scene_.stops) {
     stop_.push_back({0, strut_of(scene_, stop), coupling_kind(stop), curve_numbers_of(stop)});
   }
@@ -96,6 +97,9 @@ void NumberList::place_rows() {
       case Owner::coupling:
         stop_[item].first = row;
         break;
+      case Owner::blade:
+        blade_[item] = row;
+        break;
       case Owner::section:
         if (place.part == 1) section_.push_back(row);
         break;
@@ -148,6 +152,7 @@ void NumberList::read_values() {
     read(section_[l], scene_.flexible_links[l].section, CrossSection::numbers);
   }
   for (std::size_t j = 0; j < joint_.size(); ++j) read(joint_[j], scene_.joints[j], scene_.joints[j].numbers());
+  for (std::size_t b = 0; b < blade_.size(); ++b) read(blade_[b], scene_.blades[b], Blade::numbers);
   for (std::size_t s = 0; s < stop_.size(); ++s) {
     const bool has_own = stop_[s].strut < 0 && first_row(static_cast<int>(s)) == static_cast<int>(s);
     if (has_own) read(stop_[s].first, scene_.stops[s], scene_.stops[s].numbers());

@@ -68,6 +68,7 @@ class NumberList {
   int joint(int joint) const { return joint_[at(joint)]; }
   /// The stops of a coupling share the numbers of its first stop. A stop that a gas strut comes with has none.
   int stop(int stop) const { return stop_[at(stop)].first; }
+  int blade(int blade) const { return blade_[at(blade)]; }
 
   /// Places in p of the components of a vector that are numbers of their own, or -1.
   struct Components {
@@ -115,7 +116,7 @@ class NumberList {
   std::vector<double> values_;
   int gravity_ = 0;
   std::vector<std::vector<int>> point_;  // by body
-  std::vector<int> body_, force_, torque_, element_, joint_;
+  std::vector<int> body_, force_, torque_, element_, joint_, blade_;
   std::vector<int> section_;  // of each flexible link
   std::vector<OfStop> stop_;
   std::vector<Vec2> along_force_, along_axis_;

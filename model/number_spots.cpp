@@ -138,6 +138,8 @@ const toml::table* NumberSpots::item(Owner owner, int index) const {
       return in_list("torque", at);
     case Owner::drive:
       return in_list("drive", at);
+    case Owner::blade:
+      return in_list("blade", at);
     case Owner::stop:
     case Owner::coupling:
       return in_list(scene_.stops[at].table, stops_[at]);
@@ -258,6 +260,7 @@ NumberSpot NumberSpots::of(const ParameterRow& row) const {
       [[fallthrough]];
     case Owner::drive:
     case Owner::stop:
+    case Owner::blade:
       return {item(row.place.owner, row.place.item), "", key};
     case Owner::time: {
       const TimeFunction& function = scene_.time_functions[at];

@@ -88,6 +88,9 @@ class Numbers {
                              : constant(list_->along_axis(joint), axis);
   }
 
+  /// Blade::angle.
+  const T& blade_angle(int blade) const { return p_[list_->blade(blade)]; }
+
   /// One of Joint::friction_numbers().
   const T& friction(int joint, int number) const {
     const bool keeps_angle = scene().joints[static_cast<std::size_t>(joint)].keeps_angle();

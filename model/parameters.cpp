@@ -175,6 +175,11 @@ void visit_items(AnyScene& scene, Use use) {
     const Owner owner = kind != nullptr ? Owner::coupling : Owner::stop;
     use(Parts{stop.table, stop.name}, ParameterPlace{owner, i}, stop, stop.numbers(), &stop.on);
   }
+  for (int i = 0; i < count(scene.blades); ++i) {
+    auto& blade = scene.blades[i];
+    use(Parts{"blade", blade.name}, ParameterPlace{Owner::blade, i}, blade, std::span<const Number>(Blade::numbers),
+        none);
+  }
 }
 
 /// use(row, item, number) for every number.

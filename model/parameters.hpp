@@ -27,15 +27,17 @@ enum class Owner {
   joint,
   stop,
   coupling,
+  blade,
   start,
   time  ///< a function of time
 };
 
-/// Whether the equilibrium depends on numbers of such an owner where the item acts: not on guesses, on drives and
-/// functions of time, which statics leaves out, nor on sections, which matter inside of rigid bodies only; those of
+/// Whether the equilibrium depends on numbers of such an owner where the item acts: not on guesses, on drives, blades
+/// and functions of time, which statics leaves out, nor on sections, which matter inside of rigid bodies only; those of
 /// flexible links act through the stiffness of their springs.
 constexpr bool counts_in_statics(Owner owner) {
-  return owner != Owner::start && owner != Owner::drive && owner != Owner::section && owner != Owner::time;
+  return owner != Owner::start && owner != Owner::drive && owner != Owner::section && owner != Owner::time &&
+         owner != Owner::blade;
 }
 
 /// The owner of what a function of time is of; of a frame that of gravity.

@@ -32,7 +32,7 @@ std::vector<std::string_view> item_tables() {
   std::vector<std::string_view> keys;
   for (const JointTraits& kind : Joint::kinds) keys.push_back(kind.key);
   for (const std::string_view key : element_tables()) keys.push_back(key);
-  keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop"});
+  keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "blade"});
   for (const CouplingKind& kind : coupling_kinds()) {
     if (kind.row == 0) keys.push_back(kind.table);
   }
@@ -84,6 +84,7 @@ void give_names(toml::table& document, const TomlTable& root) {
   give({"drive"}, by_words);
   give({"force", "distributed_load", "torque"}, by_words);
   give({"stop"}, by_words);
+  give({"blade"}, by_words);
   for (const CouplingKind& kind : coupling_kinds()) {
     if (kind.row > 0) continue;
     give({kind.table},

@@ -42,6 +42,7 @@ class ElementReader {
     read_loads();
     read_stops();
     add_stops_of_struts();
+    read_family("blade", scene_.blades, &ElementReader::read_blade);
   }
 
  private:
@@ -476,6 +477,23 @@ class ElementReader {
               "joints");
     }
     return stop;
+  }
+
+  Blade read_blade(const TomlTable& table) const {
+    table.allow_keys({"name", "at", "angle", "on"});
+    Blade blade;
+    const TomlText at = table.text("at");
+    blade.at = names_.point(at);
+    if (blade.at.body == 0) at.place.fail("expected a point of a body that can move, found one of the ground");
+    read_numbers(table, Blade::numbers, &blade, nullptr);
+    const auto on = table.find_text("on");
+    if (!on) return blade;
+    blade.on = names_.body(*on);
+    if (blade.on == blade.at.body) on->place.fail("expected another body than that of the blade's point");
+    if (blade.on != 0 && scene_.bodies[static_cast<std::size_t>(blade.on)].points.empty()) {
+      on->place.fail("expected a body with a point, from which the blade's place is measured; give it one");
+    }
+    return blade;
   }
 
   const TomlTable& root_;

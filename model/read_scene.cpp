@@ -70,7 +70,8 @@ class SceneReader {
     for (const CouplingKind& kind : coupling_kinds()) {
       if (kind.row == 0) keys.push_back(kind.table);
     }
-    keys.insert(keys.end(), {"drive", "force", "distributed_load", "torque", "stop", "start", "outputs", "frame"});
+    keys.insert(keys.end(),
+                {"drive", "force", "distributed_load", "torque", "stop", "blade", "start", "outputs", "frame"});
     root_.allow_keys(keys);
     if (const auto units = root_.find_table("units")) scene_.units = read_units(*units);
     parts_.units() = scene_.units;

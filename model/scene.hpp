@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/blade.hpp"
 #include "model/cross_section.hpp"
 #include "model/input_error.hpp"
 #include "model/joint.hpp"
@@ -232,6 +233,7 @@ struct Scene {
   std::vector<TimeFunction> time_functions;  ///< at most one of each load and drive
   std::vector<HeldLoad> held_loads;          ///< of the scene at one time, at_time()
   std::vector<Stop> stops;
+  std::vector<Blade> blades;
   std::vector<FlexibleLink> flexible_links;
   Start start;
   std::vector<SceneNumber> named_values;
@@ -300,6 +302,7 @@ Scene parse_scene(std::string_view text, const std::string& name);
 ///                         of a function of time: amplitude, frequency, ...; declared in model/time_function.hpp
 ///   bar.NAME.length,  slide.NAME.angle,  weld.NAME.angle
 ///   stop.NAME.min | max
+///   blade.NAME.angle
 ///   start.NAME            guess for the angle of a body or the travel of a joint
 ///   start.NAME.x | y      guess for the position of a body
 /// Throws InputError naming the nearest valid path, and for a number that is written as an expression; the scene is

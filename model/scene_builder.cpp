@@ -396,6 +396,13 @@ SceneBuilder& SceneBuilder::stop(const std::string& name, const MeasureByName& o
   return *this;
 }
 
+SceneBuilder& SceneBuilder::blade(const std::string& at, const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("blade", name);
+  document_->set(table, "at", at);
+  document_->add_keys(table, "blade", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::gear(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                                  const std::string& name) {
   document_->add_on("gear", name, measures::angle(a, b), keys);

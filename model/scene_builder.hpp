@@ -162,6 +162,9 @@ class SceneBuilder {
   /// A stop with its "min", "max" or both; "stiffness", "damping" and "exponent" of one that yields.
   SceneBuilder& stop(const std::string& name, const MeasureByName& on, const std::vector<Key>& keys);
 
+  /// A blade under a point, with its "angle" in the body of the point, and the body "on" which it stands.
+  SceneBuilder& blade(const std::string& at, const std::vector<Key>& keys = {}, const std::string& name = {});
+
   /// Gears on two bodies. docs/gears-cams-ropes.md, docs/curved-slots.md and docs/rolling-profiles.md describe the
   /// tables of this and all that follow up to profiles; `keys` are the keys of these that are not named here:
   /// {{"ratio", 2}, {"carrier", "arm"}, {"internal", true}}.

@@ -40,6 +40,8 @@ class SceneNumbers {
     return planar_cast<T>(direction<PlainOf<T>>(scene_->joints[static_cast<std::size_t>(joint)].axis));
   }
 
+  T blade_angle(int blade) const { return T(scene_->blades[static_cast<std::size_t>(blade)].angle); }
+
   T friction(int joint, int number) const {
     const Joint& of = scene_->joints[static_cast<std::size_t>(joint)];
     return T(of.friction_numbers()[static_cast<std::size_t>(number)].get(&of).value());

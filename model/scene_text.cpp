@@ -45,8 +45,8 @@ int rank_of(std::string_view table) {
   for (const CouplingKind& kind : coupling_kinds()) {
     if (kind.table == table) return couplings;
   }
-  constexpr std::array<std::string_view, 7> end{"drive", "force", "distributed_load", "torque",
-                                                "stop",  "start", "outputs"};
+  constexpr std::array<std::string_view, 8> end{"drive", "force", "distributed_load", "torque", "stop",
+                                                "blade", "start", "outputs"};
   return last + static_cast<int>(std::find(end.begin(), end.end(), table) - end.begin());
 }
 
@@ -516,6 +516,7 @@ class SceneText::Editing {
     rename_all(scene_.forces);
     rename_all(scene_.torques);
     rename_all(scene_.stops);
+    rename_all(scene_.blades);
     rename_in_outputs(names);
     for (const Use& use : uses_) {
       if (use.text.starts_with(prefix)) edits_.replace(*use.node, toml_string(use.text.substr(prefix.size())));
@@ -691,6 +692,7 @@ class SceneText::Editing {
         [](const Force& force) { return std::string(force.to ? "distributed load" : "load"); });
     add(scene_.torques, Owner::torque, [](const Torque&) { return std::string("torque"); });
     add(scene_.stops, Owner::stop, [](const Stop& stop) { return stop.family(); });
+    add(scene_.blades, Owner::blade, [](const Blade&) { return std::string("blade"); });
     return out;
   }
 

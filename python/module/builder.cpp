@@ -267,8 +267,10 @@ void bind_elements(py::class_<Named>& type) {
                          const py::dict& keys) { b.builder.element(table, name, on, keys_of(b, table, keys)); })
       .def("drive", [](Named& b, Text name, const MeasureByName& on,
                        const py::dict& keys) { b.builder.drive(name, on, keys_of(b, "drive", keys)); })
-      .def("stop", [](Named& b, Text name, const MeasureByName& on, const py::dict& keys) {
-        b.builder.stop(name, on, keys_of(b, "stop", keys));
+      .def("stop", [](Named& b, Text name, const MeasureByName& on,
+                      const py::dict& keys) { b.builder.stop(name, on, keys_of(b, "stop", keys)); })
+      .def("blade", [](Named& b, Text at, const py::dict& keys, Text name) {
+        b.builder.blade(at, keys_of(b, "blade", keys), name);
       });
 }
 

@@ -175,6 +175,10 @@ class SceneBuilder:
         """A stop with its ``min``, ``max`` or both; ``stiffness``, ``damping`` and ``exponent`` of one that yields."""
         return self._add("stop", name, on, self._keys(keys))
 
+    def blade(self, at: str, /, name: str = "", **keys: Any) -> SceneBuilder:
+        """A blade under a point: ``angle`` of its edge in the body of the point, and the body ``on`` which it stands."""
+        return self._add("blade", at, self._keys(keys), name)
+
     # Gears, cams, ropes, chains, slots, rolling wheels and profiles, whose tables docs/gears-cams-ropes.md,
     # docs/curved-slots.md and docs/rolling-profiles.md describe.
 

@@ -472,6 +472,7 @@ TEST(Parameters, AreInTheDocs) {
   };
   [&]<class... L>(std::type_identity<std::variant<L...>>) { (expect_law(L{}), ...); }(std::type_identity<Law>{});
   for (const Number& number : Drive::numbers) expect_in_docs(rows, "drive", number.key, number);
+  for (const Number& number : Blade::numbers) expect_in_docs(rows, "blade", number.key, number);
 }
 
 }  // namespace

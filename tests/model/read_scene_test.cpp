@@ -693,7 +693,7 @@ INSTANTIATE_TEST_SUITE_P(
             "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
             "loose_pin, loose_slot, contact, drive, force, distributed_load, "
             "torque, "
-            "stop, start, outputs, frame; "
+            "stop, blade, start, outputs, frame; "
             "did you mean \"body\"?"},
         BadScene{"KeyWithLineBreak", "\"bo\\ndy\" = 1\n",
                  "1: bo dy: expected one of the keys title, source, gravity, units, numbers, part, ground, body, pin, "
@@ -703,7 +703,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "circular_slot, "
                  "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
                  "loose_pin, loose_slot, contact, drive, force, "
-                 "distributed_load, torque, stop, start, outputs, frame; did you mean \"body\"?"},
+                 "distributed_load, torque, stop, blade, start, outputs, frame; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",
                  "2: TOML syntax: expected a key of at most 16 parts; put a name that holds dots in quotes"},
         BadScene{"TableOfManyParts", "title = \"\"\"\n.\n\"\"\"\"\"\n[x" + repeated(" . 'a'", 40'000) + "]\n",

@@ -335,6 +335,11 @@ closed = true
 name = "dish"
 point = "bead.P"
 arc = { center = "a.O", from = "a.O2", to = "a.O3", hollow = true }
+[[blade]]
+name = "edge"
+at = "wheel.C"
+angle = 30
+on = "arm"
 [start]
 arc = 20
 a = 7
@@ -386,6 +391,7 @@ SceneBuilder couplings_builder() {
       .contact("bead.P", {"arm.O", "arm.P"}, {{"radius", 3}})
       .contact("bead.P", {"arm.O", "arm.L", "arm.P"}, {{"closed", true}}, "cup")
       .contact_with_arc("bead.P", "a.O", "a.O2", "a.O3", true, {}, "dish")
+      .blade("wheel.C", {{"angle", 30}, {"on", "arm"}}, "edge")
       .start("arc", 20)
       .start("a", 7);
   return builder;
@@ -434,6 +440,12 @@ void expect_same_couplings(const Scene& built, const Scene& read) {
   for (std::size_t e = 0; e < read.elements.size(); ++e) {
     EXPECT_EQ(built.elements[e].table, read.elements[e].table);
     expect_same_measure(built.elements[e].on, read.elements[e].on);
+  }
+  ASSERT_EQ(built.blades.size(), read.blades.size());
+  for (std::size_t b = 0; b < read.blades.size(); ++b) {
+    EXPECT_EQ(built.blades[b].name, read.blades[b].name);
+    EXPECT_EQ(built.blades[b].at, read.blades[b].at);
+    EXPECT_EQ(built.blades[b].on, read.blades[b].on);
   }
   expect_same_numbers(built, read);
 }

@@ -102,6 +102,7 @@ def couplings_builder():
         .bar("a.O", "wheel.C", 30, "rod")
         .drive("motor", measures.angle("ground", "b"), rate=360)
         .stop("end", guide, min=-20, max=30)
+        .blade("wheel.C", "edge", angle=30, on="arm")
         .element("spring", "strut", measures.sum([(1, measures.x(bead)), (1, measures.y(bead))]),
                  gas={"preload": 300, "length": 450, "stroke": 150, "ratio": 1.35})
         .force("P", bead, (1, 2), follows="bead")
@@ -128,7 +129,7 @@ def test_every_method_writes_what_the_reader_reads():
     text = builder.toml
     for item in ("gear", "belt", "rack", "geneva", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
                  "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "loose_pin", "loose_slot",
-                 "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "spring", "force", "distributed_load",
+                 "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "blade", "spring", "force", "distributed_load",
                  "torque"):
         assert f"[[{item}]]" in text
     scene = builder.build()
