@@ -10,6 +10,7 @@
 #include "motion/private/motion_terms.hpp"
 #include "motion/simulation_words.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/model/mobility.hpp"
 
 namespace poise {
@@ -23,6 +24,7 @@ void refuse_what_sticks(const Scene& scene) {
     throw InputError(fmt::format("{}{}: {}: {}", scene.file, line > 0 ? fmt::format(":{}", line) : "", item, why));
   };
   refuse_rubbing_ropes(scene, "the equation of motion");
+  refuse_blades(scene, "equations of motion in independent coordinates");
   for (const Joint& joint : scene.joints) {
     if (!joint.friction) continue;
     refuse(

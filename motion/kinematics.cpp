@@ -15,6 +15,7 @@
 #include "motion/singular_words.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 #include "statics/model/mobility.hpp"
 
@@ -398,6 +399,7 @@ std::size_t first_moving(const std::vector<DriveRange>& ranges) {
 }
 
 KinematicsResult sweep(const Scene& scene, const std::vector<DriveRange>& drives, const SweepOptions& options) {
+  refuse_blades(scene, "driven positions");
   const MotionModel model(driven_scene(scene, drives));
   return Sweep(model, drives, options).run();
 }

@@ -9,6 +9,7 @@
 #include "model/text_file.hpp"
 #include "model/toml_reader.hpp"
 #include "motion/design.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {
@@ -74,6 +75,7 @@ DesignProblem read_design(const fs::path& file) {
   if (const auto title = root.find_text("title")) out.title = title->value;
   if (const auto source = root.find_text("source")) out.source = source->value;
   out.scene = read_scene(file.parent_path() / root.text("scene").value);
+  refuse_blades(out.scene, "designs");
 
   SceneNames names(out.scene);
   for (std::size_t i = 0; i < out.scene.bodies.size(); ++i) names.learn_body(static_cast<int>(i));

@@ -96,6 +96,7 @@ MatrixXd reduced_mass(const MotionModel& model, const std::vector<double>& x, co
 }  // namespace
 
 SmallMotions small_motions(const MotionModel& model, const std::vector<double>& x) {
+  refuse_blades(model.scene(), "small motions about an equilibrium");
   const Mechanism<double>& m = model.mechanism();
   const HoldingRows holding = holding_rows(m, x);
   const std::vector<int>& rows = holding.rows;

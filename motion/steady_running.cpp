@@ -13,6 +13,7 @@
 #include "model/input_error.hpp"
 #include "motion/private/golden_section.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 namespace {
@@ -293,6 +294,7 @@ void find_speeds(const RunningOptions& options, SteadyRunning& out) {
 }  // namespace
 
 SteadyRunning steady_running(const MotionModel& model, const MotionState& start, const RunningOptions& options) {
+  refuse_blades(model.scene(), "turns of a machine");
   SteadyRunning out;
   Runs runs(model, start, options);
   VectorXd x = runs.start();

@@ -15,6 +15,7 @@
 #include "model/text_file.hpp"
 #include "model/time_function.hpp"
 #include "model/toml_reader.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/model/static_numbers.hpp"
 #include "statics/model/varied_scene.hpp"
 #include "statics/paths/path_measures.hpp"
@@ -540,6 +541,7 @@ GoalProblem GoalReader::read() {
   out_.scene_text = located(scene.place, [&] { return read_text_file(out_.scene_file); });
   moving_ = parse_scene(out_.scene_text, out_.scene_file.string());
   out_.scene = at_time(moving_, 0.0);
+  refuse_blades(out_.scene, "designs");
   read_variables();
   read_ties();
   for (const TomlTable& table : root_.tables("catalogue")) read_catalogue(table);

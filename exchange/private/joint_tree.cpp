@@ -237,6 +237,9 @@ class EffectReader {
     for (const Drive& drive : scene_.drives) {
       refuse("drive", drive.name, drive.line, "no prescribed motion; leave it out of the scene");
     }
+    for (const Blade& blade : scene_.blades) {
+      refuse("blade", blade.name, blade.line, "no blades; leave it out of the scene");
+    }
     for (const Force& force : scene_.forces) {
       refuse(force.to ? "distributed load" : "force", force.name, force.line, "no loads; leave it out of the scene");
     }

@@ -136,6 +136,7 @@ std::vector<std::string> PosedLinks::welds() const {
 std::vector<std::string> PosedLinks::left_out() const {
   std::map<std::string, std::size_t> families;
   for (const Element& element : scene_.elements) ++families[element.family()];
+  if (!scene_.blades.empty()) families["blade"] = scene_.blades.size();
   bool binds = false;
   for (const Stop& stop : scene_.stops) {
     ++families[stop.family()];

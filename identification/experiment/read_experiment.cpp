@@ -20,6 +20,7 @@
 #include "model/scene_names.hpp"
 #include "model/set_parameter.hpp"
 #include "model/text_file.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/quantities/quantity.hpp"
 
 namespace poise {
@@ -81,6 +82,7 @@ class ExperimentReader {
     }
     experiment_.scene = is_given ? *options.scene : read_scene(scene);
     refuse_rubbing_ropes(experiment_.scene, "identification");
+    refuse_blades(experiment_.scene, "experiments");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }

@@ -544,6 +544,7 @@ EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptio
 
 EquilibriumSet all_equilibria(const StaticModel& model, const AllEquilibriaOptions& options, const Enclosing& enclose) {
   refuse_contacts(model.scene(), "sets of equilibria");
+  refuse_blades(model.scene(), "sets of equilibria");
   return Finder(model, options, enclose).run();
 }
 

@@ -42,6 +42,15 @@ void refuse_contacts(const Scene& scene, std::string_view what) {
   }
 }
 
+void refuse_blades(const Scene& scene, std::string_view what) {
+  if (scene.blades.empty()) return;
+  const Blade& blade = scene.blades.front();
+  throw InputError(fmt::format(
+      "{}:{}: blade \"{}\": {} do not treat blades, which hold rates and take forces at rest too; expected a scene "
+      "without them",
+      scene.file, blade.line, blade.name, what));
+}
+
 const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,
                                     const std::vector<BodyPose<double>>& poses) {
   // Where the rope is straight past a pulley it just touches it.

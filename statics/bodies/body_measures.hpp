@@ -58,6 +58,9 @@ std::vector<UnitEffortOf<ScalarOf<Pose>>> unit_efforts(const Scene& scene, const
 /// line or a circle, off which it may lift, which `what` does not treat.
 void refuse_contacts(const Scene& scene, std::string_view what);
 
+/// Throws InputError naming the first blade of the scene, which `what` ("load paths") do not treat.
+void refuse_blades(const Scene& scene, std::string_view what);
+
 /// Where a rope would have to lie on the wrong side of a pulley, so that it does not touch it: that pulley's point;
 /// null where it touches all, and of other measures.
 const RopeContact* untouched_pulley(const Scene& scene, const Measure& measure,

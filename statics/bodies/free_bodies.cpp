@@ -212,6 +212,7 @@ class Statics {
     for (std::size_t i = 0; i < sides.size(); ++i) {
       if (sides[i] != 0) out.add_stop(static_cast<int>(i), sides[i], signs_[i]);
     }
+    for (std::size_t b = 0; additions_.blades && b < scene_.blades.size(); ++b) out.add_blade(static_cast<int>(b));
     for (const Drive& drive : additions_.drives) out.add_drive(drive);
     return out;
   }

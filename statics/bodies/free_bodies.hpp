@@ -21,8 +21,11 @@ struct BodyLoad {
 struct Additions {
   std::vector<BodyLoad> loads;
   /// Drives whose force along a travel, or torque between two bodies, is to be found with the reactions. They come as
-  /// reactions of the kind "drive", after joints and stops.
+  /// reactions of the kind "drive", after all others.
   std::vector<Drive> drives;
+  /// Blades of the scene take forces across their edges: reactions of the kind "blade", after joints and stops and
+  /// before drives.
+  bool blades = false;
   /// Teeth that carry a force push their wheels apart; false leaves that out, for what is linear in the loads.
   bool teeth_separate = true;
 };

@@ -16,7 +16,7 @@ namespace poise {
 ///   A f = -load,
 ///
 /// rows 3 (i - 1) ... of body i: force x and y, N, and moment about its origin over `size`, N; one column per unknown
-/// effort of a joint, stop or drive. Poses may be measured from any point of the world.
+/// effort of a joint, stop, blade or drive. Poses may be measured from any point of the world.
 template <class Pose, class NumbersOfScene = SceneNumbers<ScalarOf<Pose>>>
 class FreeBodyEquations {
  public:
@@ -33,10 +33,10 @@ class FreeBodyEquations {
     bool is_replaced = false;     ///< only the further terms act: the force of a coupling where its parts touch
   };
 
-  /// The joint, stop or drive that a set of unknowns belongs to.
+  /// The joint, stop, blade or drive that a set of unknowns belongs to.
   struct Item {
     const std::string* name;
-    std::string_view kind;  ///< of a joint, a stop's table, or "drive"
+    std::string_view kind;  ///< of a joint, a stop's table, "blade" or "drive"
     Planar<T> at{};
     bool axial = false;  ///< its unknown is a pressure: of bars, and of stops and drives on lengths
     int joint = -1;      ///< index of Scene::joints
@@ -119,6 +119,18 @@ class FreeBodyEquations {
     if (const std::optional<ContactLoad<T>> contact = contact_load(bodies_, index)) {
       unknowns_.push_back(unknown_of(*contact, contact->separating, stop));
     }
+  }
+
+  /// The force across the edge of a blade, to its left, on the body of its point.
+  void add_blade(int index) {
+    using std::cos;
+    using std::sin;
+    const Blade& blade = scene_.blades[static_cast<std::size_t>(index)];
+    const T angle = bodies_.numbers().blade_angle(index);
+    const Planar<T> edge = Planar<T>{cos(angle), sin(angle)} * poses_[blade.at.body].direction();
+    const Planar<T> at = bodies_.world(blade.at);
+    add_item(blade.name, "blade").at = from_world(at);
+    unknowns_.push_back({last_item(), blade.on, blade.at.body, at, at, quarter_turn(edge), T(0)});
   }
 
   void add_drive(const Drive& drive) {

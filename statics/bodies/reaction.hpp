@@ -25,10 +25,10 @@ struct BodyForce {
 /// second body, at the point `at` (world, m), with the opposite on `body_a`; unless `parts` says otherwise.
 struct Reaction {
   std::string name;
-  std::string
-      kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "drive", or the table of a stop: "stop", "gear", ...
-  int joint = -1;  ///< index in Scene::joints; -1 of a stop or drive
-  int stop = -1;   ///< index in Scene::stops; -1 of a joint, bar or drive
+  std::string kind;  ///< "pin", "slide", "pin_in_slot", "weld", "bar", "blade", "drive", or the table of a stop:
+                     ///< "stop", "gear", ...
+  int joint = -1;    ///< index in Scene::joints; -1 of a stop or drive
+  int stop = -1;     ///< index in Scene::stops; -1 of a joint, bar or drive
   int body_a = 0, body_b = 0;
   Vec2 at{};
   /// A stop on a rope has those on its last contact, one on a sum (of a coupling, a cam) those on its first measure.

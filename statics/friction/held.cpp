@@ -13,6 +13,7 @@
 #include "model/parameters.hpp"
 #include "solvers/linear_program.hpp"
 #include "solvers/root.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/bodies/contact_loads.hpp"
 #include "statics/friction/private/friction_problem.hpp"
 #include "statics/model/static_numbers.hpp"
@@ -1069,6 +1070,7 @@ std::vector<Rubbing> rubbing(const Scene& scene) {
 bool has_friction(const Scene& scene) { return !rubbing(scene).empty(); }
 
 HeldPose held_pose(const StaticModel& model, const std::vector<double>& x) {
+  refuse_blades(model.scene(), "positions that friction holds");
   HeldPose none;
   none.why = why_not_asked(model, x);
   if (!none.why.empty()) return none;
@@ -1077,6 +1079,7 @@ HeldPose held_pose(const StaticModel& model, const std::vector<double>& x) {
 
 HeldRange held_range(const StaticModel& model, const std::vector<double>& x, const std::string& number, double from,
                      double to) {
+  refuse_blades(model.scene(), "positions that friction holds");
   const Varied varied(model.scene(), number);
   const std::string why_not = why_not_asked(model, x);
   if (!why_not.empty()) throw InputError(number + ": " + why_not);

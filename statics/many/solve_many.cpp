@@ -13,6 +13,7 @@
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
 #include "solvers/parallel.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/many/scene_in_lanes.hpp"
 #include "statics/model/static_numbers.hpp"
 #include "statics/proof/certificate.hpp"
@@ -510,6 +511,7 @@ std::string to_string(SolvedBy by) {
 }
 
 ManySolutions solve_many(const Scene& scene, const std::vector<ManyValues>& numbers, const ManyOptions& options) {
+  refuse_blades(scene, "batches of equilibria");
   return Batch(scene, numbers, options).run();
 }
 

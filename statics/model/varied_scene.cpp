@@ -91,6 +91,7 @@ VariedScene::VariedScene(Scene scene, const std::string& name, double from, doub
     : scene_(std::move(scene)), name_(name) {
   const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name_, what)); };
   refuse_contacts(scene_, "load paths");
+  refuse_blades(scene_, "paths of equilibria");
   Range range = Range::finite;
   if (const auto measure = driven_measure(scene_, name_)) {
     driven_ = affine_ = true;

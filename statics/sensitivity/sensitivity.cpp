@@ -12,6 +12,7 @@
 
 #include "model/dependent_number.hpp"
 #include "model/input_error.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/model/static_numbers.hpp"
 #include "statics/paths/path.hpp"
 #include "statics/paths/path_measures.hpp"
@@ -454,6 +455,7 @@ QuantitySensitivity by_others(const StaticModel& model, const Equilibrium& equil
 
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
                             const SensitivityOptions& options) {
+  refuse_blades(model.scene(), "sensitivities of an equilibrium");
   const Scene scene = model.scaled_scene();
   const int unknowns = NumberedEquations(scene, {}).unknowns();
   if (unknowns > most_dense_unknowns) {
