@@ -12,6 +12,7 @@
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
 #include "model/mechanism_impl.hpp"
+#include "motion/blades.hpp"
 #include "motion/private/quintic.hpp"
 
 namespace poise {
@@ -307,6 +308,17 @@ std::optional<Touch> Contacts::grazed(const Reduced& motion, double h, double wi
 bool Contacts::is_moved(const Side& side, const Configuration<double>& here, const Reduced& motion) {
   std::vector<double> slope(static_cast<std::size_t>(motion.coordinates()), 0.0);
   side.on.add_gradient(here, 1.0, slope.data());
+  if (motion.blades() > 0) {
+    const Eigen::Map<const Eigen::VectorXd> whole(slope.data(), motion.coordinates());
+    Eigen::VectorXd row(motion.freedoms());
+    double terms = 0.0;
+    for (int k = 0; k < motion.freedoms(); ++k) {
+      const Eigen::Map<const Eigen::VectorXd> column(motion.B(k), motion.coordinates());
+      row[k] = whole.dot(column);
+      terms += whole.cwiseProduct(column).lpNorm<1>();
+    }
+    return left_by(blade_conditions(motion), row).norm() > unmoved * terms;
+  }
   for (int k = 0; k < motion.freedoms(); ++k) {
     double change = 0.0, terms = 0.0;
     for (std::size_t i = 0; i < slope.size(); ++i) {
@@ -417,7 +429,11 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     active.push_back(out.sides[i]);
     steps.push_back(sign(sides_[out.sides[i]]) * (out.impact.rate[i] - out.before[i].rate));
   }
-  set(motion, nullptr, t, q, v, active);
+  // A blade may hold what stops hold.
+  if (set(motion, nullptr, t, q, v, active) == Reduced::Status::blades) {
+    out.outcome = Hit::Outcome::pushed;
+    return out;
+  }
   motion.jump(steps.data(), rubbing.data());
   out.jump.assign(motion.a(), motion.a() + n);
   out.work = -out.impact.energy_lost + motion.drive_power();

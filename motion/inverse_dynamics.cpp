@@ -92,6 +92,7 @@ class InverseDynamics {
                   const std::vector<double>& a, const std::vector<Drive>& drives)
       : model_(model), scene_(model.scene()), m_(model.mechanism()), x_(x), v_(v), a_(a) {
     additions_.drives = drives;
+    additions_.blades = true;
   }
 
   Forces forces() {
@@ -294,12 +295,24 @@ class InverseDynamics {
       for (std::size_t d = 0; d < out_.drives.size(); ++d) {
         work -= out_.drives[d].value * rate_of(scene_, motions, additions_.drives[d].on);
       }
+      for (const Reaction& one : out_.reactions) {
+        for (const Blade& blade : scene_.blades) {
+          if (one.kind == "blade" && one.name == blade.name) work -= work_of(blade, one.force, motions);
+        }
+      }
       for (const SlidingJoint& one : out_.friction.joints) {
         work -= one.effort * rate_of(scene_, motions, one.on);
       }
       if (out_.largest_force == 0.0) continue;
       out_.work_error = std::max(out_.work_error, std::abs(work) / (out_.largest_force * model_.scales().length));
     }
+  }
+
+  // Of a force of a blade on the body of its point, along a direction.
+  double work_of(const Blade& blade, Vec2 force, const std::vector<BodyMotion>& along) const {
+    const Vec2 place = along[static_cast<std::size_t>(blade.at.body)].pose.world(scene_.local(blade.at));
+    return dot(force, along[static_cast<std::size_t>(blade.at.body)].velocity_at(place) -
+                          along[static_cast<std::size_t>(blade.on)].velocity_at(place));
   }
 
   // Largest derivative of the closures by the derivatives of the phasors, over the largest of these.

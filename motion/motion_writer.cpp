@@ -19,6 +19,7 @@ MotionWriter::MotionWriter(const MotionModel& model, const MotionOptions& option
   out_.trajectory.coordinates = static_cast<int>(n_);
   out_.trajectory.columns = columns.count();
   out_.drive_force.resize(model.scene().drives.size());
+  out_.blade_force.resize(model.scene().blades.size());
 }
 
 void MotionWriter::add(double t, const ReducedMotion<double>& reduced, const MotionStep& step) {
@@ -50,6 +51,9 @@ void MotionWriter::add_energies(const ReducedMotion<double>& reduced, const Moti
     const bool turns = model_.scene().drives[static_cast<std::size_t>(d)].on.is_angle();
     out_.drive_force[static_cast<std::size_t>(d)].push_back(reduced.drive_force(d) *
                                                             (turns ? unit : model_.scales().force));
+  }
+  for (std::size_t b = 0; b < out_.blade_force.size(); ++b) {
+    out_.blade_force[b].push_back(reduced.blade_force(static_cast<int>(b)) * model_.scales().force);
   }
 }
 
@@ -101,6 +105,7 @@ void MotionWriter::drop() {
   }
   for (auto* values : {&pivot_, &out_.kinetic, &out_.potential, &out_.work}) values->pop_back();
   for (std::vector<double>& forces : out_.drive_force) forces.pop_back();
+  for (std::vector<double>& forces : out_.blade_force) forces.pop_back();
 }
 
 NodeValues MotionWriter::at(std::size_t node, std::size_t coordinate) const {

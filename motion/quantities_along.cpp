@@ -150,6 +150,7 @@ bool MovingQuantities::needs_forces(const SoughtQuantity& of) {
     case Kind::drive_force:
     case Kind::reaction:
     case Kind::stop_reaction:
+    case Kind::blade_force:
     case Kind::push:
       return true;
     default:
@@ -237,6 +238,17 @@ double MovingQuantities::value(const SoughtQuantity& of, const Forces& forces, c
       if (!reaction->determined || forces.friction.has_no_forces()) return undefined;
       return scene_.stops[static_cast<std::size_t>(of.item)].on.is_angle() ? reaction->moment : -reaction->axial;
     }
+    case Kind::blade_force: {
+      const Blade& blade = scene_.blades[static_cast<std::size_t>(of.item)];
+      const auto reaction = std::find_if(forces.reactions.begin(), forces.reactions.end(), [&](const Reaction& one) {
+        return one.kind == "blade" && one.name == blade.name;
+      });
+      if (reaction == forces.reactions.end() || !reaction->determined || forces.friction.has_no_forces()) {
+        return undefined;
+      }
+      const double edge = forces.motions[static_cast<std::size_t>(blade.at.body)].pose.angle + blade.angle;
+      return cross(unit(edge), reaction->force);
+    }
     case Kind::drive_force:
       return effort(of, forces);
     case Kind::push:
@@ -285,6 +297,7 @@ class MovingLoads {
   MovingLoads(const Scene& scene, const std::vector<BodyMotion>& motions, double size, double fastest,
               const std::vector<double>* efforts)
       : scene_(scene), motions_(motions), poses_(poses_of(motions)), size_(size), fastest_(fastest) {
+    additions.blades = true;
     if (efforts == nullptr) {
       additions.drives = scene.drives;
     } else {

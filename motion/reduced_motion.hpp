@@ -10,6 +10,7 @@
 #include "model/inertia.hpp"
 #include "model/mechanism.hpp"
 #include "motion/bearing_loads.hpp"
+#include "motion/blade_row.hpp"
 #include "motion/friction_forces.hpp"
 #include "motion/motion_input.hpp"
 #include "motion/motion_model.hpp"
@@ -95,6 +96,12 @@ struct MotionVariations;
 ///   J a_p + D3c[v, v, q_p] + 2 D2c[v, v_p] + D2c[a, q_p] + (J a + D2c[v, v] - accelerations of the drives)|p = 0,
 /// and alpha_p follows from  B^T (change of G + J^T multipliers along q_p, v_p, a_p, and its |p) = 0.
 ///
+/// Blades are conditions of rates alone, A v = 0 (BladeRow), with multipliers mu and the forces -mu across their edges.
+/// All f rates w stay; those that satisfy the conditions at the start do so forever, because with the reduced mass
+/// M' = B^T M B, C = A B and h = A a + DA[v] v
+///   M' alpha = -B^T G(a0) - C^T mu,   C alpha = -h(a0),   mu = (C M'^-1 C^T)^-1 (h(a0) - C M'^-1 B^T G(a0)).
+/// Their derivatives are those of these equations; G + J^T multipliers + A^T mu = 0.
+///
 /// Friction of joints in a scene that is resisted_by_joints(): an element that sticks resists with its constant force
 /// F_i, and where its bound grows with the force R in the joint, with T_i = s_i c_i |R|_i more, s_i the direction in
 /// which it slides. R are multipliers of closures, affine in all T; where the force of teeth or of a cam's roller acts
@@ -113,12 +120,13 @@ class ReducedMotion {
 
   enum class Status {
     ok,
-    open,         ///< the loops cannot be closed for these z
-    singular,     ///< so near a singular pose that the dependent coordinates are ill-conditioned
-    no_inertia,   ///< B^T M B is not positive definite: some degree of freedom has no inertia
-    locked,       ///< friction of joints grows with the forces that it makes: they may be several, or none; or a cam
-                  ///< could drive its follower by no finite force
-    undetermined  ///< closures that repeat each other leave the force in a joint with friction open
+    open,          ///< the loops cannot be closed for these z
+    singular,      ///< so near a singular pose that the dependent coordinates are ill-conditioned
+    no_inertia,    ///< B^T M B is not positive definite: some degree of freedom has no inertia
+    locked,        ///< friction of joints grows with the forces that it makes: they may be several, or none; or a cam
+                   ///< could drive its follower by no finite force
+    undetermined,  ///< closures that repeat each other leave the force in a joint with friction open
+    blades         ///< a blade's condition repeats those of others, or what joints, drives and stops hold
   };
 
   const Layout& layout() const { return mechanism_.layout(); }
@@ -228,6 +236,18 @@ class ReducedMotion {
   /// After influence() of one that moves(): of the rows that repeat others the largest change  J q_p + c|p  of a gap,
   /// over the sum of its terms. Unless it is rounding the loops close for this value of the number alone.
   T gap_by() const;
+
+  /// Blades of the scene, in its order.
+  int blades() const { return static_cast<int>(blades_.size()); }
+  /// Force of one across its edge, to the left of it, on the body of its point; after accelerate(). After jump() its
+  /// impulse.
+  T blade_force(int k) const { return -blade_multipliers_[k]; }
+  /// After place(): adds A to `row`, n values.
+  void add_blade(int k, T* row) const { blades_[k].add(here(), T(1), row); }
+  /// After move(): the rate A v across the edge.
+  T blade_rate(int k) const { return blades_[k].along(here(), v_.data()); }
+  /// After accelerate(): takes the rates across blades out of w, by impulses of the blades; f values.
+  void hold_blades(T* w) const;
 
   /// Of all rows of c, those too that repeated others where the coordinates were chosen: after place() the row that is
   /// open by most, rad or lengths; after move() the row that opens fastest, |J v - (rate of its drive)|, and the sum of
@@ -345,7 +365,7 @@ class ReducedMotion {
   };
   // c, J v, the second derivatives of c, G + J^T multipliers, and c_i |R|_i: their direct derivatives by a number.
   struct Direct {
-    std::vector<T> gap, rate, acceleration, force, bound;
+    std::vector<T> gap, rate, acceleration, force, bound, blade;  // of a blade that of h
   };
   template <class S>
   friend class ReducedMotion;
@@ -399,6 +419,11 @@ class ReducedMotion {
   void project(const T* full, T* reduced) const;
   void divide_by_mass(T* reduced) const;
   void divide_change_by_mass(T* reduced) const;
+  static std::vector<BladeRow<T>> blades_of(const Scene& scene, const Mechanism<T>& mechanism);
+  bool factor_blades();
+  void solve_blades(T* rates) const;
+  void press_blades(const T* multipliers, T* alpha) const;
+  void hold_by_blades(T* alpha) const;
   T& jacobian(int row, int column) { return J_[static_cast<std::size_t>(row) * n_ + column]; }
   const T& jacobian(int row, int column) const { return J_[static_cast<std::size_t>(row) * n_ + column]; }
 
@@ -433,6 +458,14 @@ class ReducedMotion {
   mutable std::vector<Planar<T>> pose_, work_, work2_, drive_scratch_;
   mutable std::vector<T> full_, rows_work_, small_, small_rows_;
   SmallLu<T> lu_;
+
+  std::vector<BladeRow<T>> blades_;
+  std::vector<T> blade_rows_;       // of each A, n values
+  std::vector<T> blade_reduced_;    // C, f values of each
+  std::vector<T> blade_responses_;  // M'^-1 C^T, f values of each
+  std::vector<T> blade_factors_;    // of C M'^-1 C^T by Cholesky, lower part
+  std::vector<T> blade_multipliers_;
+  mutable std::vector<T> blade_work_;
 
   std::vector<Grip> grips_;
   std::size_t first_teeth_ = 0;  // behind those of joints

@@ -44,6 +44,76 @@ void ReducedMotion<T>::divide_change_by_mass(T* b) const {
   }
 }
 
+// A, C, M'^-1 C^T and the factors of C M'^-1 C^T. False where a blade's condition repeats others.
+template <class T>
+bool ReducedMotion<T>::factor_blades() {
+  using std::sqrt;
+  const auto f = static_cast<std::size_t>(freedoms()), n = static_cast<std::size_t>(n_), m = blades_.size();
+  std::fill(blade_rows_.begin(), blade_rows_.end(), T(0));
+  for (std::size_t i = 0; i < m; ++i) {
+    blades_[i].add(here(), T(1), &blade_rows_[i * n]);
+    project(&blade_rows_[i * n], &blade_reduced_[i * f]);
+    std::copy(&blade_reduced_[i * f], &blade_reduced_[i * f] + f, &blade_responses_[i * f]);
+    divide_by_mass(&blade_responses_[i * f]);
+    for (std::size_t j = 0; j <= i; ++j) {
+      T entry(0);
+      for (std::size_t k = 0; k < f; ++k) entry += blade_reduced_[i * f + k] * blade_responses_[j * f + k];
+      const T whole = entry;
+      for (std::size_t k = 0; k < j; ++k) entry -= blade_factors_[i * m + k] * blade_factors_[j * m + k];
+      if (j < i) {
+        blade_factors_[i * m + j] = entry / blade_factors_[j * m + j];
+      } else {
+        if (!(entry > static_cast<T>(1e-13) * whole) || !(whole > 0)) return false;
+        blade_factors_[i * m + i] = sqrt(entry);
+      }
+    }
+  }
+  return true;
+}
+
+// Turns rates into the multipliers that take them out.
+template <class T>
+void ReducedMotion<T>::solve_blades(T* rates) const {
+  const std::size_t m = blades_.size();
+  for (std::size_t i = 0; i < m; ++i) {
+    for (std::size_t j = 0; j < i; ++j) rates[i] -= blade_factors_[i * m + j] * rates[j];
+    rates[i] /= blade_factors_[i * m + i];
+  }
+  for (std::size_t i = m; i-- > 0;) {
+    for (std::size_t j = i + 1; j < m; ++j) rates[i] -= blade_factors_[j * m + i] * rates[j];
+    rates[i] /= blade_factors_[i * m + i];
+  }
+}
+
+// alpha -= M'^-1 C^T multipliers.
+template <class T>
+void ReducedMotion<T>::press_blades(const T* multipliers, T* alpha) const {
+  const auto f = static_cast<std::size_t>(freedoms());
+  for (std::size_t i = 0; i < blades_.size(); ++i) {
+    for (std::size_t k = 0; k < f; ++k) alpha[k] -= multipliers[i] * blade_responses_[i * f + k];
+  }
+}
+
+// Takes C alpha out of alpha by forces of the blades.
+template <class T>
+void ReducedMotion<T>::hold_by_blades(T* alpha) const {
+  const auto f = static_cast<std::size_t>(freedoms());
+  for (std::size_t i = 0; i < blades_.size(); ++i) {
+    T rate(0);
+    for (std::size_t k = 0; k < f; ++k) rate += blade_reduced_[i * f + k] * alpha[k];
+    blade_work_[i] = rate;
+  }
+  solve_blades(blade_work_.data());
+  press_blades(blade_work_.data(), alpha);
+}
+
+template <class T>
+void ReducedMotion<T>::hold_blades(T* w) const {
+  for (int i = 0; i < blades(); ++i) blade_work_[static_cast<std::size_t>(i)] = blade_rate(i);
+  solve_blades(blade_work_.data());
+  press_blades(blade_work_.data(), w);
+}
+
 // a0: the accelerations for alpha = 0.
 template <class T>
 void ReducedMotion<T>::place_accelerations() {
@@ -123,7 +193,21 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
   project(full_force_.data(), alpha_.data());
   for (T& x : alpha_) x = -x;
   divide_by_mass(alpha_.data());
+  if (!blades_.empty()) {
+    if (!factor_blades()) return Status::blades;
+    for (std::size_t i = 0; i < blades_.size(); ++i) {
+      T h = blades_[i].acceleration(here(), v_.data(), a_.data());
+      for (int k = 0; k < f; ++k) h += blade_reduced_[i * static_cast<std::size_t>(f) + k] * alpha_[k];
+      blade_multipliers_[i] = h;
+    }
+    solve_blades(blade_multipliers_.data());
+    press_blades(blade_multipliers_.data(), alpha_.data());
+  }
   add_accelerations(alpha_.data());
+  for (std::size_t i = 0; i < blades_.size(); ++i) {
+    const T* row = &blade_rows_[i * static_cast<std::size_t>(n_)];
+    for (int j = 0; j < n_; ++j) full_force_[j] += blade_multipliers_[i] * row[j];
+  }
   return Status::ok;
 }
 
@@ -142,7 +226,8 @@ void ReducedMotion<T>::jump(const T* steps, const T* impulse) {
 template <class T>
 void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence* influence, T* change,
                                    const T* impulse) {
-  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound}) {
+  for (auto* part :
+       {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound, &direct_.blade}) {
     std::fill(part->begin(), part->end(), T(0));
   }
   if (influence != nullptr && influence->variation >= 0) add_direct(static_cast<std::size_t>(influence->variation));
@@ -161,6 +246,7 @@ template <class T>
 void ReducedMotion<T>::respond(const T* slope, T* dw) const {
   project(slope, dw);
   divide_by_mass(dw);
+  if (!blades_.empty()) hold_by_blades(dw);
 }
 
 // B alpha to the accelerations, and what belongs to it to forces.
@@ -235,6 +321,9 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
       bearing_loads_.add_change(bearing_loads_.contacts()[c], effort, abs(effort), pose_.data(), dq, force_.data());
     }
     if (!jumps_) input_forces_.add_change(pose_.data(), dq, force_.data());
+    for (std::size_t b = 0; b < blades_.size(); ++b) {
+      blades_[b].add_change(here(), dq, blade_multipliers_[b], force_.data());
+    }
   }
   if (!jumps_) {
     mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(),
@@ -246,6 +335,20 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
   divide_change_by_mass(dalpha);
+  if (!blades_.empty()) {
+    for (std::size_t b = 0; b < blades_.size(); ++b) {
+      T h = blades_[b].acceleration_change(here(), v_.data(), a_.data(), dq, dv);
+      if (direct != nullptr) h += direct->blade[b];
+      const T* row = &blade_rows_[b * static_cast<std::size_t>(n_)];
+      for (int i = 0; i < n_; ++i) h += row[i] * da[i];
+      for (int k = 0; k < freedoms(); ++k) {
+        h += blade_reduced_[b * static_cast<std::size_t>(freedoms()) + static_cast<std::size_t>(k)] * dalpha[k];
+      }
+      blade_work_[b] = h;
+    }
+    solve_blades(blade_work_.data());
+    press_blades(blade_work_.data(), dalpha);
+  }
   if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
   for (int k = 0; k < freedoms(); ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
@@ -358,6 +461,7 @@ void ReducedMotion<T>::state_for_variations() {
   take(state.drive_multipliers, drive_multipliers_);
   take(state.contact_efforts, contact_efforts_);
   take(state.grip_efforts, efforts_);
+  take(state.blade_multipliers, blade_multipliers_);
   state.second.resize(second_.size());
   take_vectors(state.second, second_, second_.size());
   take_vectors(state.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));
@@ -367,7 +471,7 @@ template <class T>
 void ReducedMotion<T>::add_direct(std::size_t variation) {
   VariationTerms& terms = variations_->terms[variation];
   terms.add(variations_->state, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(),
-            direct_.force.data());
+            direct_.force.data(), direct_.blade.data());
   for (std::size_t i = 0; gripping_ && !jumps_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
@@ -405,10 +509,12 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     project(full_.data(), alpha);
     for (int j = 0; j < freedoms(); ++j) alpha[j] = -alpha[j];
     divide_change_by_mass(alpha);
+    if (!blades_.empty()) hold_by_blades(alpha);
     if (gripping_) let_friction_follow(nullptr, nullptr, full_.data(), alpha);
     return;
   }
-  for (auto* part : {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound}) {
+  for (auto* part :
+       {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound, &direct_.blade}) {
     std::fill(part->begin(), part->end(), T(0));
   }
   if (influence.drive >= 0) {
@@ -460,6 +566,7 @@ void ReducedMotion<T>::influence_terms(const Influence& influence, T* size) cons
     std::fill(column.begin(), column.end(), T(0));
     column[static_cast<std::size_t>(j)] = terms;
     divide_change_by_mass(column.data());
+    if (!blades_.empty()) hold_by_blades(column.data());
     for (int k = 0; k < f; ++k) size[k] += abs(column[static_cast<std::size_t>(k)]);
   }
 }

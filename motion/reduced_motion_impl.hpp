@@ -20,6 +20,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
       n_(mechanism.coordinates()),
       input_forces_(mechanism),
       singular_limit_(1e-9),
+      blades_(blades_of(scene, mechanism)),
       grips_(grips_of(scene, mechanism)),
       first_teeth_(grips_.size()),
       bearing_loads_(scene, mechanism, growing(grips_)),
@@ -43,6 +44,9 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
        {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_}) {
     full->assign(n, T(0));
   }
+  blade_rows_.assign(blades_.size() * n, T(0));
+  for (auto* each : {&blade_multipliers_, &blade_work_, &direct_.blade}) each->assign(blades_.size(), T(0));
+  blade_factors_.assign(blades_.size() * blades_.size(), T(0));
   const std::size_t k = grips_.size();
   for (auto* each : {&directions_, &efforts_, &sizes_, &grip_work_, &grip_step_, &grip_fixed_, &direct_.bound})
     each->assign(k, T(0));
@@ -85,6 +89,18 @@ std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const
     rows.push_back({still, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
   }
   return rows;
+}
+
+template <class T>
+std::vector<BladeRow<T>> ReducedMotion<T>::blades_of(const Scene& scene, const Mechanism<T>& mechanism) {
+  std::vector<BladeRow<T>> out;
+  const auto compiled = [&](const Measure& on) {
+    return CompiledMeasure<T>(scene, mechanism.layout(), mechanism.phasors(), on);
+  };
+  for (const Blade& blade : scene.blades) {
+    out.push_back({compiled(blade.turn()), compiled(blade.x()), compiled(blade.y()), T(blade.angle)});
+  }
+  return out;
 }
 
 template <class T>
@@ -139,6 +155,7 @@ void ReducedMotion<T>::make_rows() {
   int scratch = 0;
   for (const DriveRow& row : drives_) scratch = std::max(scratch, row.on.scratch_size());
   for (const Grip& grip : grips_) scratch = std::max(scratch, grip.on.scratch_size());
+  for (const BladeRow<T>& blade : blades_) scratch = std::max(scratch, blade.scratch_size());
   drive_scratch_.resize(scratch);
   drive_rows_.assign(drives_.size(), T(0));
   for (auto* rows : {&direct_.gap, &direct_.rate, &direct_.acceleration}) {
@@ -334,6 +351,7 @@ void ReducedMotion<T>::make_room() {
   for (std::size_t i = 0; i < used_rows_.size(); ++i) place_of_row_[used_rows_[i]] = static_cast<int>(i);
   grip_alpha_.assign(grips_.size() * independent_.size(), T(0));
   small_rows_.assign(dependent_.size(), T(0));
+  for (auto* each : {&blade_reduced_, &blade_responses_}) each->assign(blades_.size() * independent_.size(), T(0));
   const std::size_t f = independent_.size();
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* columns_of : {&B_, &v_z_, &a_z_, &a_w_, &mass_columns_}) columns_of->assign(f * n, T(0));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "model/joint_friction.hpp"
+#include "motion/blades.hpp"
 #include "motion/contacts.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/motion_step.hpp"
@@ -130,11 +131,21 @@ class Simulation {
     refuse_unknown_derivatives();
     contacts_.refuse_start(q_start_.data());
     reduced_.begin(0.0, q_start_.data(), options_.independent.empty() ? nullptr : &options_.independent);
+    refuse_idle_blades();
     return reduced_.independent();
+  }
+
+  void refuse_idle_blades() {
+    if (reduced_.blades() == 0) return;
+    std::vector<double> z;
+    for (const int i : reduced_.independent()) z.push_back(q_start_[static_cast<std::size_t>(i)]);
+    if (reduced_.place(0.0, z.data()) == Reduced::Status::ok) poise::refuse_idle_blades(model_, reduced_);
+    reduced_.expect(q_start_.data());
   }
 
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
+    if (options_.sensitivities) refuse_blades(model_.scene(), "derivatives of a motion");
     if (!options_.sensitivities || !friction_.acts()) return;
     const auto refuse = [&](const TimeFunction& function, int number, double) {
       if (function.is_smooth_in(number)) return;
@@ -196,6 +207,7 @@ class Simulation {
       t = last && step_.length == left ? end : t + step_.length;
       ++out_.steps;
       step_.accept();
+      if (reduced_.blades() > 0 && !hold_blades(t)) return;
       add_node(t);
       if (is_torn(t)) return;
       if (t == end && !cross_break(t)) return;
@@ -210,6 +222,14 @@ class Simulation {
     out_.status = MotionStatus::completed;
   }
 
+  /// Takes from the rates across blades what is rounding and the error of the last step, so that it does not grow.
+  bool hold_blades(double t) {
+    reduced_.hold_blades(&step_.y[static_cast<std::size_t>(reduced_.freedoms())]);
+    if (step_.evaluate(t)) return true;
+    give_up(t);
+    return false;
+  }
+
   /// Evaluates the start and finds the length of the first step. False if the motion ends there.
   bool begin(double& h) {
     reduced_.set_singular_limit(0.0);
@@ -222,6 +242,8 @@ class Simulation {
     }
     avoid_singular_poses();
     refuse_contradicting_drives(model_, reduced_);
+    refuse_rates_across_blades(model_, reduced_);
+    if (reduced_.blades() > 0 && !hold_blades(0.0)) return false;
     h = ahead_ = first_step();
     add_node(0.0);
     if (is_torn(0.0)) return false;

@@ -116,8 +116,10 @@ struct Motion {
   /// Per node, J; work: done by drives, follower loads, resistances, and (negative) impacts.
   std::vector<double> kinetic, potential, work;
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N
-  std::vector<ContactEvent> events;              ///< of stops, in their order
-  std::vector<TouchedFrom> touched;              ///< changes of what is touched
+  /// Per blade, per node, N: across its edge, to the left of it, on the body of its point.
+  std::vector<std::vector<double>> blade_force;
+  std::vector<ContactEvent> events;  ///< of stops, in their order
+  std::vector<TouchedFrom> touched;  ///< changes of what is touched
   double energy_error = 0.0;  ///< largest |T + V - work - (T + V at start)| / largest energy exchanged; 0 at rest
   /// Largest gap of a joint, coupling or drive at any node, over the mechanism's size (of angles rad), and what it is
   /// of: 'pin "C"'. Those count too whose equations repeated others at the start.
@@ -134,6 +136,9 @@ struct Motion {
 
 /// Integrates the motion from `start` under all forces and drives: the reduced equations of ReducedMotion by
 /// RungeKutta78, loops closed at every stage, independent coordinates chosen anew where they are ill-conditioned.
+/// Blades hold (ReducedMotion); what of their rates is rounding is taken out after each step. Throws InputError where
+/// one could hold nothing, or not by itself, where the start goes across its edge, and for friction that sticks beside
+/// them.
 /// Stops act (Contacts): impacts, contact that lasts, and lift-off are events; throws InputError where it would begin
 /// beyond one.
 /// The friction of joints acts in a scene that is resisted_by_joints(); throws InputError for other scenes that have

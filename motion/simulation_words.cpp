@@ -112,6 +112,8 @@ MotionEnd end_of_motion(const MotionModel& model, ReducedMotion<double>::Status 
   }
   const char* what = status == Evaluated::singular ? "a singular position"
                      : status == Evaluated::open   ? "a position in which its loops open"
+                     : status == Evaluated::blades ? "a position in which a blade holds what others, joints or stops "
+                                                     "hold, so that its force is not determined"
                                                    : "a point where no step is short enough";
   return {MotionStatus::stuck, fmt::format("at t = {:.9g} s it reached {}", t, what)};
 }

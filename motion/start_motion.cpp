@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/blades.hpp"
 #include "motion/contacts.hpp"
 #include "motion/equilibrium_pose.hpp"
 #include "motion/simulate.hpp"
@@ -63,19 +64,24 @@ class Bending {
   std::vector<Spring> springs_;
 };
 
-/// Changes of the independent coordinates for which the wanted ones change by `change`: of least norm, or, where links
-/// bend, those that bring this bending nearest to zero, and of these the ones of least norm.
-Eigen::VectorXd least_change(const Reduced& reduced, const std::vector<StartValue>& wanted,
-                             const Eigen::VectorXd& change, Bending& links, const Eigen::VectorXd& bending) {
-  Eigen::MatrixXd B(change.size(), reduced.freedoms());
-  for (Eigen::Index row = 0; row < change.size(); ++row) {
+/// How the wanted coordinates change with the independent ones.
+Eigen::MatrixXd rows_of(const Reduced& reduced, const std::vector<StartValue>& wanted) {
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(wanted.size()), reduced.freedoms());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
     for (int k = 0; k < reduced.freedoms(); ++k)
-      B(row, k) = reduced.B(k)[wanted[static_cast<std::size_t>(row)].coordinate];
+      out(static_cast<Eigen::Index>(i), k) = reduced.B(k)[wanted[i].coordinate];
   }
-  if (bending.size() == 0) return solvers::minimum_norm_solution(B, change);
-  const Eigen::MatrixXd by = links.by_independent(reduced);
+  return out;
+}
+
+/// Changes of the independent coordinates by which these rows of them change by `change`: of least norm, or, where
+/// links bend, those that bring this bending nearest to zero, and of these the ones of least norm.
+Eigen::VectorXd least_change(const Reduced& reduced, const Eigen::MatrixXd& rows, const Eigen::VectorXd& change,
+                             Bending* links, const Eigen::VectorXd& bending) {
+  if (links == nullptr) return solvers::minimum_norm_solution<double>(rows, change);
+  const Eigen::MatrixXd by = links->by_independent(reduced);
   if (change.size() == 0) return solvers::minimum_norm_solution<double>(by, -bending, solvers::known_to::closed_point);
-  const solvers::LeastSquares<double> reached(B);
+  const solvers::LeastSquares<double> reached(rows);
   const Eigen::VectorXd first = reached.solve(change);
   const Eigen::MatrixXd open = reached.null_space();
   if (open.cols() == 0) return first;
@@ -125,6 +131,50 @@ std::vector<double> assembled_pose(const MotionModel& model) {
   for (Joint& joint : whole.joints) joint.friction.reset();
   const ScaledModel uncut(std::move(whole), Purpose::dynamics);
   return coordinates_in(model, uncut, close_loops(uncut));
+}
+
+/// Rates of the independent coordinates with the wanted ones among all rates, and none across blades: the least, or,
+/// where links bend, those of the least bending. Where the mechanism can have the wanted ones, but not with its blades,
+/// throws InputError.
+Eigen::VectorXd start_rates(const MotionModel& model, Reduced& reduced, const std::vector<StartValue>& rates,
+                            Bending* links) {
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(reduced.freedoms());
+  if (rates.empty() && links == nullptr && reduced.blades() == 0) return w;
+  reduced.move(w.data());
+  const auto wanted = static_cast<Eigen::Index>(rates.size());
+  Eigen::VectorXd miss(wanted + reduced.blades());
+  Eigen::MatrixXd rows(miss.size(), reduced.freedoms());
+  for (Eigen::Index i = 0; i < wanted; ++i) {
+    const StartValue& rate = rates[static_cast<std::size_t>(i)];
+    miss[i] = rate.value - reduced.v()[rate.coordinate];
+  }
+  rows.topRows(wanted) = rows_of(reduced, rates);
+  for (int b = 0; b < reduced.blades(); ++b) miss[wanted + b] = -reduced.blade_rate(b);
+  rows.bottomRows(reduced.blades()) = blade_conditions(reduced);
+  Eigen::VectorXd bending;
+  if (links != nullptr) {
+    links->at(reduced.q());
+    bending = links->along(reduced.v());
+  }
+  constexpr double close = 1e-9;
+  const auto reached = [&](Eigen::Index first) {
+    if (first == 0 && links == nullptr) return true;
+    w = least_change(reduced, rows.topRows(first), miss.head(first), links, bending);
+    return w.size() == 0 || first == 0 ||
+           (rows.topRows(first) * w - miss.head(first)).lpNorm<Eigen::Infinity>() <=
+               close * (1 + miss.head(first).lpNorm<Eigen::Infinity>());
+  };
+  // Rates that the mechanism cannot have without blades are refused as such.
+  if (!reached(wanted)) return w;
+  for (int b = 0; b < reduced.blades(); ++b) {
+    if (reached(wanted + b + 1)) continue;
+    const Blade& blade = model.scene().blades[static_cast<std::size_t>(b)];
+    throw InputError(fmt::format(
+        "{}:{}: blade \"{}\": the rates of the start would take {} across its edge; expected rates along it, ask for "
+        "fewer or for others",
+        model.scene().file, blade.line, blade.name, model.scene().name_of(blade.at)));
+  }
+  return w;
 }
 
 /// Moves a closed pose, by its drives alone, to the values that they start with: in steps, so that the mechanism stays
@@ -194,9 +244,9 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
     if (reached && (!bend || iteration == most)) break;
     if (iteration == 0) most += static_cast<int>(std::min(largest / longest_step, 1e5));
     if (f == 0 || iteration == most) fail(model, f, places, "places");
-    Eigen::VectorXd dz =
-        least_change(reduced, places, largest > longest_step ? Eigen::VectorXd(miss * (longest_step / largest)) : miss,
-                     links, bending());
+    Eigen::VectorXd dz = least_change(reduced, rows_of(reduced, places),
+                                      largest > longest_step ? Eigen::VectorXd(miss * (longest_step / largest)) : miss,
+                                      bend ? &links : nullptr, bending());
     if (reached && dz.lpNorm<Eigen::Infinity>() < 1e-11) break;
     if (!dz.allFinite() || (!bend && dz.lpNorm<Eigen::Infinity>() > 1.0)) fail(model, f, places, "places");
     if (bend) dz *= std::min(1.0, longest_turn / dz.lpNorm<Eigen::Infinity>());
@@ -205,16 +255,8 @@ MotionState start_motion(const MotionModel& model, const std::vector<StartValue>
   }
   MotionState state;
   x.assign(reduced.q(), reduced.q() + x.size());
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(f);
-  if (!rates.empty() || bend) {
-    reduced.move(w.data());
-    Eigen::VectorXd miss(static_cast<Eigen::Index>(rates.size()));
-    for (std::size_t i = 0; i < rates.size(); ++i) {
-      miss[static_cast<Eigen::Index>(i)] = rates[i].value - reduced.v()[rates[i].coordinate];
-    }
-    if (bend) links.at(reduced.q());
-    w = least_change(reduced, rates, miss, links, bend ? links.along(reduced.v()) : Eigen::VectorXd());
-  }
+  refuse_idle_blades(model, reduced);
+  const Eigen::VectorXd w = start_rates(model, reduced, rates, bend ? &links : nullptr);
   reduced.move(w.data());
   for (const StartValue& s : rates) {
     if (std::abs(reduced.v()[s.coordinate] - s.value) > 1e-9 * (1 + std::abs(s.value))) fail(model, f, rates, "rates");

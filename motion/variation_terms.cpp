@@ -34,6 +34,13 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
     add_row(scene.stops[static_cast<std::size_t>(touch.stop)].on, touch.stop, numbers.limit(touch.stop, touch.upper));
   }
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
+  for (std::size_t b = 0; b < scene.blades.size(); ++b) {
+    const Blade& blade = scene.blades[b];
+    blades_.push_back({compiled.measure(blade.turn()), compiled.measure(blade.x()), compiled.measure(blade.y()),
+                       numbers.blade_angle(static_cast<int>(b))});
+    scratch = std::max(scratch, blades_.back().scratch_size());
+  }
+  blade_.resize(blades_.size());
   input_forces_.set_inputs(numbers, inputs);
   for (std::size_t i = 0; i < grips.size(); ++i) {
     const auto [joint, stop] = grips[i];
@@ -63,6 +70,17 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
 void VariationTerms::evaluate(VariedState& state) {
   add_forces(state);
   if (!gap_.empty()) add_rows(state);
+  add_blades(state);
+}
+
+void VariationTerms::add_blades(VariedState& state) {
+  const Mechanism<Dual>& m = variation_.compiled().mechanism();
+  Planar<Dual>* pose = state.pose.data();
+  const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};
+  for (std::size_t b = 0; b < blades_.size(); ++b) {
+    blade_[b] = blades_[b].acceleration(here, state.v.data(), state.a.data());
+    blades_[b].add(here, state.blade_multipliers[b], force_.data());
+  }
 }
 
 void VariationTerms::add_forces(VariedState& state) {

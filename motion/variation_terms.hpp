@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "motion/bearing_loads.hpp"
+#include "motion/blade_row.hpp"
 #include "motion/motion_input.hpp"
 #include "motion/touch.hpp"
 #include "motion/variation.hpp"
@@ -31,12 +32,13 @@ struct VariedState {
   std::vector<Dual> drive_multipliers;     ///< of the rows of drives
   std::vector<Dual> contact_efforts;       ///< of BearingLoads::contacts()
   std::vector<Dual> grip_efforts;          ///< of the grips, as far as they are across stops
+  std::vector<Dual> blade_multipliers;
 };
 
 /// What changes with a number of a scene at fixed coordinates, rates, accelerations, multipliers and efforts: the gaps
-/// c of closures and drives, J v less the rates of drives, J a + D2c[v, v] less their accelerations; and
-/// G + J^T multipliers. By the number as it moves geometry, inertia and forces: numbers of drives and of functions of
-/// time are left to the caller.
+/// c of closures and drives, J v less the rates of drives, J a + D2c[v, v] less their accelerations; h of
+/// blades; and G + J^T multipliers. By the number as it moves geometry, inertia and forces: numbers of drives and of
+/// functions of time are left to the caller.
 class VariationTerms {
  public:
   using Dual = VariedModel::Dual;
@@ -49,9 +51,9 @@ class VariationTerms {
 
   /// Room that VariedState::pose must have.
   std::size_t pose_size() const { return pose_size_; }
-  /// Adds the derivatives of rows and forces, equalities() and drives, and n values.
+  /// Adds the derivatives of rows and forces, equalities() and drives, and n values, and of each blade that of h.
   template <class T>
-  void add(VariedState& state, T* gap, T* rate, T* acceleration, T* force) {
+  void add(VariedState& state, T* gap, T* rate, T* acceleration, T* force, T* blade) {
     evaluate(state);
     for (std::size_t r = 0; r < gap_.size(); ++r) {
       gap[r] += T(gap_[r].v[0]);
@@ -59,6 +61,7 @@ class VariationTerms {
       acceleration[r] += T(acceleration_[r].v[0]);
     }
     for (std::size_t i = 0; i < force_.size(); ++i) force[i] += T(force_[i].v[0]);
+    for (std::size_t b = 0; b < blade_.size(); ++b) blade[b] += T(blade_[b].v[0]);
   }
 
   /// The derivatives of grip_factor() of the joint grips[i], or of its stop's coefficient, and of the direction of its
@@ -74,6 +77,7 @@ class VariationTerms {
   void evaluate(VariedState& state);
   void add_forces(VariedState& state);
   void add_rows(VariedState& state);
+  void add_blades(VariedState& state);
 
   Variation variation_;
   std::vector<Row> rows_;
@@ -88,7 +92,8 @@ class VariationTerms {
   std::vector<double> factors_;
   std::vector<Vec2> axes_;
   std::size_t pose_size_ = 0;
-  std::vector<Dual> gap_, rate_, acceleration_, force_, jacobian_, resistances_;
+  std::vector<BladeRow<Dual>> blades_;
+  std::vector<Dual> gap_, rate_, acceleration_, force_, blade_, jacobian_, resistances_;
   std::vector<Planar<Dual>> work_;
 };
 

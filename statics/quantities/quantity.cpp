@@ -94,6 +94,7 @@ class Catalogue {
     add_measures();
     add_element_forces();
     add_drive_forces();
+    if (asked_of_ == AskedOf::motion) add_blade_forces();
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) add_reaction(static_cast<int>(j));
     add_stops();
     add_shaking();
@@ -155,6 +156,19 @@ class Catalogue {
            .on = drive.on,
            .dimension = drive.on.effort_dimension()},
           also);
+    }
+  }
+
+  // An element or a drive that has the name of a blade has it here.
+  void add_blade_forces() {
+    for (std::size_t b = 0; b < scene_.blades.size(); ++b) {
+      const std::string& name = scene_.blades[b].name;
+      const bool is_taken = by_name_.contains("force." + name);
+      add({.name = (is_taken ? "force.blade." : "force.") + name,
+           .kind = Kind::blade_force,
+           .item = static_cast<int>(b),
+           .dimension = dimension::force},
+          {"force.blade." + name});
     }
   }
 

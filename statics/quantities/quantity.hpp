@@ -21,6 +21,7 @@ struct SoughtQuantity {
                     ///< increase it
     reaction,       ///< of a joint, on the body of its second point
     stop_reaction,  ///< with which a stop pushes, >= 0
+    blade_force,    ///< of a motion: across the edge of a blade, to its left, on the body of its point
     shaking,        ///< what the mechanism exerts on the ground, its moment about the origin of the world
     energy,
     kinetic_energy,  ///< of a motion
@@ -51,7 +52,7 @@ struct SoughtQuantity {
   Kind kind = Kind::measure;
   Part part = Part::size;
   Measure on{};
-  int item = -1;             ///< index of Scene::elements, joints, stops, bodies or flexible_links; of a mode, from 0
+  int item = -1;             ///< index of Scene::elements, joints, stops, blades, bodies or flexible_links; of a mode, from 0
   int other = -1;            ///< index of Scene::bodies
   PointRef point{};          ///< where a push acts
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector

@@ -374,6 +374,7 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
     case Kind::stress:
     case Kind::frequency:
     case Kind::damping:
+    case Kind::blade_force:
       return undefined("it is not known here");
     case Kind::maximum:
     case Kind::minimum:

@@ -185,12 +185,44 @@ void compare_all(Scene scene, Random& random, Compared& compared) {
   for (const ParameterRow& row : rows) compare(scene, row, model, *state, *value_at(scene, row.place), compared);
 }
 
+/// A plate with a blade on the ground, and another on it.
+Scene on_blades() {
+  return parse_scene(R"(
+gravity = [0.4, -0.9]
+[body.plate]
+points = { A = [0.1, -0.2], B = [0.5, 0.3] }
+mass = 2
+center = [0.2, 0.1]
+inertia = 0.3
+[body.skate]
+points = { P = [-0.1, 0.05] }
+mass = 0.7
+center = [0.15, -0.04]
+inertia = 0.05
+[[blade]]
+name = "under"
+at = "plate.A"
+angle = 0.3
+[[blade]]
+name = "above"
+at = "skate.P"
+angle = -0.4
+on = "plate"
+[[spring]]
+points = ["plate.B", "skate.P"]
+stiffness = 3
+free_length = 0.2
+)",
+                     "blades.toml");
+}
+
 TEST(Variations, AreDerivativesOfScenesCompiledAnew) {
   Random random(20261128);
   Compared compared;
   for (const Scene& scene : {test::four_bar_with_everything(), test::four_bar_with_follower(), test::quick_return(),
                              test::quick_return_with_every_measure(), test::driven_five_bar(), test::rubbing_planet(),
-                             test::rubbing_rack(), test::rubbing_rollers()}) {
+                             test::rubbing_rack(), test::rubbing_rollers(), on_blades(),
+                             read_scene(test::dataset("machines/castor.toml"))}) {
     compare_all(scene, random, compared);
   }
   for (const std::string& name : test::scene_names()) {
