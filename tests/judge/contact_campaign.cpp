@@ -615,6 +615,9 @@ struct LiftingCam : ContactMechanism {
     const double above = chance(random, 0.3) ? random.uniform(0.002, 0.02) : 0.0;
     if (!is_driven && chance(random, 0.6)) {
       contacts.back().friction = random.uniform(0.02, 0.4);
+      // The small steps have Newton's law, from which others differ where the slip ends within an impact. A stop that
+      // is never reached gives it.
+      scene += "[[stop]]\nslide = \"guide\"\nmax = 1000\nlaw = \"newton\"\n";
       const std::string key = "[[cam]]\n";
       scene.insert(scene.find(key) + key.size(),
                    fmt::format("roller = \"follower.T\"\nfriction = {:.17g}\n", contacts.back().friction));
