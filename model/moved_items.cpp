@@ -159,7 +159,7 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
 // What was on the left of the way is on the left of it in the other direction.
 void MovedItems::transform_contact(toml::table& table) {
   name_in(table, "point", &MovedItems::name_point);
-  for (const std::string_view way : {"segment", "outline"}) {
+  for (const std::string_view way : {"segment", "outline", "against"}) {
     name_list(table, way, &MovedItems::name_point);
     toml::array* const list = list_in(table, way);
     if (list == nullptr || !mirrored_) continue;

@@ -346,15 +346,26 @@ class CouplingReader {
   }
 
   // A stop for each convex part of the outline.
+  // A point and a convex body that it stays outside of.
+  struct Touching {
+    PointRef point;
+    Outline outline;
+  };
+
   std::vector<Stop> read_contact(const CouplingKind& kind, const TomlTable& table) const {
-    table.allow_keys(
-        {"name", "point", "radius", "segment", "arc", "outline", "closed", "restitution", "law", "friction"});
-    const PointRef point = names_.point(table.text("point"));
-    const std::vector<Outline> outlines = outlines_of(table, point);
-    std::vector<Stop> rows(outlines.size());
+    const bool is_between_outlines = table.has("against");
+    if (is_between_outlines) {
+      table.allow_keys(
+          {"name", "outline", "closed", "against", "against_closed", "radius", "restitution", "law", "friction"});
+    } else {
+      table.allow_keys(
+          {"name", "point", "radius", "segment", "arc", "outline", "closed", "restitution", "law", "friction"});
+    }
+    const std::vector<Touching> touching = is_between_outlines ? corners_of_outlines(table) : parts_at_point(table);
+    std::vector<Stop> rows(touching.size());
     for (std::size_t part = 0; part < rows.size(); ++part) {
       rows[part].table = part == 0 ? std::string(kind.table) : fmt::format("contact_part.{}", part);
-      rows[part].on = Measure::clearance_of(point, outlines[part]);
+      rows[part].on = Measure::clearance_of(touching[part].point, touching[part].outline);
       rows[part].min = 0.0;
     }
     rows.front().parts = static_cast<int>(rows.size());
@@ -362,6 +373,55 @@ class CouplingReader {
     read_impact(table, rows.front());
     for (Stop& row : rows) row.impact_law = rows.front().impact_law;
     return rows;
+  }
+
+  std::vector<Touching> parts_at_point(const TomlTable& table) const {
+    const PointRef point = names_.point(table.text("point"));
+    std::vector<Touching> out;
+    for (const Outline& part : outlines_of(table, point)) out.push_back({point, part});
+    return out;
+  }
+
+  // The distance of two outlines is that of a corner of one of them from the other.
+  std::vector<Touching> corners_of_outlines(const TomlTable& table) const {
+    const bool first_is_closed = table.flag("closed", false), second_is_closed = table.flag("against_closed", false);
+    const std::vector<OutlinePoint> first = way_of(table, "outline", first_is_closed, std::nullopt, "");
+    const std::vector<OutlinePoint> second = way_of(table, "against", second_is_closed, first.front().point, "outline");
+    std::vector<Touching> out;
+    const auto add = [&](const std::vector<OutlinePoint>& corners, bool closed, const std::vector<OutlinePoint>& way,
+                         bool way_is_closed, std::string_view key) {
+      const std::vector<Outline> parts =
+          located(table.place_of(key), [&] { return parts_of_outline(way, way_is_closed); });
+      for (const PointRef& corner : corners_that_stand_out(corners, closed)) {
+        for (const Outline& part : parts) out.push_back({corner, part});
+      }
+    };
+    add(first, first_is_closed, second, second_is_closed, "against");
+    add(second, second_is_closed, first, first_is_closed, "outline");
+    if (out.empty()) {
+      table.place_of("against").fail(
+          "expected a corner of one of the outlines that the other can touch, found two holes; let one go clockwise");
+    }
+    if (out.size() > most_contact_parts + 1) {
+      table.place_of("against").fail(
+          fmt::format("expected outlines with at most {} pairs of a corner and a convex part, found {}; give some of "
+                      "them as contacts of their own",
+                      most_contact_parts + 1, out.size()));
+    }
+    return out;
+  }
+
+  // Ends, and corners where a way turns to the right: in others nothing fits that has not touched an edge before.
+  static std::vector<PointRef> corners_that_stand_out(const std::vector<OutlinePoint>& way, bool closed) {
+    std::vector<PointRef> out;
+    const std::size_t n = way.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const bool is_end = !closed && (k == 0 || k + 1 == n);
+      const Vec2 here = way[k].at;
+      if (is_end || cross(here - way[(k + n - 1) % n].at, way[(k + 1) % n].at - here) < 0.0)
+        out.push_back(way[k].point);
+    }
+    return out;
   }
 
   std::vector<Outline> outlines_of(const TomlTable& table, PointRef point) const {
@@ -376,17 +436,8 @@ class CouplingReader {
     }
     if (const std::optional<TomlTable> arc = table.find_table("arc")) return {arc_of(*arc, point)};
     const std::string_view key = table.has("segment") ? "segment" : "outline";
-    std::vector<OutlinePoint> way;
-    for (const TomlText& name : table.texts(key)) way.push_back(outline_point(name, way, point));
     const bool closed = table.flag("closed", false);
-    if (key == "segment" ? way.size() != 2 : way.size() < (closed ? 3U : 2U)) {
-      table.place_of(key).fail(key == "segment" ? "expected two points; several edges are an outline"
-                               : closed         ? "expected three points or more of a closed outline"
-                                                : "expected two points or more");
-    }
-    if (closed && way.front().at == way.back().at) {
-      table.place_of(key).fail("expected another last point than the first, to which a closed outline returns anyway");
-    }
+    const std::vector<OutlinePoint> way = way_of(table, key, closed, point, "point");
     std::vector<Outline> out = located(table.place_of(key), [&] { return parts_of_outline(way, closed); });
     if (out.size() > most_contact_parts + 1) {
       table.place_of(key).fail(
@@ -397,10 +448,29 @@ class CouplingReader {
     return out;
   }
 
+  // Through points of another body than that of what touches it, if given, under the key `other`.
+  std::vector<OutlinePoint> way_of(const TomlTable& table, std::string_view key, bool closed,
+                                   const std::optional<PointRef>& touching, std::string_view other) const {
+    std::vector<OutlinePoint> way;
+    for (const TomlText& name : table.texts(key)) way.push_back(outline_point(name, way, touching, other));
+    if (key == "segment" ? way.size() != 2 : way.size() < (closed ? 3U : 2U)) {
+      table.place_of(key).fail(key == "segment" ? "expected two points; several edges are an outline"
+                               : closed         ? "expected three points or more of a closed outline"
+                                                : "expected two points or more");
+    }
+    if (closed && way.front().at == way.back().at) {
+      table.place_of(key).fail("expected another last point than the first, to which a closed outline returns anyway");
+    }
+    return way;
+  }
+
   // A point of another body than that of the point that touches it, and of the same as those before.
-  OutlinePoint outline_point(const TomlText& name, const std::vector<OutlinePoint>& before, PointRef point) const {
+  OutlinePoint outline_point(const TomlText& name, const std::vector<OutlinePoint>& before,
+                             const std::optional<PointRef>& touching, std::string_view other) const {
     const PointRef at = names_.point(name);
-    if (at.body == point.body) name.place.fail("expected a point of another body than that of the key point");
+    if (touching && at.body == touching->body) {
+      name.place.fail(fmt::format("expected a point of another body than that of the key {}", other));
+    }
     if (!before.empty()) {
       if (at.body != before.front().point.body) {
         name.place.fail("expected a point of the same body as the first, " + scene_.name_of(before.front().point));
@@ -415,7 +485,8 @@ class CouplingReader {
     std::vector<OutlinePoint> way;
     Outline out{arc.flag("hollow", false) ? Outline::Form::hollow_arc : Outline::Form::arc, {}, false};
     for (const std::string_view key : {"center", "from", "to"}) {
-      way.push_back(outline_point(arc.text(key), key == "to" ? std::vector<OutlinePoint>{way.front()} : way, point));
+      way.push_back(
+          outline_point(arc.text(key), key == "to" ? std::vector<OutlinePoint>{way.front()} : way, point, "point"));
       out.points.push_back(way.back().point);
     }
     const double radius = norm(way[1].at - way[0].at), other = norm(way[2].at - way[0].at);

@@ -494,6 +494,19 @@ SceneBuilder& SceneBuilder::contact(const std::string& point, const std::vector<
   return *this;
 }
 
+SceneBuilder& SceneBuilder::contact_of_outlines(const std::vector<std::string>& outline,
+                                                const std::vector<std::string>& against, const std::vector<Key>& keys,
+                                                const std::string& name) {
+  toml::table& table = document_->next("contact", name);
+  for (const auto& [key, way] : {std::pair("outline", &outline), std::pair("against", &against)}) {
+    toml::array points;
+    for (const std::string& one : *way) points.push_back(one);
+    document_->set(table, key, std::move(points));
+  }
+  document_->add_keys(table, "contact", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::contact_with_arc(const std::string& point, const std::string& center,
                                              const std::string& from, const std::string& to, bool hollow,
                                              const std::vector<Key>& keys, const std::string& name) {

@@ -198,6 +198,10 @@ class SceneBuilder {
   SceneBuilder& contact_with_arc(const std::string& point, const std::string& center, const std::string& from,
                                  const std::string& to, bool hollow = false, const std::vector<Key>& keys = {},
                                  const std::string& name = {});
+  /// Outlines of two bodies that touch each other, with the contact on the left of both: "closed" of the first,
+  /// "against_closed" of the other.
+  SceneBuilder& contact_of_outlines(const std::vector<std::string>& outline, const std::vector<std::string>& against,
+                                    const std::vector<Key>& keys = {}, const std::string& name = {});
   /// A pin in a hole that is wider than it, and one in a slot along an axis of the body of point a: "clearance".
   SceneBuilder& loose_pin(const std::string& a, const std::string& b, const std::vector<Key>& keys,
                           const std::string& name = {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "app/draw/symbols.hpp"
 #include "model/couplings.hpp"
@@ -104,14 +105,18 @@ std::vector<std::vector<Vec2>> shapes_by_contacts(const Scene& scene) {
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     if (stop.table != "contact" || stop.on.outline.form != Outline::Form::polygon) continue;
-    const int body = stop.on.outline.points.front().body;
-    if (body == 0) continue;
-    std::vector<Edge> edges;
+    // Of one between outlines, each of the two bodies has its own, which all corners of the other may touch.
+    std::map<int, std::vector<Edge>> edges;
     for (std::size_t part = s; part < s + static_cast<std::size_t>(stop.parts); ++part) {
-      for (const Edge& edge : edges_of_contact(scene, part)) edges.push_back(edge);
+      std::vector<Edge>& of_body = edges[scene.stops[part].on.outline.points.front().body];
+      for (const Edge& edge : edges_of_contact(scene, part)) {
+        if (std::find(of_body.begin(), of_body.end(), edge) == of_body.end()) of_body.push_back(edge);
+      }
     }
-    std::vector<Vec2>& shape = out[static_cast<std::size_t>(body)];
-    if (shape.empty()) shape = shape_with(scene, body, way_along(edges));
+    for (const auto& [body, of_body] : edges) {
+      std::vector<Vec2>& shape = out[static_cast<std::size_t>(body)];
+      if (body > 0 && shape.empty()) shape = shape_with(scene, body, way_along(of_body));
+    }
   }
   return out;
 }

@@ -100,14 +100,25 @@ void draw_distance_stop(Stage& stage, const Stop& stop, const Reaction* active) 
   label_active(stage, stop, *active, 0.5 * (a + b), {0, -1}, 5);
 }
 
+/// Whether a row of the same contact before this one has its outline, which another corner touches.
+bool is_drawn_before(const Stop& stop) {
+  const Stop* row = &stop;
+  while (row->table != "contact") {
+    --row;
+    if (row->on.outline == stop.on.outline) return true;
+  }
+  return false;
+}
+
 /// The outline that the circle around a point touches, and the circle.
 void draw_contact(Stage& stage, const Stop& stop, const Reaction* active) {
   const auto [colour, width] = colours(active != nullptr);
   const Outline& outline = stop.on.outline;
   if (outline.form == Outline::Form::polygon) {
     const auto index = static_cast<std::size_t>(&stop - stage.scene.stops.data());
-    for (const auto& [from, to] : edges_of_contact(stage.scene, index))
-      stage.canvas.line(stage.page(from), stage.page(to), {.stroke = colour, .width = width});
+    if (active != nullptr || !is_drawn_before(stop))
+      for (const auto& [from, to] : edges_of_contact(stage.scene, index))
+        stage.canvas.line(stage.page(from), stage.page(to), {.stroke = colour, .width = width});
   } else {
     std::vector<Vec2> way;
     for (const PointRef& point : outline.points) way.push_back(stage.page(point));

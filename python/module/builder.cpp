@@ -302,6 +302,11 @@ void bind_couplings(py::class_<Named>& type) {
            [](Named& b, Text point, Any way, const py::dict& keys, Text name) {
              b.builder.contact(point, words_of(b, "contact.way", way), keys_of(b, "contact", keys), name);
            })
+      .def("contact_of_outlines",
+           [](Named& b, Any outline, Any against, const py::dict& keys, Text name) {
+             b.builder.contact_of_outlines(words_of(b, "contact.outline", outline),
+                                           words_of(b, "contact.against", against), keys_of(b, "contact", keys), name);
+           })
       .def("contact_with_arc",
            [](Named& b, Text point, Text center, Text from, Text to, bool hollow, const py::dict& keys, Text name) {
              b.builder.contact_with_arc(point, center, from, to, hollow, keys_of(b, "contact", keys), name);

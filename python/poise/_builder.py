@@ -229,6 +229,12 @@ class SceneBuilder:
         the left of it: a segment of two, or an outline of more, ``closed`` or not."""
         return self._add("contact", point, way, self._keys(keys), name)
 
+    def contact_of_outlines(self, outline: Sequence[str], against: Sequence[str], /, name: str = "",
+                            **keys: Any) -> SceneBuilder:
+        """Outlines of two bodies that touch each other, with the contact on the left of both: ``closed`` of the first,
+        ``against_closed`` of the other."""
+        return self._add("contact_of_outlines", outline, against, self._keys(keys), name)
+
     def contact_with_arc(self, point: str, center: str, from_: str, to: str, /, name: str = "", hollow: bool = False,
                          **keys: Any) -> SceneBuilder:
         """The same of an arc around ``center``, clockwise from one point to another; counter-clockwise, with the

@@ -332,6 +332,12 @@ point = "bead.P"
 outline = ["arm.O", "arm.L", "arm.P"]
 closed = true
 [[contact]]
+name = "pawl"
+outline = ["rack.R", "rack.Q"]
+against = ["arm.O", "arm.L", "arm.P"]
+against_closed = true
+restitution = 0.3
+[[contact]]
 name = "dish"
 point = "bead.P"
 arc = { center = "a.O", from = "a.O2", to = "a.O3", hollow = true }
@@ -390,6 +396,8 @@ SceneBuilder couplings_builder() {
       .loose_slot("rack.Q", "wheel.C", {1, 2}, {{"clearance", 0.1}}, "play")
       .contact("bead.P", {"arm.O", "arm.P"}, {{"radius", 3}})
       .contact("bead.P", {"arm.O", "arm.L", "arm.P"}, {{"closed", true}}, "cup")
+      .contact_of_outlines({"rack.R", "rack.Q"}, {"arm.O", "arm.L", "arm.P"},
+                           {{"against_closed", true}, {"restitution", 0.3}}, "pawl")
       .contact_with_arc("bead.P", "a.O", "a.O2", "a.O3", true, {}, "dish")
       .blade("wheel.C", {{"angle", 30}, {"on", "arm"}}, "edge")
       .start("arc", 20)

@@ -674,5 +674,56 @@ TEST(Touching, ALandingGearFallsIntoItsLock) {
   EXPECT_EQ(motion.touched.back().touching.size(), 1U);
 }
 
+// A block that falls turning on a floor with a spike: as outlines of both, it moves as with a contact for each of its
+// corners on the floor, and one for the tip of the spike on its outline; without loss its energy stays.
+TEST(Touching, ABlockFallsOnASpikeByItsOutline) {
+  const std::string block = R"(
+gravity = [0, -9.81]
+[ground]
+points = { L = [-3, 0], S = [-0.1, 0], T = [0, 0.15], U = [0.1, 0], R = [3, 0] }
+[body.block]
+points = { A = [-0.2, -0.1], B = [-0.2, 0.1], C = [0.2, 0.1], D = [0.2, -0.1] }
+mass = 2
+center = [0, 0]
+inertia = 0.04
+[start]
+block = 0.4
+[start.position]
+block = [0.03, 0.9]
+)";
+  const std::string outlines = R"([[contact]]
+name = "block on floor"
+outline = ["block.A", "block.B", "block.C", "block.D"]
+closed = true
+against = ["ground.L", "ground.S", "ground.T", "ground.U", "ground.R"]
+restitution = 1
+)";
+  std::string points;
+  for (const char corner : {'A', 'B', 'C', 'D'}) {
+    points += fmt::format(
+        "[[contact]]\nname = \"corner {0}\"\npoint = \"block.{0}\"\nrestitution = 1\n"
+        "outline = [\"ground.L\", \"ground.S\", \"ground.T\", \"ground.U\", \"ground.R\"]\n",
+        corner);
+  }
+  points +=
+      "[[contact]]\nname = \"tip\"\npoint = \"ground.T\"\nrestitution = 1\nclosed = true\n"
+      "outline = [\"block.A\", \"block.B\", \"block.C\", \"block.D\"]\n";
+  const test::Release release{{}, {{"block", 1.5}}};
+  const auto split = block.find("[start]");
+  const Motion whole = moved(block.substr(0, split) + outlines + block.substr(split), 1.2, release);
+  const Motion parts = moved(block.substr(0, split) + points + block.substr(split), 1.2, release);
+  ASSERT_GE(whole.events.size(), 3U);
+  EXPECT_LT(whole.energy_error, 1e-8);
+  for (const double t : {0.3, 0.6, 0.9, 1.2}) {
+    const std::vector<double> a = test::read_at(whole, {t}).front().q, b = test::read_at(parts, {t}).front().q;
+    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k], b[k], 1e-6) << t;
+  }
+  // The tip of the spike hits the block.
+  const MotionModel model(parse_scene(block.substr(0, split) + outlines + block.substr(split), "scene.toml"));
+  EXPECT_TRUE(std::any_of(whole.events.begin(), whole.events.end(), [&](const ContactEvent& event) {
+    return event.kind == Kind::impact && model.scene().stops[static_cast<std::size_t>(event.at.stop)].on.b.body == 0;
+  }));
+}
+
 }  // namespace
 }  // namespace poise::touching_test

@@ -96,6 +96,7 @@ def couplings_builder():
         .loose_pin("arm.L", "bead.P", clearance=0.5)
         .loose_slot("rack.Q", "wheel.C", (1, 2), "play", clearance=0.1)
         .contact(bead, ["arm.O", "arm.L", "arm.P"], "cup", radius=3, closed=True)
+        .contact_of_outlines(["rack.R", "rack.Q"], ["arm.O", "arm.L", "arm.P"], "pawl", against_closed=True)
         .contact_with_arc(bead, "ground.T", "ground.S", "ground.S", "dish", radius=1)
         .pin_in_slot("arm.P", "rack.Q", (0, 2), "slot")
         .weld("arm.L", "bead.P", 10, "joined")

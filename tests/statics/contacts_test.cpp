@@ -297,5 +297,117 @@ TEST(Contacts, RefuseWhatIsNoOutline) {
   has("closed = true\nsegment = [\"ground.A\", \"ground.B\"]", "leave closed out");
 }
 
+// A plate of length l and thickness t below the pin's line, that lies on a block with a corner at C and a top to the
+// left of it, as outlines of both: the corner of the block touches the lower edge of a long plate, and the lower
+// corner of a short one the top of the block.
+std::string plate_on_block(double length, double start = -0.4) {
+  return fmt::format(R"(
+    gravity = [0, -10]
+    [ground]
+    points = {{ O = [0, 0], D = [0.1, -0.3], C = [0.4, -0.3], F = [0.4, -1.3], G = [0.1, -1.3] }}
+    [body.plate]
+    points = {{ O = [0, 0], E = [{0}, 0], H = [{0}, -0.1], I = [0, -0.1] }}
+    center = [0.3, 0]
+    mass = 5
+    [[pin]]
+    points = ["ground.O", "plate.O"]
+    [[contact]]
+    name = "lies"
+    outline = ["plate.O", "plate.E", "plate.H", "plate.I"]
+    closed = true
+    against = ["ground.D", "ground.C", "ground.F", "ground.G"]
+    against_closed = true
+    [start]
+    plate = {1}
+  )",
+                     length, start);
+}
+
+const Reaction& only_pressing(const Check& check) {
+  const Reaction* out = nullptr;
+  for (const Reaction& one : check.reactions) {
+    if (!one.name.starts_with("lies")) continue;
+    EXPECT_EQ(out, nullptr) << one.name;
+    out = &one;
+  }
+  return *out;
+}
+
+TEST(Contacts, AnOutlineLiesOnACornerOfAnother) {
+  const StaticModel model(parse_scene(plate_on_block(0.7), "plate.toml"));
+  const double angle = std::atan2(-0.3, 0.4) + std::asin(0.1 / 0.5), s = std::sqrt(0.25 - 0.01);
+  for (const Equilibrium& found : found_both_ways(model)) {
+    EXPECT_NEAR(test::angle_of(model, found.x, "plate"), angle, tolerance(found.method));
+    const Reaction& force = only_pressing(found.check);
+    EXPECT_NEAR(norm(force.force), 50 * 0.3 * std::cos(angle) / s, 1e-5);
+    EXPECT_NEAR(force.at.x, 0.4, tolerance(found.method));
+    EXPECT_NEAR(force.at.y, -0.3, tolerance(found.method));
+  }
+}
+
+TEST(Contacts, ACornerOfAnOutlineLiesOnAnother) {
+  const double length = 0.35, diagonal = std::hypot(length, 0.1);
+  const StaticModel model(parse_scene(plate_on_block(length), "plate.toml"));
+  const double angle = std::asin(-0.3 / diagonal) + std::atan2(0.1, length);
+  const double x = length * std::cos(angle) + 0.1 * std::sin(angle);
+  ASSERT_GT(x, 0.1);
+  ASSERT_LT(x, 0.4);
+  for (const Equilibrium& found : found_both_ways(model)) {
+    EXPECT_NEAR(test::angle_of(model, found.x, "plate"), angle, tolerance(found.method));
+    const Reaction& force = only_pressing(found.check);
+    EXPECT_NEAR(std::abs(force.force.y), 50 * 0.3 * std::cos(angle) / x, 1e-5);
+    EXPECT_NEAR(force.force.x, 0.0, 1e-5);
+    EXPECT_NEAR(force.at.x, x, tolerance(found.method));
+  }
+}
+
+// A plate may lean with its end on the side of the block where no corner of one is in the other, and yet go through it:
+// by itself Newton's method converges to that, and is told to look elsewhere.
+TEST(Contacts, OutlinesThatCrossAreNoEquilibrium) {
+  const StaticModel model(parse_scene(plate_on_block(0.7, -0.83), "plate.toml"));
+  const Equilibrium found = solve(model, by(Method::virtual_work, Seek::any));
+  const double through = -0.82763505551160432;
+  if (found.found()) {
+    EXPECT_GT(std::abs(test::angle_of(model, found.x, "plate") - through), 0.1);
+  }
+  const Check judged = check(model, {through});
+  EXPECT_FALSE(judged.keeps_contacts);
+  EXPECT_NE(judged.objection.find("has outlines that cross each other"), std::string::npos) << judged.objection;
+}
+
+// With a cover of a given thickness: the same plate, thicker by that.
+TEST(Contacts, OutlinesStayApartByTheirRadius) {
+  Scene scene = parse_scene(plate_on_block(0.7), "plate.toml");
+  set_value(scene, "contact.lies.radius", 0.05);
+  const StaticModel model(scene);
+  const Equilibrium found = solve(model, by(Method::virtual_work, Seek::stable));
+  ASSERT_TRUE(found.found()) << found.why;
+  EXPECT_NEAR(test::angle_of(model, found.x, "plate"), std::atan2(-0.3, 0.4) + std::asin(0.15 / 0.5), 1e-10);
+}
+
+TEST(Contacts, SaysWhatIsWrongWithTwoOutlines) {
+  const auto with = [](const std::string& contact) {
+    return test::message_of([&] {
+      parse_scene(
+          "[ground]\npoints = { A = [0, 0], B = [1, 0], C = [1, -1] }\n[body.b]\n"
+          "points = { P = [0, 0], Q = [1, 0], R = [0, 1] }\n[[contact]]\n" +
+              contact,
+          "scene.toml");
+    });
+  };
+  const std::string ground = "outline = [\"ground.A\", \"ground.B\", \"ground.C\"]\n";
+  EXPECT_NE(with(ground + "against = [\"ground.A\", \"ground.B\"]").find("another body than that of the key outline"),
+            std::string::npos);
+  EXPECT_NE(with(ground + "point = \"b.P\"\nagainst = [\"b.P\", \"b.Q\"]").find("point"), std::string::npos);
+  EXPECT_NE(with(ground + "against = [\"b.P\"]").find("expected two points or more"), std::string::npos);
+  EXPECT_NE(with("against = [\"b.P\", \"b.Q\"]").find("outline"), std::string::npos);
+  // Two holes have no corners that stand out.
+  EXPECT_NE(with("outline = [\"ground.A\", \"ground.C\", \"ground.B\"]\nclosed = true\n"
+                 "against = [\"b.P\", \"b.Q\", \"b.R\"]\nagainst_closed = true")
+                .find("found two holes"),
+            std::string::npos);
+  EXPECT_EQ(with(ground + "closed = true\nagainst = [\"b.P\", \"b.Q\"]"), "");
+}
+
 }  // namespace
 }  // namespace poise::contacts_test
