@@ -76,5 +76,53 @@ TEST(Cams, DerivativesCrossBordersOfContinuousAccelerations) {
 // Rates at a border jump by what accelerations jump by and the time of the border changes by.
 TEST(Cams, DerivativesCrossBordersAtWhichAccelerationsJump) { expect_derivatives_of("harmonic"); }
 
+// A heavy crank that drives the wheel of a Geneva drive against a spring, through slots and dwells.
+TEST(Cams, DerivativesCrossTheEndsOfSlots) {
+  Experiment e;
+  e.scene = parse_scene(R"(
+gravity = [0, -9.81]
+[ground]
+points = { A = [0, 0], B = [0.1, 0] }
+[body.crank]
+points = { A = [0, 0] }
+mass = 2
+center = [0.03, 0]
+inertia = 0.02
+[body.wheel]
+points = { B = [0, 0] }
+inertia = 0.004
+[[pin]]
+name = "A"
+points = ["ground.A", "crank.A"]
+[[pin]]
+name = "B"
+points = ["ground.B", "wheel.B"]
+[[geneva]]
+name = "indexer"
+bodies = ["crank", "wheel"]
+slots = 5
+phase = 0.3
+offset = 0.1
+[[torsion_spring]]
+name = "brake"
+bodies = ["ground", "wheel"]
+stiffness = 0.02
+free_angle = 0.4
+[[damper]]
+bodies = ["ground", "crank"]
+coefficient = 0.01
+[start]
+crank = 0.5
+)",
+                        "test");
+  e.sensors = {test::angle_of(e.scene, "crank", 1e-4), test::angle_of(e.scene, "wheel", 1e-4)};
+  for (const char* path : {"geneva.indexer.phase", "geneva.indexer.offset", "torsion_spring.brake.stiffness",
+                           "torsion_spring.brake.free_angle", "body.wheel.inertia", "body.crank.center.x"}) {
+    e.unknowns.push_back(test::unknown(path));
+  }
+  e.runs = {test::simulated(100, 200)};
+  test::expect_derivatives(e, {0.5, 9.0});
+}
+
 }  // namespace
 }  // namespace poise::cams_test
