@@ -1,8 +1,9 @@
 #include "motion/blades.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -122,6 +123,15 @@ void refuse_rates_across_blades(const MotionModel& model, const Reduced& motion)
         title_of(model, b), model.scene().name_of(model.scene().blades[static_cast<std::size_t>(b)].at),
         std::abs(motion.blade_rate(b)) * model.scales().length));
   }
+}
+
+double blade_force(const Scene& scene, std::size_t blade, const Forces& forces) {
+  const Blade& of = scene.blades[blade];
+  const auto reaction = std::find_if(forces.reactions.begin(), forces.reactions.end(),
+                                     [&](const Reaction& one) { return one.kind == "blade" && one.name == of.name; });
+  const bool is_known = reaction != forces.reactions.end() && reaction->determined && !forces.friction.has_no_forces();
+  if (!is_known) return std::numeric_limits<double>::quiet_NaN();
+  return cross(unit(forces.motions[static_cast<std::size_t>(of.at.body)].pose.angle + of.angle), reaction->force);
 }
 
 }  // namespace poise

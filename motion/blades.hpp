@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
+
 #include <Eigen/Core>
 
+#include "motion/inverse_dynamics.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion.hpp"
 
@@ -21,5 +24,9 @@ void refuse_idle_blades(const MotionModel& model, const ReducedMotion<double>& m
 
 /// Throws InputError where, after accelerate(), the rates of `motion` go across the edge of a blade.
 void refuse_rates_across_blades(const MotionModel& model, const ReducedMotion<double>& motion);
+
+/// The force of a blade of the scene among these forces, N: across its edge, to the left of it, on the body of its
+/// point. NaN where it is not determined.
+double blade_force(const Scene& scene, std::size_t blade, const Forces& forces);
 
 }  // namespace poise

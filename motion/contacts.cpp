@@ -365,7 +365,7 @@ std::vector<double> Contacts::slopes_of(const std::vector<std::size_t>& sides,
 Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>& q, const std::vector<double>& v,
                             const std::vector<char>& plastic) {
   Hit out;
-  set(motion, nullptr, t, q, v, {});
+  const Reduced::Status status = set(motion, nullptr, t, q, v, {});
   const Configuration<double> here = place(motion.q());
   bool closes = false;
   double fastest = 0.0;
@@ -386,6 +386,10 @@ Contacts::Hit Contacts::hit(Reduced& motion, double t, const std::vector<double>
     out.before.back().slip = side.slip->along(here, v.data());
   }
   if (!closes) return out;
+  if (status == Reduced::Status::blades) {
+    out.outcome = Hit::Outcome::pushed;
+    return out;
+  }
   const std::size_t m = out.sides.size(), n = static_cast<std::size_t>(motion.coordinates());
   const auto f = static_cast<std::size_t>(motion.freedoms());
   for (std::size_t i = 0; i < m; ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "motion/blades.hpp"
 #include "statics/model/cam_contact.hpp"
 
 namespace poise {
@@ -92,6 +93,10 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
       }
       return 0.0;
     });
+  }
+  for (std::size_t b = 0; b < scene.blades.size(); ++b) {
+    add_force("blade." + scene.blades[b].name, Quantity::force,
+              [&scene, b](const Forces& f) { return blade_force(scene, b, f); });
   }
   // Elements that stand for the friction of joints and stops in a scene in motion have no forces of their own.
   const std::size_t elements = std::min(scene.elements.size(), forces.poses.front().element_force.size());

@@ -16,8 +16,8 @@ struct ForceCourse {
   int element = -1;  ///< index in Scene::elements of the one whose force it is; -1 of all else
 };
 
-/// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME and
-/// the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance;
+/// Every number: effort.DRIVE, power.DRIVE (energy per second), reaction.JOINT.x, .y, .moment, stop.NAME, blade.NAME
+/// and the force elements, spring.NAME, torsion_damper.NAME, ... (tension, or moment on the second body), imbalance;
 /// cam.NAME.pressure_angle, .normal_force, .side_thrust (statics/model/cam_contact.hpp), not a number without contact;
 /// and overrun.NAME, angle or length, of a stop that some pose of a recorded motion has passed. Of joints with
 /// friction, where something moves: effort_without_friction.DRIVE, where it was found, joint_friction.JOINT (against

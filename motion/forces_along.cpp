@@ -103,6 +103,7 @@ ForcesAlong forces_over(const MotionModel& model, const std::vector<DriveRange>&
 }
 
 ForcesAlong forces_along(const MotionModel& model, const std::vector<double>& time, const GivenMotion& motion) {
+  refuse_blades(model.scene(), "forces along a given motion");
   ForcesAlong out;
   out.along = "time";
   out.at = time;

@@ -14,6 +14,7 @@
 
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
+#include "motion/blades.hpp"
 #include "motion/private/golden_section.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
@@ -238,17 +239,8 @@ double MovingQuantities::value(const SoughtQuantity& of, const Forces& forces, c
       if (!reaction->determined || forces.friction.has_no_forces()) return undefined;
       return scene_.stops[static_cast<std::size_t>(of.item)].on.is_angle() ? reaction->moment : -reaction->axial;
     }
-    case Kind::blade_force: {
-      const Blade& blade = scene_.blades[static_cast<std::size_t>(of.item)];
-      const auto reaction = std::find_if(forces.reactions.begin(), forces.reactions.end(), [&](const Reaction& one) {
-        return one.kind == "blade" && one.name == blade.name;
-      });
-      if (reaction == forces.reactions.end() || !reaction->determined || forces.friction.has_no_forces()) {
-        return undefined;
-      }
-      const double edge = forces.motions[static_cast<std::size_t>(blade.at.body)].pose.angle + blade.angle;
-      return cross(unit(edge), reaction->force);
-    }
+    case Kind::blade_force:
+      return blade_force(scene_, static_cast<std::size_t>(of.item), forces);
     case Kind::drive_force:
       return effort(of, forces);
     case Kind::push:

@@ -65,7 +65,7 @@ Scene scene_at_time(Scene scene, double time) {
 SolveOutcome outcome_of(const StaticModel& model, const Answer& answer, const std::vector<std::string>& settings,
                         const std::vector<SoughtQuantity>& show, bool wants_svg, bool wants_figures) {
   std::optional<HeldPose> as_drawn;
-  if (has_friction(model.scene())) as_drawn = held_pose(model, assemble(model));
+  if (has_friction(model.scene()) && model.scene().blades.empty()) as_drawn = held_pose(model, assemble(model));
   const Equilibrium& equilibrium = answer.equilibrium;
   SolveOutcome out{solve_result(model, answer, settings, as_drawn ? &*as_drawn : nullptr, show), {}, false};
   out.is_solved = equilibrium.found() || equilibrium.status == Status::checked;

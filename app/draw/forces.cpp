@@ -149,6 +149,19 @@ void draw_reaction(Stage& stage, const Reaction& reaction, const Joint& joint) {
   }
 }
 
+/// The force of a blade on the body of its point.
+void draw_force_of_blade(Stage& stage, const Reaction& reaction) {
+  const double size = norm(reaction.force);
+  if (size <= negligible_force * stage.largest_force) return;
+  stage.signs.insert(reaction.determined ? Sign::reaction : Sign::undetermined_reaction);
+  const std::string value = stage.value(size, Quantity::force, reaction.radius) + (reaction.determined ? "" : "*");
+  const std::string& on = stage.scene.bodies[static_cast<std::size_t>(reaction.body_b)].name;
+  stage.canvas.item("force of blade " + reaction.name, value + " on " + on);
+  draw_force(stage, stage.page(reaction.at), leaving(stage, stage.page(reaction.at), reaction.force),
+             fmt::format("{}: {} on {}", reaction.name, value, on), ink::reaction, 1.5,
+             reaction.determined ? "" : "4 3");
+}
+
 /// The effort of a drive on the second body of its measure.
 void draw_drive(Stage& stage, const DriveEffort& effort, const Drive& drive) {
   if (effort.value == 0.0) return;
@@ -274,6 +287,7 @@ void draw_reactions(Stage& stage) {
   if (!stage.picture.reactions || !stage.shows_ground) return;
   stage.canvas.open("reactions");
   for (const Reaction& reaction : *stage.picture.reactions) {
+    if (reaction.kind == "blade") draw_force_of_blade(stage, reaction);
     if (reaction.joint < 0) continue;
     const Joint& joint = stage.scene.joints[static_cast<std::size_t>(reaction.joint)];
     if (!is_of_track(stage.scene, joint)) draw_reaction(stage, reaction, joint);

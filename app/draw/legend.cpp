@@ -41,6 +41,7 @@ const std::vector<LegendItem>& legend_items() {
   static const Draw dashpot = [](Canvas& c) {
     draw_dashpot(c, {0, 0}, {34, 0}, {}, {.stroke = ink::damper, .width = 1.4});
   };
+  static const Draw blade = [](Canvas& c) { draw_blade(c, {17, 0}, {1, 0}, 13, ink::dark); };
   static const Draw motor = [](Canvas& c) { draw_motor(c, {17, 0}, 9, {.stroke = ink::drive, .width = 1.4}); };
   static const Draw bar = [](Canvas& c) { draw_massless_bar(c, {3, 0}, {31, 0}, 5.0); };
   static const Draw pitch_circle = [](Canvas& c) {
@@ -90,6 +91,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::rolling, "wheel or curve that rolls without slipping", rolling},
       {Sign::active_stop, "active stop, its force or moment", a_line({17, -8}, {17, 8}, ink::stop, 3.0)},
       {Sign::inactive_stop, "stop, not active", a_line({17, -8}, {17, 8}, ink::free_stop, 1.4)},
+      {Sign::blade, "blade: moves along its edge only", blade},
       {Sign::contact_force, "force of a contact", an_arrow(ink::stop, 1.8)},
       {Sign::impact, "impact, larger with its impulse",
        [](Canvas& c) {

@@ -33,6 +33,7 @@ enum class Sign {
   rolling,
   active_stop,
   inactive_stop,
+  blade,
   contact_force,
   impact,
   other_pose,

@@ -93,6 +93,7 @@ void draw_all(Stage& stage) {
   draw_slips(stage);
   draw_crosses(stage);
   draw_stops(stage);
+  draw_blades(stage);
   draw_paths(stage);
   draw_diagrams(stage);
   draw_reactions(stage);

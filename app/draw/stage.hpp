@@ -185,6 +185,7 @@ void draw_reactions(Stage& stage);
 void draw_contact_forces(Stage& stage);
 void draw_impacts(Stage& stage);
 void draw_drives(Stage& stage);
+void draw_blades(Stage& stage);
 /// A rope over its points and pulleys.
 void draw_rope_line(Stage& stage, const Measure& rope, const Paint& paint);
 void draw_rope(Stage& stage, const Stop& stop, bool taut);

@@ -297,4 +297,22 @@ void draw_stops(Stage& stage) {
   stage.canvas.close();
 }
 
+void draw_blades(Stage& stage) {
+  if (stage.scene.blades.empty()) return;
+  stage.canvas.open("blades");
+  for (const Blade& blade : stage.scene.blades) {
+    const bool full = stage.detail == Detail::full;
+    const double half = full ? 15.0 : 7.0;
+    const Vec2 at = stage.page(blade.at);
+    const Vec2 along = conj(unit(stage.now.poses[static_cast<std::size_t>(blade.at.body)].angle + blade.angle));
+    stage.canvas.item("blade " + blade.name, "");
+    draw_blade(stage.canvas, at, along, half, ink::dark);
+    stage.signs.insert(Sign::blade);
+    if (!full) continue;
+    stage.setter.avoid(at, half);
+    stage.label(blade.name, at, quarter_turn(along), 8.0, ink::dark);
+  }
+  stage.canvas.close();
+}
+
 }  // namespace poise::app

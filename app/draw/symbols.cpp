@@ -166,6 +166,14 @@ void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& 
   canvas.polyline(points, paint);
 }
 
+void draw_blade(Canvas& canvas, Vec2 at, Vec2 along, double half_length, Colour colour) {
+  constexpr double thin = 3.0, shoulder = 0.55;  // px, part of the length
+  const Vec2 end = half_length * along, side = thin * quarter_turn(along);
+  canvas.polygon({at - end, at - shoulder * end + side, at + shoulder * end + side, at + end,
+                  at + shoulder * end - side, at - shoulder * end - side},
+                 {.fill = colour, .stroke = colour, .width = 1.0});
+}
+
 void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint) {
   canvas.circle(at, radius, paint);
   std::vector<Vec2> letter;

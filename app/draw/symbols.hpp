@@ -51,6 +51,9 @@ std::vector<Vec2> geneva_wheel(int slots);
 std::vector<Vec2> geneva_disc(int slots);
 double geneva_pin_radius(int slots);
 
+/// A blade as seen from above: a lens along its edge, so long to both sides.
+void draw_blade(Canvas& canvas, Vec2 at, Vec2 along, double half_length, Colour colour);
+
 /// An arrow from tail to tip.
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash = {});
 /// An arrow on a circle round `at`, beginning in direction `from`, counter-clockwise as seen or clockwise.

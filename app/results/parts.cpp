@@ -447,6 +447,18 @@ void warn_of_friction(Result& result, const Scene& scene) {
       doubtful(fmt::format("Dry friction is left out: {} may hold the mechanism elsewhere too.", listed(names))));
 }
 
+void warn_of_blades(Result& result, const Scene& scene) {
+  if (scene.blades.empty()) return;
+  const std::vector<std::string> names =
+      each(scene.blades, [](const Blade& blade) { return "\"" + blade.name + "\""; });
+  const bool one = names.size() == 1;
+  result.warnings.push_back(doubtful(fmt::format(
+      "{} {} {} across {} at rest too, so that positions in balance come in sets: this is the one without {}, and its "
+      "stability is that without {}.",
+      one ? "Blade" : "Blades", listed(names), one ? "can take a force" : "can take forces",
+      one ? "its edge" : "their edges", one ? "that force" : "those forces", one ? "the blade" : "the blades")));
+}
+
 double radius_of(const Equilibrium& equilibrium) {
   return equilibrium.certificate.confirmed() ? equilibrium.certificate.radius : 0.0;
 }

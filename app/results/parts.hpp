@@ -143,6 +143,8 @@ std::string sentence_of(std::string text);
 
 /// A warning that dry friction, which statics leaves out, may hold the mechanism elsewhere, where there is any.
 void warn_of_friction(Result& result, const Scene& scene);
+/// A warning that the forces which blades take at rest are left out, so that other positions are in balance too.
+void warn_of_blades(Result& result, const Scene& scene);
 
 /// Says where friction of joints does not know of forces: those of gears, belts, racks, cams and other couplings act on
 /// their measures alone, so that the sideward part of a contact force loads no joint.

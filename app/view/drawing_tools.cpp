@@ -566,6 +566,8 @@ class Sketcher {
         return tool_.table == "torque";
       case Owner::drive:
         return tool_.table == "drive";
+      case Owner::blade:
+        return tool_.table == "blade";
       default:
         return false;
     }
@@ -803,6 +805,14 @@ std::span<const DrawingTool> drawing_tools() {
        false,
        "bodies = {bodies}\nmin = {quarter_less}\nmax = {quarter_more}",
        "Click two links, or one and the ground: the angle between them gets limits."},
+      {"blade",
+       "Blade",
+       "Limits",
+       "blade",
+       {moving},
+       false,
+       "at = {point1}\nangle = 0",
+       "Click a point of a link: it then moves along an edge that is fixed in the link, never across it."},
       {"rope",
        "Rope",
        "Limits",

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "solvers/linear_algebra.hpp"
+#include "statics/bodies/body_measures.hpp"
 #include "statics/model/curvature.hpp"
 #include "statics/model/held_rows.hpp"
 #include "statics/model/mobility.hpp"
@@ -52,6 +53,7 @@ VirtualWork::VirtualWork(std::shared_ptr<const StaticModel> model, std::vector<T
     throw InputError(fmt::format("{}expected at most {} coordinates for equations with dense matrices, found {}",
                                  where(*model_), most_coordinates, n_));
   }
+  refuse_blades(model_->scene(), "systems of equations");
   expect_movable(*model_);
   length_ = length_in_scene_units(*model_);
   work_ = model_->scales().energy() / (model_->scene().units.force * model_->scene().units.length);

@@ -274,6 +274,7 @@ TEST(JsonDocs, Check) {
                           {{"check", scene("shaken_pendulum")}},
                           {{"check", scene("planetary_gear")}},
                           {{"check", folder.write("lid.toml", lid)}},
+                          {{"check", scene("machines/castor")}},
                           {{"check", scene("toggle_clamp"), "--set", "load.P=30"}}});
 }
 
@@ -693,6 +694,7 @@ TEST(JsonDocs, Motion) {
        {{"motion", folder.write("driven.toml", driven), "--duration", "1"}},
        {{"motion", scene("lift"), "--duration", "0.1", "--release", "obd=0.005", "--show", "force.oil,max(force.oil)"}},
        {{"motion", scene("landing_gear_drop"), "--from", "start", "--duration", "1.2"}},
+       {{"motion", scene("machines/castor"), "--release", "castor=0.01", "--duration", "0.1"}},
        {{"motion", folder.write("torn.toml", torn), "--duration", "1"}, with_csv},
        {{"motion", folder.write("press.toml", driven_press), "--duration", "2", "--rate", "20", "--forces"}, with_csv},
        {{"motion", scene("three_motor_robot"), "--duration", "0.1", "--rate", "50", "--motors", "shoulder,elbow"}}});

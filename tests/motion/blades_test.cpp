@@ -369,6 +369,44 @@ TEST(Blades, LinearizedAsDifferencesSay) {
   }
 }
 
+// A linear condition with constant factors between rates, x1' - 2 x2' = u, is a drive of the sum: with a force F on the
+// first mass  x2'' = F/(2 m1 + m2/2),  x1'' = 2 x2''. Statics leaves it free.
+TEST(Blades, ConditionsWithConstantFactorsAreDrivesOfSums) {
+  const Scene scene = parse_scene(R"(
+[ground.points]
+O = [0, 0]
+[body.one]
+points = { C = [0, 0] }
+mass = 1
+[body.two]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "first"
+points = ["ground.O", "one.C"]
+axis = [1, 0]
+[[slide]]
+name = "second"
+points = ["ground.O", "two.C"]
+axis = [1, 0]
+[[force]]
+name = "F"
+at = "one.C"
+vector = [3, 0]
+[[drive]]
+name = "condition"
+sum = [{ slide = "first" }, { factor = -2, slide = "second" }]
+rate = 0.5
+)",
+                                  "sum.toml");
+  const MotionModel model(scene);
+  const Motion motion = test::moved(model, released(model, {}, {{"second", 0.4}}), 1.0);
+  const std::vector<double> q = test::q_at(motion, motion.trajectory.nodes() - 1);
+  EXPECT_NEAR(q[static_cast<std::size_t>(test::coordinate_of(model, "first"))], 0.5 + 0.8 + 1.0, 1e-10);
+  EXPECT_NEAR(q[static_cast<std::size_t>(test::coordinate_of(model, "second"))], 0.4 + 0.5, 1e-10);
+  EXPECT_LT(motion.energy_error, 1e-10);
+}
+
 std::string why_refused(const Scene& scene, const std::map<std::string, double>& rates = {}) {
   return test::message_of([&] {
     const MotionModel model(scene);
@@ -405,8 +443,7 @@ at = "arm.O"
   const std::string ground = test::message_of([] {
     parse_scene("[ground.points]\nO = [0, 0]\n[body.a]\nmass = 1\n[[blade]]\nat = \"ground.O\"\n", "ground.toml");
   });
-  EXPECT_NE(ground.find("ground.toml:6: blade 1.at: expected a point of a body that can move"),
-            std::string::npos)
+  EXPECT_NE(ground.find("ground.toml:6: blade 1.at: expected a point of a body that can move"), std::string::npos)
       << ground;
 }
 

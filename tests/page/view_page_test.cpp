@@ -586,6 +586,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"torque", {on_crank}},
                                                 {"drive", {on_crank, nowhere}},
                                                 {"stop", {on_crank, nowhere}},
+                                                {"blade", {block}},
                                                 {"rope", point_to_point},
                                                 {"contact", {block, {260, 60}, {300, 60}}},
                                                 {"loose_pin", {on_rod}},

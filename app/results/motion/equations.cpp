@@ -27,6 +27,7 @@ const char* word_of(Reached status) {
       return "no_inertia";
     case Reached::locked:
     case Reached::undetermined:
+    case Reached::blades:  // they are refused before
       break;
   }
   return "undetermined";

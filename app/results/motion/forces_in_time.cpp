@@ -139,7 +139,8 @@ std::vector<ForceCourse> sizes_in_time(const Scene& scene, const ForcesAlong& al
   }
   for (const ForceCourse& course : force_courses(scene, along)) {
     const bool is_moment = course.name.starts_with("reaction.") && course.name.ends_with(".moment");
-    const bool is_wanted = is_moment || course.element >= 0 || course.name.starts_with("joint_friction.") ||
+    const bool is_wanted = is_moment || course.name.starts_with("blade.") || course.element >= 0 ||
+                           course.name.starts_with("joint_friction.") ||
                            (course.name.starts_with("cam.") && course.name.ends_with("_force"));
     const bool is_coupling = course.name.starts_with("stop.") &&
                              std::any_of(course.value.begin(), course.value.end(), [](double v) { return v != 0.0; });

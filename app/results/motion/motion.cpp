@@ -216,6 +216,24 @@ void add_drives(Group& group, const MotionModel& model, const Motion& motion, Ve
   table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
 }
 
+/// The largest force of each blade across its edge, by size, and when.
+void add_blades(Group& group, const MotionModel& model, const Motion& motion, Verbosity level) {
+  const std::vector<Blade>& blades = model.scene().blades;
+  std::vector<double> largest, times;
+  for (const std::vector<double>& force : motion.blade_force) {
+    const auto most = largest_by_size(force);
+    const bool any = most != force.end() && *most != 0.0;
+    largest.push_back(any ? *most : 0.0);
+    times.push_back(any ? motion.trajectory.t[static_cast<std::size_t>(most - force.begin())] : 0.0);
+  }
+  Table& table = group.table("blades", "Blades, force across the edge, to its left", Rows::list, level);
+  table.words("name", "blade", each(blades, &Blade::name));
+  table.words("on", "on", each(blades, [&](const Blade& blade) { return model.scene().name_of(blade.at); }));
+  table.numbers("largest", "largest force", "", in_unit(largest, Quantity::force, model.scene().units)).texts =
+      each(largest, [&](double force) { return with_unit(model, force, Quantity::force); });
+  table.numbers("at", "at", "s", std::move(times), {.style = Format::Style::significant});
+}
+
 /// A motion that is not confirmed says so in each row. Outputs of the scene are at the end of each.
 void add_record(Group& group, const Scene& scene, const MotionRecord& record, const MotionAnswer& answer) {
   const Units& units = scene.units;
@@ -309,6 +327,9 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
     add_moving(content, model, answer, Moving::place, "Positions of free bodies");
   }
   add_drives(content, model, motion, answer.forces ? Verbosity::data : Verbosity::normal);
+  if (!model.scene().blades.empty()) {
+    add_blades(content, model, motion, answer.forces ? Verbosity::data : Verbosity::normal);
+  }
   if (answer.forces) add_forces_in_time(content, model, *answer.forces);
   if (motion.trajectory.nodes() > 0 && !asked) add_energies(content, model, motion);
   if (!asked) add_record(content, model.scene(), measured, answer);

@@ -333,6 +333,14 @@ void add_stops_and_drives(Group& group, const Scene& scene, const Scene& moving)
   drives.words("name", "name", each(scene.drives, &Drive::name));
   drives.words("on", "on", each(scene.drives, [&](const Drive& drive) { return measure_in_words(scene, drive.on); }));
   drives.words("numbers", "numbers", motions_of_drives(moving));
+  if (scene.blades.empty()) return;
+  Table& blades = group.table("blades", "Blades", Rows::list);
+  blades.words("name", "name", each(scene.blades, &Blade::name));
+  blades.words("at", "at", each(scene.blades, [&](const Blade& blade) { return scene.name_of(blade.at); }));
+  blades.words("on", "on", each(scene.blades, [&](const Blade& blade) {
+                 return scene.bodies[static_cast<std::size_t>(blade.on)].name;
+               }));
+  blades.words("numbers", "numbers", numbers_of_items(scene, Owner::blade, scene.blades.size()));
 }
 
 /// Where the start is beyond a stop, and how far closing the loops moves what the scene guesses.

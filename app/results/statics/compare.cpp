@@ -149,6 +149,7 @@ Result compare_result(const StaticModel& model, const std::vector<Answer>& answe
   warn_of_shaky(out, "At the end of", answers,
                 each(answers, [](const Answer& a) { return to_string(a.equilibrium.method); }));
   warn_of_friction(out, model.scene());
+  warn_of_blades(out, model.scene());
   Group& content = out.content;
   // Every method was given the same settled pose.
   show_settling(out, model, answers.front().equilibrium);

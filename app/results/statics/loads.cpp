@@ -275,6 +275,7 @@ Result loads_result(const StaticModel& model, const LoadsAnswer& answer, int ste
   Result out = scene_result(scene, settings);
   out.verdict = verdict(answer);
   warn(out, model, answer.links);
+  warn_of_blades(out, scene);
   const Equilibrium& equilibrium = answer.equilibrium;
   Group& content = out.content;
   content.data("stress_unit", stress_unit(scene.units));

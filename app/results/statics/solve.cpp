@@ -485,6 +485,7 @@ Result solve_result(const StaticModel& model, const Answer& answer, const std::v
   Result out = scene_result(model.scene(), settings);
   out.verdict = verdict(equilibrium);
   warn_of_friction(out, model.scene());
+  warn_of_blades(out, model.scene());
   warn_of_unloaded_bearings(out, model.scene());
   Group& content = out.content;
   if (equilibrium.found() && answer.readings) {

@@ -207,6 +207,7 @@ Result work_precision_result(const StaticModel& model, const WorkPrecision& stud
     out.warnings.push_back(doubtful(fmt::format("{} does not apply: {}", to_string(of.method), of.why)));
   }
   warn_of_friction(out, model.scene());
+  warn_of_blades(out, model.scene());
   Group& content = out.content;
   add_equilibria(content, model, study);
   content.fact("time", fmt::format("of the search alone, median of {}; of more where they take microseconds",
