@@ -16,12 +16,21 @@ inline int travel_along_curve(const Stop& stop) {
   return stop.table.ends_with("_tangent") ? stop.on.terms[1].measure.joint : -1;
 }
 
-/// Whether a body is the massless rider of such a joint: it has no place of its own that a picture could show.
+/// Whether a body is a state of a controller (Feedback).
+inline bool is_state_of_controller(const Scene& scene, int body) {
+  return body > 0 && std::any_of(scene.elements.begin(), scene.elements.end(), [&](const Element& element) {
+           return element.feedback && (element.feedback->integral == body || element.feedback->filter == body);
+         });
+}
+
+/// Whether a body is the massless rider of such a joint, or a state: it has no place of its own that a picture could
+/// show.
 inline bool is_rider(const Scene& scene, int body) {
-  return std::any_of(scene.stops.begin(), scene.stops.end(), [&](const Stop& stop) {
-    const int joint = travel_along_curve(stop);
-    return joint >= 0 && scene.joints[static_cast<std::size_t>(joint)].b.body == body;
-  });
+  return is_state_of_controller(scene, body) ||
+         std::any_of(scene.stops.begin(), scene.stops.end(), [&](const Stop& stop) {
+           const int joint = travel_along_curve(stop);
+           return joint >= 0 && scene.joints[static_cast<std::size_t>(joint)].b.body == body;
+         });
 }
 
 /// A table of couplings that have, or may have, a massless body that turns with a line of centres.
@@ -52,9 +61,15 @@ inline bool is_line_of_centres(const Scene& scene, int body) {
                      [&](const Stop& stop) { return line_of_centres(stop) == body; });
 }
 
-/// Riders and lines, whose numbers are no numbers of the scene file.
+/// Riders, lines and states of controllers, whose numbers are no numbers of the scene file.
 inline std::vector<int> bodies_of_tracks(const Scene& scene) {
   std::vector<int> out;
+  for (const Element& element : scene.elements) {
+    if (!element.feedback) continue;
+    for (const int body : {element.feedback->integral, element.feedback->filter}) {
+      if (body >= 0) out.push_back(body);
+    }
+  }
   for (const Stop& stop : scene.stops) {
     if (const int joint = travel_along_curve(stop); joint >= 0)
       out.push_back(scene.joints[static_cast<std::size_t>(joint)].b.body);

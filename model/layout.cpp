@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 
 namespace poise {
@@ -248,7 +249,10 @@ class Builder {
       use(scene_.joints[j].b);
       if (bar_link_[j] >= 0) points_[bar_link_[j]] = {{0, 0}, {scene_.joints[j].length, 0}};
     }
-    for (const Element& e : scene_.elements) use_measure(e.on, use_measure);
+    for (const Element& e : scene_.elements) {
+      use_measure(e.on, use_measure);
+      if (e.feedback) use_measure(e.feedback->reads, use_measure);
+    }
     for (const Stop& s : scene_.stops) use_measure(s.on, use_measure);
     for (const Drive& d : scene_.drives) use_measure(d.on, use_measure);
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
@@ -555,6 +559,7 @@ class Builder {
         if (purpose_ == Purpose::dynamics || why_idle(k).empty()) mark_measure(e.on, Reason::spring);
       } else if (purpose_ == Purpose::dynamics) {
         mark_measure(e.on, Reason::damper);
+        if (e.feedback) mark_measure(e.feedback->reads, Reason::damper);
       }
     }
     for (const Stop& s : scene_.stops) mark_measure(s.on, Reason::stop);
@@ -665,6 +670,7 @@ class Builder {
       if (masses > 0 && !heavy) out_.dropped.push_back(fmt::format("mass of {}: there is no gravity", bodies(masses)));
       int inertias = 0;
       for (std::size_t i = 1; i < scene_.bodies.size(); ++i) inertias += scene_.bodies[i].inertia > 0;
+      inertias -= static_cast<int>(bodies_of_states(scene_).size());
       if (inertias > 0) {
         out_.dropped.push_back(fmt::format("moment of inertia of {}: nothing moves in statics", bodies(inertias)));
       }

@@ -164,16 +164,30 @@ class Mechanism {
 
   /// Size of the buffer `resistances` that resist() fills.
   int resistances_size() const { return resistances_size_; }
-  /// Evaluates dampers and friction at the rates v into `resistances`, which the next two read. `slides`, where given,
-  /// has a value per element, of which those of friction that sticks are used: the direction in which it slides, 1 or
-  /// -1, in place of the sign of its rate; 0 of what is held, which has no force here; 2 or -2 where it begins to slide
-  /// (DryFriction::sliding()). `in_time`, where given, has laws of elements to use in place of those compiled, or null.
+  /// Evaluates dampers, friction and controllers at the rates v into `resistances`, which the next two read. `slides`,
+  /// where given, has a value per element, of which those of friction that sticks are used: the direction in which it
+  /// slides, 1 or -1, in place of the sign of its rate; 0 of what is held, which has no force here; 2 or -2 where it
+  /// begins to slide (DryFriction::sliding()). `in_time`, where given, has laws of elements to use in place of those
+  /// compiled, or null.
   void resist(Planar<T>* pose, const T* v, const int* slides, T* resistances,
               const LawIn<T>* const* in_time = nullptr) const;
   /// g += their generalized forces; v . g is the power they dissipate.
   void add_resistance(const T* resistances, T* g) const;
   /// g += the change of these along dq and dv.
-  void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g) const;
+  void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g,
+                             const LawIn<T>* const* in_time = nullptr) const;
+  /// Whether an element is a controller; what it reads and its states at the rates v; the measure that it reads.
+  bool is_controller(int element) const { return controller_of(elements_[element].law) != nullptr; }
+  ControlSignals<T> signals_of(int element, Planar<T>* pose, const T* v) const {
+    return signals(control_of(element), at(pose), v);
+  }
+  /// Their changes along dq and dv: with dq = v and dv the accelerations by time.
+  ControlSignals<T> signals_along(int element, Planar<T>* pose, const T* v, const T* dq, const T* dv) const {
+    return signals_along(control_of(element), at(pose), v, dq, dv);
+  }
+  /// g += by d(-Q)/dp of a controller with this law, for p a number of it.
+  void add_control_derivative(int element, const LawIn<T>& law, int number, const T& by, Planar<T>* pose, const T* v,
+                              T* g) const;
   /// g += the generalized force that a frame with this acceleration requires of all masses, and its change along dq. Of
   /// a scene whose frame moves (Scene::time_functions), compiled for dynamics.
   void add_frame(const Planar<T>& acceleration, const Planar<T>* pose, T* g) const;
@@ -208,6 +222,11 @@ class Mechanism {
     TangentBlock block;
     int element;          // of the scene
     bool is_half_square;  // of the distance, see HalfSquareMeasure
+  };
+  struct Control {
+    int element;                                 // of elements_
+    CompiledMeasure<T> reads, integral, filter;  // the angles of its states, or nothing
+    T inertia{};                                 // of these
   };
   struct LoadAt {  // a unit force at a point, for derivatives; its frame as of a follower, or -1
     PhasorSum<T> path;
@@ -249,6 +268,12 @@ class Mechanism {
   void compile_closures();
   ForceElement compiled_element(const Scene& scene, int element, Purpose purpose) const;
   void compile_elements(const Scene& scene, Purpose purpose);
+  Control compiled_control(const Scene& scene, const Element& element) const;
+  const Control& control_of(int element) const;
+  ControlSignals<T> signals(const Control& control, const Configuration<T>& here, const T* v) const;
+  ControlSignals<T> signals_along(const Control& control, const Configuration<T>& here, const T* v, const T* dq,
+                                  const T* dv) const;
+  static void add_states(const Control& control, const T& integral, const T& filtered, T* g);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);
   void find_what_varies(const Scene& scene);
@@ -275,8 +300,11 @@ class Mechanism {
   int equalities_ = 0;
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
   std::vector<int> resisting_;          // those that resist motion
-  int resistances_size_ = 0;            // of each of them the three values of its LawForce, then Dg over its support
-  std::vector<LoadAt> loads_;           // one per force; only for dynamics
+  std::vector<Control> controls_;       // none in statics
+  // Of each of those that resist the three values of its LawForce, then Dg over its support; of each controller its
+  // effort, the changes of its states, then Dg.
+  int resistances_size_ = 0;
+  std::vector<LoadAt> loads_;  // one per force; only for dynamics
   std::vector<int> torque_coordinate_;
   std::vector<Follower> followers_;
   std::vector<std::string> follower_names_;

@@ -223,8 +223,30 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
       resisting_.push_back(elements());
       resistances_size_ += 3 + static_cast<int>(compiled.on.support().size());
     }
+    if (element.feedback) {
+      controls_.push_back(compiled_control(scene, element));
+      need_scratch(controls_.back().reads.scratch_size());
+      resistances_size_ += 3 + static_cast<int>(compiled.on.support().size());
+    }
     elements_.push_back(std::move(compiled));
   }
+}
+
+template <class T>
+typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene, const Element& element) const {
+  Control out;
+  out.element = elements();
+  out.reads = {scene, layout_, phasors_, element.feedback->reads};
+  const auto angle_of = [&](int body) -> CompiledMeasure<T> {
+    if (body < 0) return {};
+    return {scene, layout_, phasors_, Measure::angle_between(0, body)};
+  };
+  out.integral = angle_of(element.feedback->integral);
+  out.filter = angle_of(element.feedback->filter);
+  for (const int body : {element.feedback->integral, element.feedback->filter}) {
+    if (body >= 0) out.inertia = T(scene.bodies[static_cast<std::size_t>(body)].inertia);
+  }
+  return out;
 }
 
 template <class T>
@@ -308,6 +330,7 @@ void Mechanism<T>::set_numbers(const NumbersOfScene& numbers) {
       e.law = law;
     });
   }
+  for (Control& control : controls_) control.reads.set_numbers(phasors_);
   for (Follower& follower : followers_) {
     follower.path.set_numbers(phasors_);
     follower.force = force_at_points(numbers, follower.load) *

@@ -42,6 +42,58 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* res
     resistances[2] = force.by_rate;
     resistances = slopes + support.size();
   }
+  for (const Control& control : controls_) {
+    const ForceElement& e = elements_[control.element];
+    T* slopes = resistances + 3;
+    std::fill(slopes, slopes + e.on.support().size(), T(0));
+    e.on.gradient(here, [&](int i, const T& by) { slopes[i] = by; });
+    const bool varies = in_time != nullptr && in_time[control.element] != nullptr;
+    const ControlOutputs<T> out =
+        controller_of(varies ? *in_time[control.element] : e.law)->respond(signals(control, here, v));
+    resistances[0] = out.effort;
+    resistances[1] = out.integral;
+    resistances[2] = out.filtered;
+    resistances = slopes + e.on.support().size();
+  }
+}
+
+template <class T>
+const typename Mechanism<T>::Control& Mechanism<T>::control_of(int element) const {
+  return *std::find_if(controls_.begin(), controls_.end(), [&](const Control& one) { return one.element == element; });
+}
+
+template <class T>
+ControlSignals<T> Mechanism<T>::signals(const Control& control, const Configuration<T>& here, const T* v) const {
+  const T rate = control.reads.along(here, v);
+  const bool of_rate = controller_of(elements_[control.element].law)->of_rate;
+  return {of_rate ? rate : control.reads.value(here), of_rate ? T(0) : rate, control.integral.along(here, v),
+          control.filter.value(here), control.filter.along(here, v)};
+}
+
+template <class T>
+ControlSignals<T> Mechanism<T>::signals_along(const Control& control, const Configuration<T>& here, const T* v,
+                                              const T* dq, const T* dv) const {
+  const T rate = control.reads.second(here, v, dq) + control.reads.along(here, dv);
+  const bool of_rate = controller_of(elements_[control.element].law)->of_rate;
+  return {of_rate ? rate : control.reads.along(here, dq), of_rate ? T(0) : rate, control.integral.along(here, dv),
+          control.filter.along(here, dq), control.filter.along(here, dv)};
+}
+
+// The torques that give the states these accelerations.
+template <class T>
+void Mechanism<T>::add_states(const Control& control, const T& integral, const T& filtered, T* g) {
+  for (const int i : control.integral.support()) g[i] -= control.inertia * integral;
+  for (const int i : control.filter.support()) g[i] -= control.inertia * filtered;
+}
+
+template <class T>
+void Mechanism<T>::add_control_derivative(int element, const LawIn<T>& law, int number, const T& by, Planar<T>* pose,
+                                          const T* v, T* g) const {
+  const Configuration<T> here = at(pose);
+  const Control& control = control_of(element);
+  const ControlOutputs<T> change = controller_of(law)->respond_by(number, signals(control, here, v));
+  elements_[element].on.add_gradient(here, T(-by * change.effort), g);
+  add_states(control, T(by * change.integral), T(by * change.filtered), g);
 }
 
 template <class T>
@@ -52,12 +104,19 @@ void Mechanism<T>::add_resistance(const T* resistances, T* g) const {
     for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += resistances[0] * slopes[i];
     resistances = slopes + support.size();
   }
+  for (const Control& control : controls_) {
+    const std::vector<int>& support = elements_[control.element].on.support();
+    const T* slopes = resistances + 3;
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= resistances[0] * slopes[i];
+    add_states(control, resistances[1], resistances[2], g);
+    resistances = slopes + support.size();
+  }
 }
 
 // Of  T(g, w) Dg  with  w = Dg[v]:  (T_g Dg[dq] + T_w (D2g[v, dq] + Dg[dv])) Dg + T D2g[dq, .].
 template <class T>
 void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv,
-                                         T* g) const {
+                                         T* g, const LawIn<T>* const* in_time) const {
   const Configuration<T> here = at(pose);
   for (const int r : resisting_) {
     const ForceElement& e = elements_[r];
@@ -73,6 +132,19 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, 
     const T change = resistances[1] * g_change + resistances[2] * w_change;
     for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] += change * slopes[i];
     if (bends) e.on.add_bend(here, dq, resistances[0], g);
+    resistances = slopes + support.size();
+  }
+  for (const Control& control : controls_) {
+    const ForceElement& e = elements_[control.element];
+    const std::vector<int>& support = e.on.support();
+    const T* slopes = resistances + 3;
+    const bool varies = in_time != nullptr && in_time[control.element] != nullptr;
+    const ControlOutputs<T> change =
+        controller_of(varies ? *in_time[control.element] : e.law)
+            ->respond_along(signals(control, here, v), signals_along(control, here, v, dq, dv));
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= change.effort * slopes[i];
+    if (!e.on.is_linear()) e.on.add_bend(here, dq, T(-resistances[0]), g);
+    add_states(control, change.integral, change.filtered, g);
     resistances = slopes + support.size();
   }
 }
@@ -95,6 +167,10 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
   switch (number.of) {
     case ForceNumber::Of::element: {
       const ForceElement& e = elements_[number.item];
+      if (controller_of(e.law) != nullptr) {
+        add_control_derivative(number.item, e.law, number.number, by, pose, v, g);
+        break;
+      }
       const T w = e.on.along(here, v);
       const bool directed = slides != nullptr && sticks(e.law);
       const T slope = directed ? force_of_sliding_by_number(e.law, number.number, slides[number.item], w)

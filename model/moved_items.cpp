@@ -152,6 +152,9 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     transform_track(key, table, place);
   } else {  // joints, force elements, drives, stops and couplings of measures
     transform_measure(table);
+    if (key == "controller") {
+      if (toml::table* const reads = table_in(table, "reads")) transform_measure(*reads);
+    }
     if (is_any_of(key, {"slide", "weld"})) mirror_number(table, "angle");
   }
 }

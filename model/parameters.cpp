@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "model/controllers.hpp"
 #include "model/couplings.hpp"
 #include "model/curved_slots.hpp"
 #include "model/dependent_number.hpp"
@@ -561,7 +562,10 @@ void scale(Scene& scene, const Scales& scales) {
   visit_numbers(scene, [&](const ParameterRow& row, auto& item, const Number& number) {
     number.scale(&item, row.dimension.per_scale(scales));
   });
-  for (Element& element : scene.elements) scale_measure(element.on, scales);
+  for (Element& element : scene.elements) {
+    scale_measure(element.on, scales);
+    if (element.feedback) scale_measure(element.feedback->reads, scales);
+  }
   for (Drive& drive : scene.drives) scale_measure(drive.on, scales);
   for (Stop& stop : scene.stops) scale_measure(stop.on, scales);
   for (TimeFunction& function : scene.time_functions) {
@@ -577,11 +581,15 @@ void scale(Scene& scene, const Scales& scales) {
       function.scale_table(dimension::length.per_scale(scales));
     }
   }
+  for (const int body : bodies_of_states(scene)) {
+    scene.bodies[static_cast<std::size_t>(body)].inertia *= dimension::inertia.per_scale(scales);
+  }
   for (Element& element : scene.elements) {
     std::visit(
         [&]<class L>(L& law) {
           if constexpr (requires { law.rescale(1.0, 1.0); }) {
-            law.rescale(element.on.dimension().per_scale(scales), element.on.effort_dimension().per_scale(scales));
+            const Measure& of = element.feedback ? element.feedback->reads : element.on;
+            law.rescale(of.dimension().per_scale(scales), element.on.effort_dimension().per_scale(scales));
           }
         },
         element.law);

@@ -48,6 +48,9 @@ struct Body {
   int line = 0;          ///< in the scene file
   std::optional<CrossSection> section{};
 
+  /// Of bodies that are states of controllers, kg m^2: the energies that they have are less than the rounding of all
+  /// others, and their accelerations are exact, because it is a power of two.
+  static constexpr double inertia_of_states = 0x1p-120;
   static const std::array<Number, 4> numbers;
 };
 
@@ -89,6 +92,14 @@ inline constexpr std::array<Number, 4> Body::numbers{
     component_number<&Body::center, 0>("center.x", dimension::length),
     component_number<&Body::center, 1>("center.y", dimension::length)};
 
+/// What a controller reads, and where its states are: the rate of a body is its integral, that of another the state of
+/// its filter or transfer function; -1 without one. These bodies turn for themselves alone, with an inertia of which
+/// no energy is seen (Body::inertia_of_states).
+struct Feedback {
+  Measure reads;
+  int integral = -1, filter = -1;
+};
+
 /// A force element: a law on a measure. The torsion spring of a scene file is a linear spring on an angle.
 struct Element {
   std::string table;  ///< its table in the scene file, "spring"
@@ -96,6 +107,7 @@ struct Element {
   Measure on;
   Law law;
   int line = 0;
+  std::optional<Feedback> feedback{};  ///< of a controller
 
   /// "torsion spring", for messages.
   std::string family() const;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/private/motion_terms.hpp"
 #include "motion/simulation_words.hpp"
@@ -25,6 +26,7 @@ void refuse_what_sticks(const Scene& scene) {
   };
   refuse_rubbing_ropes(scene, "the equation of motion");
   refuse_blades(scene, "equations of motion in independent coordinates");
+  refuse_controllers(scene, "equations of motion");
   for (const Joint& joint : scene.joints) {
     if (!joint.friction) continue;
     refuse(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/controllers.hpp"
 #include "motion/blades.hpp"
 #include "statics/model/cam_contact.hpp"
 
@@ -143,6 +144,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
 }
 
 std::vector<ForceCourse> inertia_courses(const Scene& scene, const ForcesAlong& forces) {
+  const std::set<int> states = bodies_of_states(scene);
   std::vector<ForceCourse> out;
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
@@ -155,7 +157,7 @@ std::vector<ForceCourse> inertia_courses(const Scene& scene, const ForcesAlong& 
       add(".x", Quantity::force, [&](const BodyMotion& m) { return -body.mass * m.acceleration_of(body.center).x; });
       add(".y", Quantity::force, [&](const BodyMotion& m) { return -body.mass * m.acceleration_of(body.center).y; });
     }
-    if (body.inertia > 0.0) {
+    if (body.inertia > 0.0 && !states.contains(static_cast<int>(i))) {
       add(".moment", Quantity::moment, [&](const BodyMotion& m) { return -body.inertia * m.angular_acceleration; });
     }
   }

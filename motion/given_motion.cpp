@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "motion/driven_path.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -124,6 +125,7 @@ class Completion {
 
 GivenMotion complete_motion(const MotionModel& model, const std::vector<double>& time,
                             const std::vector<SampledCoordinate>& samples) {
+  refuse_states_of_controllers(model.scene(), "motions that are given");
   const Completion completion(model, samples);
   const auto n = static_cast<Index>(model.start().size());
   const auto unit = [&](int coordinate) { return coordinate < model.layout().angles ? 1.0 : model.scales().length; };

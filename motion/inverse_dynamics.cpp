@@ -8,6 +8,7 @@
 
 #include "model/joint_friction.hpp"
 #include "model/meshing.hpp"
+#include "motion/controller_efforts.hpp"
 #include "motion/stop_room.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "statics/bodies/body_measures.hpp"
@@ -121,8 +122,9 @@ class InverseDynamics {
     const std::vector<BodyPose<double>> poses = poses_of(motions_);
     for (const Element& e : scene_.elements) {
       double& force = out_.element_force.emplace_back(0.0);
-      if (!resists_motion(e.law)) continue;
-      force = force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, motions_, e.on)).value;
+      if (!resists_motion(e.law) && !e.feedback) continue;
+      force = e.feedback ? -control_outputs(scene_, e, motions_).effort
+                         : force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, motions_, e.on)).value;
       std::vector<BodyLoad>& loads = std::holds_alternative<DryFriction>(e.law) ? dry_friction_ : additions_.loads;
       if (std::holds_alternative<DryFriction>(e.law)) lost_in_elements_ += force * rate_of(scene_, motions_, e.on);
       for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses)) {

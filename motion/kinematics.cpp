@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/meshing.hpp"
 #include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
@@ -30,6 +31,7 @@ std::string where(const Scene& scene) { return scene.file.empty() ? "" : scene.f
 // The scene with the drives in it, so that the compiled model keeps the coordinates that they move.
 Scene driven_scene(Scene scene, const std::vector<DriveRange>& ranges) {
   if (ranges.empty()) throw InputError(where(scene) + "drive: expected at least one, say crank=0..360");
+  refuse_states_of_controllers(scene, "forces of a given motion");
   scene.drives.clear();
   forget_functions_of_drives(scene);
   for (const DriveRange& range : ranges) {

@@ -55,7 +55,8 @@ struct Modes {
 /// follow a body make K unsymmetric. Frequencies and shapes are those of the pencil (K, M), exponents s those of
 ///   (s^2 M + s C + K) u = 0.
 /// Not known where it is proved that the closures leave no finite freedom: then nothing moves.
-/// Left out: dry friction, which is not linear, and drives, which statics leaves out too. x must be an equilibrium.
+/// Left out: dry friction, which is not linear, and drives and controllers, which statics leaves out too
+/// (motion/control_loop.hpp has these). x must be an equilibrium.
 Modes modes_of(const MotionModel& model, const std::vector<double>& x);
 
 }  // namespace poise

@@ -47,10 +47,15 @@ double difference(const Motion& a, const Motion& b, double of_most) {
       apart[i] = std::max(apart[i], std::abs(fine.q[node * n + i] - reader.q(i)));
     }
   }
-  const double far = n > 0 ? *std::max_element(reach.begin(), reach.end()) : 0.0;
+  const auto is_state = [&](std::size_t i) {
+    return std::find(b.states.begin(), b.states.end(), static_cast<int>(i)) != b.states.end();
+  };
+  double far = 0.0;
+  for (std::size_t i = 0; i < n; ++i) far = is_state(i) ? far : std::max(far, reach[i]);
   double worst = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (far > 0) worst = std::max(worst, apart[i] / std::max(reach[i], of_most * far));
+    const double size = is_state(i) ? reach[i] : std::max(reach[i], of_most * far);
+    if (size > 0) worst = std::max(worst, apart[i] / size);
   }
   return worst;
 }

@@ -90,6 +90,13 @@ std::vector<N> numbers_of_spring(const LawOf<N>& law) {
   if (const auto* const damper = std::get_if<DamperOf<N>>(&law)) return {damper->coefficient};
   if (const auto* const damper = std::get_if<DragDamperOf<N>>(&law)) return {damper->coefficient, damper->drag};
   if (const auto* const damper = std::get_if<CurveDamperOf<N>>(&law)) return damper->values();
+  if (const auto* const controller = controller_of(law)) {
+    std::vector<N> out;
+    for (int id = 0; id < ControllerOf<N>::count; ++id) {
+      if (controller->has(id)) out.push_back(controller->values[static_cast<std::size_t>(id)]);
+    }
+    return out;
+  }
   return {std::get<ConstantForceOf<N>>(law).force};
 }
 
@@ -150,6 +157,10 @@ void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Plan
                            ? T(written_[k]) * static_cast<T>(one.function->by(number.time_number, t_, 0, near_))
                            : T(0));
   }
+  if (controller_of(law_) != nullptr) {
+    mechanism_.add_control_derivative(element(), law_, number.number, factor, pose, v, g);
+    return;
+  }
   const T slope = force_by_number(law_, number.number, mechanism_.measure_of(element(), pose),
                                   mechanism_.rate_of(element(), pose, v));
   mechanism_.add_measure_gradient(element(), pose, factor * slope, g);
@@ -168,8 +179,9 @@ void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector
     if (input.of == MotionInput::Of::element) of_springs[input.item].push_back(input);
   }
   for (auto& [element, functions] : of_springs) springs_.emplace_back(mechanism_, std::move(functions));
-  const bool some_resist = std::any_of(springs_.begin(), springs_.end(),
-                                       [](const InputSpring<T>& one) { return resists_motion(one.law()); });
+  const bool some_resist = std::any_of(springs_.begin(), springs_.end(), [](const InputSpring<T>& one) {
+    return resists_motion(one.law()) || controller_of(one.law()) != nullptr;
+  });
   laws_.assign(some_resist ? numbers.scene().elements.size() : 0, nullptr);
 }
 

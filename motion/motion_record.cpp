@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/nearest_name.hpp"
 #include "motion/body_motion.hpp"
 #include "motion/states_along.hpp"
@@ -48,11 +49,12 @@ class Energies {
 std::vector<Channel> channels_of(const MotionModel& model) {
   const Scene& scene = model.scene();
   const Layout& layout = model.layout();
+  const std::set<int> states = bodies_of_states(scene);
   std::vector<Channel> channels;
   std::vector<bool> named(layout.coordinates.size(), false);
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Link& link = layout.links[i];
-    if (link.frame < 0 || link.frame >= layout.kept) continue;
+    if (link.frame < 0 || link.frame >= layout.kept || states.contains(static_cast<int>(i))) continue;
     channels.push_back({scene.bodies[i].name, Quantity::angle, link.frame, layout.turns[link.turn].to<double>()});
   }
   for (std::size_t j = 0; j < scene.joints.size(); ++j) {

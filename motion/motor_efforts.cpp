@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/input_error.hpp"
 #include "model/named_measures.hpp"
 #include "model/nearest_name.hpp"
@@ -88,6 +89,7 @@ Drive find_motor(const std::string& where, const Scene& scene, const std::string
 
 MotorEfforts::MotorEfforts(const MotionModel& model, std::vector<Drive> motors)
     : model_(model), motors_(std::move(motors)) {
+  refuse_states_of_controllers(model.scene(), "motors that make a motion");
   names_.resize(static_cast<std::size_t>(model.mechanism().coordinates()));
   for (std::size_t i = 0; i < names_.size(); ++i) names_[i] = model.layout().coordinates[i].name;
 }

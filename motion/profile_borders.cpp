@@ -1,6 +1,7 @@
 #include "motion/profile_borders.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -54,6 +55,12 @@ std::vector<double> borders_by_number(const Law& law, bool is_rate, int number) 
   return out;
 }
 
+/// A number that a controller has.
+const Number& number_of_id(const Controller& controller, int id) {
+  const unsigned below = controller.given & ((1U << id) - 1U);
+  return controller.all_numbers()[static_cast<std::size_t>(std::popcount(below))];
+}
+
 /// Whether a function of time moves borders of an element's law: then they are not known at other times.
 bool borders_vary_in_time(const Scene& scene, int element, bool is_rate) {
   const Law& law = scene.elements[static_cast<std::size_t>(element)].law;
@@ -86,7 +93,85 @@ ProfileBorders::ProfileBorders(const MotionModel& model, const std::vector<Varia
     }
   }
   add_laws(model, scratch);
-  pose_.resize(static_cast<std::size_t>(model.mechanism().phasors().pose_size() + scratch));
+  add_controllers();
+  const int size = std::max(model.mechanism().phasors().pose_size() + scratch, model.mechanism().pose_size());
+  pose_.resize(static_cast<std::size_t>(size));
+}
+
+void ProfileBorders::add_controllers() {
+  const Scene& scene = model_.scaled_scene();
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    const Controller* const law = controller_of(scene.elements[e].law);
+    if (law == nullptr) continue;
+    const auto varies = [&](int id) {
+      const Number& own = number_of_id(*law, id);
+      return std::any_of(scene.time_functions.begin(), scene.time_functions.end(), [&](const TimeFunction& function) {
+        return function.of == TimeFunction::Of::element && function.item == static_cast<int>(e) &&
+               numbers_of(scene.elements[e].law)[static_cast<std::size_t>(function.part)].key == own.key;
+      });
+    };
+    OfController effort{static_cast<int>(e), true, {}};
+    for (const int id : {Controller::min, Controller::max}) {
+      if (law->has(id) && !varies(id)) effort.borders.push_back(law->values[static_cast<std::size_t>(id)]);
+    }
+    if (!effort.borders.empty()) {
+      const double way = effort.borders.back() - effort.borders.front(), one = std::abs(effort.borders.front());
+      effort.size = way > 0.0 ? way : one > 0.0 ? one : 1.0;
+      arguments_.emplace_back().controller = std::move(effort);
+    }
+    if (!law->has(Controller::dead_band) || varies(Controller::dead_band)) continue;
+    const double half = law->values[Controller::dead_band];
+    if (half > 0.0)
+      arguments_.emplace_back().controller = OfController{static_cast<int>(e), false, {-half, half}, half};
+  }
+}
+
+/// The argument of a controller at the state of the motion, and its rate.
+Tangent<double> ProfileBorders::in_time(const OfController& controller, const ReducedMotion<double>& motion) const {
+  const Mechanism<double>& m = model_.mechanism();
+  const Controller& law = *controller_of(m.law_of(controller.element));
+  std::vector<Tangent<double>> numbers;
+  for (const Number& number : law.all_numbers()) numbers.emplace_back(number.get(&law).value());
+  const double t = motion.time(), near = std::isnan(motion.near()) ? t : motion.near();
+  for (const MotionInput& input : motion.inputs()) {
+    if (input.of != MotionInput::Of::element || input.item != controller.element) continue;
+    Tangent<double>& number = numbers[static_cast<std::size_t>(input.function->part)];
+    number = number * Tangent<double>{input.at(t, 0, near), input.at(t, 1, near)};
+  }
+  const ControllerOf<Tangent<double>> now = law.with(numbers.data());
+  const ControlSignals<double> at = m.signals_of(controller.element, pose_.data(), motion.v());
+  const ControlSignals<double> along =
+      m.signals_along(controller.element, pose_.data(), motion.v(), motion.v(), motion.a());
+  const ControlSignals<Tangent<double>> in{{at.value, along.value},
+                                           {at.rate, along.rate},
+                                           {at.integral, along.integral},
+                                           {at.place, along.place},
+                                           {at.filtered, along.filtered}};
+  const Tangent<double> out =
+      controller.is_effort ? now.respond(in).unlimited : now.values[Controller::reference] - in.value;
+  return out / Tangent<double>(controller.size);
+}
+
+double ProfileBorders::terms_of(const OfController& controller, const ReducedMotion<double>& motion) const {
+  const Controller& law = *controller_of(model_.mechanism().law_of(controller.element));
+  const ControlSignals<double> at = model_.mechanism().signals_of(controller.element, pose_.data(), motion.v());
+  const auto number = [&](int id) { return law.has(id) ? std::abs(law.values[static_cast<std::size_t>(id)]) : 0.0; };
+  const double value = std::abs(at.value), filtered = law.unit * std::abs(at.filtered);
+  const double place = law.unit * std::abs(at.place), error = number(Controller::reference) + value;
+  if (!controller.is_effort) return error;
+  const double rate = law.has(Controller::filter) ? (value + filtered) / number(Controller::filter) : std::abs(at.rate);
+  double sum = number(Controller::proportional) * error +
+               number(Controller::integral) * law.unit * std::abs(at.integral) + number(Controller::derivative) * rate;
+  if (law.order > 0) {
+    const double below = law.order == 1
+                             ? number(Controller::denominator) * filtered
+                             : number(Controller::denominator) * place + number(Controller::denominator + 1) * filtered;
+    const double change = (error + below) / number(Controller::denominator + law.order);
+    sum += number(Controller::numerator) * (law.order == 1 ? filtered : place) +
+           number(Controller::numerator + 1) * (law.order == 1 ? change : filtered) +
+           number(Controller::numerator + 2) * change;
+  }
+  return sum;
 }
 
 void ProfileBorders::add_laws(const MotionModel& model, int& scratch) {
@@ -109,6 +194,7 @@ void ProfileBorders::add_laws(const MotionModel& model, int& scratch) {
 
 double ProfileBorders::value(const Argument& argument, const Configuration<double>& at,
                              const ReducedMotion<double>& motion) const {
+  if (argument.controller) return in_time(*argument.controller, motion).value;
   if (!argument.law) return argument.at.value(at);
   const OfLaw& law = *argument.law;
   return (law.is_rate ? law.on.along(at, motion.v()) : law.on.value(at)) / law.size;
@@ -116,6 +202,7 @@ double ProfileBorders::value(const Argument& argument, const Configuration<doubl
 
 double ProfileBorders::rate(const Argument& argument, const Configuration<double>& at,
                             const ReducedMotion<double>& motion) const {
+  if (argument.controller) return in_time(*argument.controller, motion).slope;
   if (!argument.law) return argument.at.on.along(at, motion.v()) / argument.at.of.span;
   const OfLaw& law = *argument.law;
   if (!law.is_rate) return law.on.along(at, motion.v());
@@ -132,6 +219,10 @@ Configuration<double> ProfileBorders::here(const ReducedMotion<double>& motion) 
 /// behind.
 template <class Use>
 void ProfileBorders::for_borders(const Argument& argument, double u, Use use) {
+  if (argument.controller) {
+    for (const double at : argument.controller->borders) use(at / argument.controller->size);
+    return;
+  }
   if (argument.law) {
     for (const double at : argument.law->borders) use(at / argument.law->size);
     return;
@@ -177,6 +268,9 @@ void ProfileBorders::watch(const ReducedMotion<double>& motion) {
   for (Argument& argument : arguments_) {
     if (argument.law && argument.law->is_rate) {
       argument.law->size = std::max(argument.law->size, std::abs(argument.law->on.along(at, motion.v())));
+    }
+    if (argument.controller) {
+      argument.controller->size = std::max(argument.controller->size, terms_of(*argument.controller, motion));
     }
     note(argument, value(argument, at, motion), rate(argument, at, motion));
   }
@@ -226,6 +320,7 @@ double ProfileBorders::border_less_argument_by(const ReducedMotion<double>& moti
 double ProfileBorders::passing_time_by(const ReducedMotion<double>& motion, const double* dq, const double* dv,
                                        int influence) {
   const Argument& argument = arguments_[least_];
+  if (argument.controller) return 0.0;  // accelerations do not jump there
   if (argument.law) return law_passing_time_by(motion, *argument.law, dq, dv, influence);
   const Configuration<double> at = here(motion);
   double change = argument.at.on.along(at, dq) / argument.at.of.span;

@@ -16,7 +16,8 @@ namespace poise {
 /// derivatives of accelerations jump, or accelerations themselves, so that no step of an integrator may reach beyond.
 /// For terms  P((g - shift) / span)  of stops that hold, drives and force elements, and for laws with borders of their
 /// measure g or of its rate (model/laws/law_force.hpp): between borders the argument u of each is within its piece. Of
-/// a law it is g, or the rate over the largest yet.
+/// a law it is g, or the rate over the largest yet. Controllers change at the ends of their dead band, where u is the
+/// error, and at their limits, where it is the effort without them; over the size of these, or of its terms if more.
 class ProfileBorders {
  public:
   /// The model must outlive this.
@@ -55,14 +56,26 @@ class ProfileBorders {
     std::vector<double> borders;
     double size = 1.0;  // of u
   };
+  /// The error of a controller, or its effort.
+  struct OfController {
+    int element;
+    bool is_effort;
+    std::vector<double> borders;
+    double size = 1.0;  // of u
+  };
   struct Argument {
     Place<double> at;
     std::vector<Place<VariedModel::Dual>> varied;  // by variation
     std::optional<OfLaw> law{};                    // in place of a profile
+    std::optional<OfController> controller{};
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
   };
   void add_laws(const MotionModel& model, int& scratch);
+  void add_controllers();
+  /// The sum of the sizes of the terms of its argument, to which that is rounded.
+  double terms_of(const OfController& controller, const ReducedMotion<double>& motion) const;
+  Tangent<double> in_time(const OfController& controller, const ReducedMotion<double>& motion) const;
   Configuration<double> here(const ReducedMotion<double>& motion);
   double value(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
   double rate(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;
@@ -80,7 +93,7 @@ class ProfileBorders {
   std::vector<Variation> variations_;
   std::vector<Influence> influences_;
   std::vector<Argument> arguments_;
-  std::vector<Planar<double>> pose_;
+  mutable std::vector<Planar<double>> pose_;
   std::size_t least_ = 0;  // argument of the last margin()
 };
 

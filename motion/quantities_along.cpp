@@ -15,6 +15,7 @@
 #include "model/input_error.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/blades.hpp"
+#include "motion/controller_efforts.hpp"
 #include "motion/private/golden_section.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
@@ -379,6 +380,11 @@ class MovingLoads {
   void add_resistance(std::size_t element) {
     const Element& of = scene_.elements[element];
     element_force.push_back(0.0);
+    if (of.feedback) {
+      element_force.back() = -control_outputs(scene_, of, motions_).effort;
+      add_effort_on(of.on, -element_force.back(), additions);
+      return;
+    }
     if (!resists_motion(of.law) || is_of_joint(static_cast<int>(element))) return;
     const auto* const friction = std::get_if<DryFriction>(&of.law);
     if (friction != nullptr && friction->width == 0.0 && stands_still(of.on)) {

@@ -135,6 +135,8 @@ class ReducedMotion {
   /// Drives, stops whose limits are equal, limits of stops that are touched, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
   const std::vector<int>& independent() const { return independent_; }
+  /// Whether a coordinate is a state of a controller: what is large of those is not so of the mechanism.
+  bool is_state(int coordinate) const { return std::find(states_.begin(), states_.end(), coordinate) != states_.end(); }
   /// The rows of J, rank() of them, from which the other coordinates follow.
   const std::vector<int>& used_rows() const { return used_rows_; }
   /// Rank of J when the coordinates were last chosen.
@@ -147,6 +149,7 @@ class ReducedMotion {
   /// (TimeFunction); NaN: at the time of each pose, as without a call.
   void set_near(double time) { near_ = time; }
   double near() const { return near_; }
+  const T& time() const { return t_; }  ///< of the last place()
   /// Holds the measures of stops at these limits, by one more row each after those of the drives and of stops whose
   /// limits are equal; friction is held by none any more. `scene` is the one given to the constructor. Call
   /// set_sliding() thereafter where some friction sticks, and choose().
@@ -437,6 +440,7 @@ class ReducedMotion {
   bool jumps_ = false;           // the state is that of jump()
   std::vector<MotionInput> inputs_;
   InputForces<T> input_forces_;
+  std::vector<int> states_;  // of controllers
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
   T singular_limit_{};

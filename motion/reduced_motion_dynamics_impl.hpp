@@ -167,6 +167,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
   for (int k = 0; k < f; ++k) {
     Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
+    if (is_state(independent_[k])) {  // turns for itself alone
+      std::fill(weighed, weighed + n_, Planar<T>{});
+      std::fill(moved, moved + n_, T(0));
+      moved[independent_[k]] = inertia_.moment(independent_[k]);
+      for (int j = 0; j < f; ++j) mass_[static_cast<std::size_t>(j) * f + k] = j == k ? moved[independent_[k]] : T(0);
+      continue;
+    }
     mechanism_.phasors().first(pose_.data(), B(k), work_.data());
     inertia_.weigh(work_.data(), weighed);
     for (int i = 0; i < n_; ++i) moved[i] = inertia_.moment(i) * B(k)[i];
@@ -327,7 +334,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
   }
   if (!jumps_) {
     mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(),
-                                     dv, force_.data());
+                                     dv, force_.data(), input_forces_.laws());
   }
   if (direct != nullptr) {
     for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/motion_input_impl.hpp"
 #include "motion/reduced_motion.hpp"
@@ -26,6 +27,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
       bearing_loads_(scene, mechanism, growing(grips_)),
       first_stop_(scene.drives.size()) {
   drives_ = rows_of(scene, mechanism);
+  states_ = states_of_controllers(scene, mechanism.layout());
   prescribed_ = drives_.size();
   const std::size_t contacts = bearing_loads_.contacts().size();
   for (std::size_t c = 0; c < contacts; ++c) {

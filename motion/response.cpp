@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/input_error.hpp"
 #include "model/time_function.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -198,6 +199,7 @@ void refuse_without_response(const Scene& scene, const SoughtQuantity& of) {
 FrequencyResponse::FrequencyResponse(const MotionModel& model, const std::vector<double>& x,
                                      const Excitation& excitation, const SoughtQuantity& of)
     : model_(model), motions_(small_motions(model, x)), modes_(modes_of(model, x)) {
+  refuse_controllers(model.scene(), "frequency responses");
   Slope slope = SlopeReader(model, x, motions_, excitation).read(of);
   at_rest_ = slope.value;
   by_place_ = std::move(slope.by_place);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/blades.hpp"
 #include "motion/contacts.hpp"
@@ -49,6 +50,19 @@ constexpr int most_events_in_row = 20'000;
 constexpr double no_rebound = 1e-12;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
+
+/// The coordinates of a mechanism with controllers, without the states of these; none of another.
+std::vector<int> coordinates_of_controlled(const MotionModel& model) {
+  const std::vector<int> states = states_of_controllers(model.scene(), model.layout());
+  const auto controls = [](const Element& element) { return element.feedback.has_value(); };
+  const std::vector<Element>& elements = model.scene().elements;
+  if (std::none_of(elements.begin(), elements.end(), controls)) return {};
+  std::vector<int> out;
+  for (int i = 0; i < model.layout().kept; ++i) {
+    if (std::find(states.begin(), states.end(), i) == states.end()) out.push_back(i);
+  }
+  return out;
+}
 
 /// The times at which the formulas of loads and drives change.
 class InputBreaks {
@@ -100,6 +114,8 @@ class Simulation {
         ends_(reduced_, step_, friction_, contacts_, borders_) {
     out_.freedoms = columns_.freedoms();
     out_.independent = columns_.independent();
+    out_.states = states_of_controllers(model.scene(), model.layout());
+    controlled_ = coordinates_of_controlled(model);
     const std::vector<double> v = model.from_si(start.v);
     set_state(q_start_.data(), v.data(), 0.0);
     const int f = reduced_.freedoms();
@@ -209,7 +225,7 @@ class Simulation {
       step_.accept();
       if (reduced_.blades() > 0 && !hold_blades(t)) return;
       add_node(t);
-      if (is_torn(t)) return;
+      if (is_torn(t) || runs_away(t)) return;
       if (t == end && !cross_break(t)) return;
       if (changes && !change_mode(t, event)) return;
       if (changes) ends_.forget_approach();
@@ -404,6 +420,24 @@ class Simulation {
                      "repeats those of other joints and drives, but not beyond; the mechanism is mobile there only "
                      "infinitesimally, or its drives contradict each other",
                      t, out_.gap_of, gap.size));
+    return true;
+  }
+
+  /// Ends the motion of a controlled mechanism that becomes faster without end.
+  bool runs_away(double t) {
+    if (controlled_.empty()) return false;
+    int fastest = -1;
+    for (const int i : controlled_) {
+      const double speed = std::abs(reduced_.v()[i]);
+      if (speed > fastest_controlled && (fastest < 0 || speed > std::abs(reduced_.v()[fastest]))) fastest = i;
+    }
+    if (fastest < 0) return false;
+    const bool turns = !model_.layout().is_length(fastest);
+    stop(MotionStatus::ran_away,
+         fmt::format("at t = {:.9g} s \"{}\" is faster than {:g} {}: its controllers let it run away, they are not "
+                     "stable there",
+                     t, model_.layout().coordinates[static_cast<std::size_t>(fastest)].name, fastest_controlled,
+                     turns ? "rad/s" : "sizes of the mechanism per second"));
     return true;
   }
 
@@ -865,6 +899,7 @@ class Simulation {
   struct Passed {
     double time, length;
   };
+  std::vector<int> controlled_;  // coordinates of the mechanism where it has controllers
   std::vector<Change> changes_;  // by column, at the last event
   std::vector<Passed> passed_;   // singular poses that were stepped over, and by what length
   double limit_ = 0.0;           // of pivots: steps avoid those below
@@ -895,6 +930,8 @@ std::string to_string(MotionStatus status) {
       return "no inertia";
     case MotionStatus::step_limit:
       return "step limit";
+    case MotionStatus::ran_away:
+      return "ran away";
     case MotionStatus::jammed:
       return "jammed";
   }

@@ -64,10 +64,14 @@ enum class MotionStatus {
   torn,        ///< a joint or drive opened whose equation repeated others at the start
   no_inertia,  ///< a degree of freedom has no inertia
   step_limit,
-  jammed,  ///< a drive pushes against a stop, or a law of impact would add energy
+  ran_away,  ///< with controllers, rates grow beyond fastest_controlled
+  jammed,    ///< a drive pushes against a stop, or a law of impact would add energy
 };
 
 std::string to_string(MotionStatus status);
+
+/// A controlled mechanism with a faster coordinate runs away, and its motion ends: rad/s, or sizes of the mechanism/s.
+inline constexpr double fastest_controlled = 1e5;
 
 /// A pose of a motion in which its closures and drives lose rank.
 struct SingularPlace {
@@ -113,6 +117,7 @@ struct Motion {
   std::string why;  ///< one sentence if it did not complete
   Trajectory trajectory;
   std::vector<int> independent;  ///< coordinates whose start values the sensitivities refer to
+  std::vector<int> states;       ///< coordinates that are states of controllers
   /// Per node, J; work: done by drives, follower loads, resistances, and (negative) impacts.
   std::vector<double> kinetic, potential, work;
   std::vector<std::vector<double>> drive_force;  ///< per drive, per node: N m or N

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/equilibrium_pose.hpp"
 
@@ -36,6 +37,7 @@ double time_of_first_peak(const Motion& motion) {
 
 SnapMotion snap_motion(const StaticModel& statics, const std::vector<double>& x, const SnapMotionOptions& options) {
   SnapMotion out;
+  refuse_controllers(statics.scene(), "motions from one equilibrium to the next");
   try {
     const MotionModel model(resisted_by_joints(statics.scene()));
     const std::vector<double> q = model.to_si(coordinates_in(model, statics, x));

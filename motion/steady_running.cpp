@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/input_error.hpp"
 #include "motion/private/golden_section.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -295,6 +296,7 @@ void find_speeds(const RunningOptions& options, SteadyRunning& out) {
 
 SteadyRunning steady_running(const MotionModel& model, const MotionState& start, const RunningOptions& options) {
   refuse_blades(model.scene(), "turns of a machine");
+  refuse_states_of_controllers(model.scene(), "steady runnings");
   SteadyRunning out;
   Runs runs(model, start, options);
   VectorXd x = runs.start();

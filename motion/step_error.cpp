@@ -38,6 +38,7 @@ double StepError::of_coordinates(double h, double accuracy) const {
   double far = 0.0;
   double fast = 0.0;
   for (int k = 0; k < f; ++k) {
+    if (reduced_.is_state(reduced_.independent()[static_cast<std::size_t>(k)])) continue;
     far = std::max(far, reach_of(k, h));
     fast = std::max(fast, speed_of(k, h));
   }
@@ -82,6 +83,7 @@ double StepError::of_reading(double t, double h) const {
   const std::size_t first = nodes_.nodes() - known;
   double far = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
+    if (reduced_.is_state(static_cast<int>(i))) continue;
     far = std::max({far, nodes_.reach(i), std::abs(reduced_.q()[i] - q_start_[i])});
   }
   // Rounding of the nodes, and of the loops that give the dependent coordinates.

@@ -9,6 +9,7 @@
 #include "model/laws/bump_stop.hpp"
 #include "model/laws/compliant_stop.hpp"
 #include "model/laws/constant_force.hpp"
+#include "model/laws/controller.hpp"
 #include "model/laws/cubic_spring.hpp"
 #include "model/laws/curve_damper.hpp"
 #include "model/laws/curve_spring.hpp"
@@ -29,7 +30,7 @@ namespace poise {
 template <class N>
 using LawOf = std::variant<LinearSpringOf<N>, CubicSpringOf<N>, ConstantForceOf<N>, DamperOf<N>, DryFrictionOf<N>,
                            PreloadedSpringOf<N>, CurveSpringOf<N>, GasStrutOf<N>, BumpStopOf<N>, DragDamperOf<N>,
-                           CurveDamperOf<N>, CompliantStopOf<N>, DcMotorOf<N>, InductionMotorOf<N>>;
+                           CurveDamperOf<N>, CompliantStopOf<N>, DcMotorOf<N>, InductionMotorOf<N>, ControllerOf<N>>;
 using Law = LawOf<double>;
 
 /// The scalar of the numbers of laws on measures in the scalar T: dual numbers vary by them too, and lanes have their
@@ -78,6 +79,12 @@ inline bool damps_small_motion(const Law& law) {
 template <class N>
 bool is_motor(const LawOf<N>& law) {
   return std::holds_alternative<DcMotorOf<N>>(law) || std::holds_alternative<InductionMotorOf<N>>(law);
+}
+
+/// The controller that a law is, or null.
+template <class N>
+const ControllerOf<N>* controller_of(const LawOf<N>& law) {
+  return std::get_if<ControllerOf<N>>(&law);
 }
 
 /// True of friction that sticks at rate zero, see DryFriction.

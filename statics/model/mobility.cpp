@@ -11,6 +11,7 @@
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/newton.hpp"
 #include "statics/bodies/sparse_least_squares.hpp"
@@ -35,8 +36,24 @@ constexpr int most_combinations = 100;
 constexpr std::string_view asked_of_structures =
     "of a structure, poise loads and poise forces find the forces, poise equilibria --assemblies the assemblies";
 
+// Bodies that move, but states of controllers.
+int moving_bodies(const Scene& scene) {
+  return static_cast<int>(scene.bodies.size() - 1 - bodies_of_states(scene).size());
+}
+
+// Coordinates of such states, which are none of the mechanism.
+std::set<int> coordinates_of_states(const Scene& scene, const Layout& layout) {
+  std::set<int> out;
+  for (const int body : bodies_of_states(scene)) {
+    const Link& link = layout.links[static_cast<std::size_t>(body)];
+    out.insert(link.frame);
+    for (const Arm& arm : link.arms) out.insert(arm.coordinate);
+  }
+  return out;
+}
+
 int gruebler_count(const Scene& scene) {
-  int count = 3 * (static_cast<int>(scene.bodies.size()) - 1);
+  int count = 3 * moving_bodies(scene);
   for (const Joint& joint : scene.joints) count -= joint.traits().constraints();
   for (const Stop& stop : scene.stops) count -= stop.couples() ? 1 : 0;
   return count;
@@ -251,7 +268,7 @@ Mobility analyse_mobility(const ScaledModel& model) {
   const Mechanism<double>& m = model.mechanism();
   const Layout& layout = model.layout();
   Mobility out;
-  out.bodies = static_cast<int>(model.scene().bodies.size()) - 1;
+  out.bodies = moving_bodies(model.scene());
   out.joints = static_cast<int>(model.scene().joints.size());
   out.gruebler = gruebler_count(model.scene());
   out.coordinates = m.coordinates();
@@ -274,8 +291,10 @@ Mobility analyse_mobility(const ScaledModel& model) {
   }
   out.freedoms = out.coordinates - out.rank;
 
+  const std::set<int> of_states = coordinates_of_states(model.scene(), layout);
   for (int i = 0; i < static_cast<int>(layout.coordinates.size()); ++i) {
     const Coordinate& c = layout.coordinates[i];
+    if (of_states.contains(i)) continue;
     const char* kind = c.kind == Coordinate::Kind::angle ? "angle" : "length";
     (i < layout.kept ? out.kept : out.dropped).push_back(fmt::format("{} \"{}\": {}", kind, c.name, c.why()));
   }

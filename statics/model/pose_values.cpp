@@ -4,13 +4,17 @@
 #include <numeric>
 #include <set>
 
+#include "model/controllers.hpp"
+
 namespace poise {
 
 std::vector<NamedValue> angles_of(const StaticModel& model, const Readings& readings) {
   const Layout& layout = model.layout();
+  const std::set<int> states = bodies_of_states(model.scene());
   std::vector<NamedValue> shown;
   for (std::size_t i = 1; i < model.scene().bodies.size(); ++i) {
     const int frame = layout.links[i].frame;
+    if (states.contains(static_cast<int>(i))) continue;
     if (frame >= 0) shown.push_back({model.scene().bodies[i].name, readings.poses[i].angle, frame < layout.kept});
   }
   return shown;
@@ -43,8 +47,10 @@ std::vector<std::size_t> free_bodies(const Layout& layout) {
 
 std::vector<NamedValue> places_of(const StaticModel& model, const Readings& readings) {
   const Layout& layout = model.layout();
+  const std::set<int> states = bodies_of_states(model.scene());
   std::vector<NamedValue> shown;
   for (const std::size_t i : free_bodies(layout)) {
+    if (states.contains(static_cast<int>(i))) continue;
     const Vec2 origin = readings.poses[i].origin;
     for (std::size_t k = 0; k < 2; ++k) {
       const std::vector<Arm>& arms = layout.links[i].arms;

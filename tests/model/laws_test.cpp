@@ -17,13 +17,15 @@ namespace {
 
 using Real = Real50;
 
-// Every law there is, its numbers between 0.75 and 3.5; of laws with several shapes, all of them.
+// Every law there is but controllers, which are no functions of one measure: its numbers between 0.75 and 3.5; of laws
+// with several shapes, all of them.
 std::vector<Law> every_law() {
   std::vector<Law> laws;
   const auto add = [&]<std::size_t... I>(std::index_sequence<I...>) {
     (laws.emplace_back(std::variant_alternative_t<I, Law>{}), ...);
   };
   add(std::make_index_sequence<std::variant_size_v<Law>>{});
+  std::erase_if(laws, [](const Law& law) { return controller_of(law) != nullptr; });
   using Falls = DryFriction::Falls;
   for (const Falls falls : {Falls::exponential, Falls::hyperbolic}) {
     laws.emplace_back(DryFriction{.static_force = 10.0, .falls = falls});
@@ -107,6 +109,59 @@ TEST(Laws, ActAtRestOrResistMotion) {
       if (!stores_energy(law)) {
         EXPECT_EQ(energy(law, at.g), 0);
         EXPECT_EQ(force_at_rest(law, at.g).value, 0);
+      }
+    }
+  }
+}
+
+// A controller with all numbers that may be together, or with a transfer function.
+Controller whole_controller(int order, double max) {
+  Controller controller;
+  controller.order = order;
+  controller.given = (1U << Controller::numerator) - 1;
+  if (order > 0) controller.given = ((1U << Controller::count) - 1) & ~(1U << Controller::filter);
+  if (order == 1) controller.given &= ~(1U << (Controller::numerator + 2) | 1U << (Controller::denominator + 2));
+  controller.unit = 0.25;
+  double value = 0.75;
+  for (double& one : controller.values) one = value += 0.375;
+  controller.values[Controller::dead_band] = 0.125;
+  controller.values[Controller::min] = -40;
+  controller.values[Controller::max] = max;
+  controller.declare(true);
+  return controller;
+}
+
+TEST(Laws, ControllersKnowTheirDerivatives) {
+  const Real h = Real(1e-18);
+  using Signals = ControlSignals<Real>;
+  const auto all = [](const ControlOutputs<Real>& of) {
+    return std::array<Real, 4>{of.effort, of.integral, of.filtered, of.unlimited};
+  };
+  for (const int order : {0, 1, 2}) {
+    for (const double max : {1.0, 1e3}) {  // limited or not
+      const Controller controller = whole_controller(order, max);
+      const Signals at{Real(-0.7), Real(0.3), Real(0.4), Real(1.3), Real(-0.2)};
+      const Signals change{Real(0.5), Real(-0.4), Real(0.9), Real(0.3), Real(0.7)};
+      const auto moved = [&](const Real& by) {
+        return all(controller.respond(Signals{at.value + by * change.value, at.rate + by * change.rate,
+                                              at.integral + by * change.integral, at.place + by * change.place,
+                                              at.filtered + by * change.filtered}));
+      };
+      const auto up = moved(h), down = moved(-h), along = all(controller.respond_along(at, change));
+      for (std::size_t k = 0; k < along.size(); ++k) expect_same((up[k] - down[k]) / (2 * h), along[k], "along");
+      const std::span<const Number> numbers = controller.all_numbers();
+      for (std::size_t n = 0; n < numbers.size(); ++n) {
+        const double step = 0x1p-26;
+        const auto changed = [&](double by) {
+          Controller other = controller;
+          numbers[n].set(&other, numbers[n].get(&other).value() + by);
+          return all(other.respond(at));
+        };
+        const auto above = changed(step), below = changed(-step),
+                   by = all(controller.respond_by(static_cast<int>(n), at));
+        for (std::size_t k = 0; k < by.size(); ++k) {
+          expect_same((above[k] - below[k]) / Real(2 * step), by[k], "by " + std::string(numbers[n].key));
+        }
       }
     }
   }

@@ -675,7 +675,7 @@ TEST(SceneBuilder, NamesTheUnitsAndElementsThereAre) {
             "units.angle: expected one of rad, deg, found \"grad\"; did you mean \"rad\"?");
   EXPECT_EQ(message([] { SceneBuilder("s").element("dampr", "d", measures::x("b.P"), {}); }),
             "s: element \"d\": expected one of spring, torsion_spring, cubic_spring, constant_force, damper, "
-            "torsion_damper, friction, bump_stop, motor, found \"dampr\"; did you mean \"damper\"?");
+            "torsion_damper, friction, bump_stop, motor, controller, found \"dampr\"; did you mean \"damper\"?");
 }
 
 }  // namespace
