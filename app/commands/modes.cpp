@@ -9,7 +9,10 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/modes_figure.hpp"
+#include "app/results/motion/control_loop.hpp"
+#include "model/controllers.hpp"
 #include "motion/equilibrium_pose.hpp"
+#include "motion/simulate.hpp"
 
 namespace poise::app {
 namespace {
@@ -19,12 +22,28 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
+/// With controllers: about the equilibrium that these keep, near the pose that is assembled.
+int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
+  const MotionModel model(std::move(scene));
+  OutputFiles files(request.common);
+  progress.now("analysing the closed loop");
+  const ControlLoop loop = control_loop(model, model.from_si(start_motion(model, {}).q));
+  const Result result = control_loop_result(model, loop, request.common.settings);
+  return finish(request.common, result, &files, {}, loop.known, progress, palette);
+}
+
 int run_modes(const ModesRequest& request, const Palette& palette) {
   SolveOptions options;
   options.seek = read_seek(request.seek);
   Progress progress(request.common.listener());
   progress.now("reading the scene");
-  const StaticModel statics(load_scene(request.common));
+  Scene scene = load_scene(request.common);
+  if (!controllers_of(scene).empty()) return run_control_loop(request, std::move(scene), progress, palette);
+  if (!request.common.csv.empty()) {
+    throw InputError(
+        "--csv: expected a scene with a [[controller]], of whose closed loop the matrices are; leave it out");
+  }
+  const StaticModel statics(std::move(scene));
   const MotionModel model(statics.scene());
   OutputFiles files(request.common);
   options.interrupt = &request.common.interrupt();
@@ -52,7 +71,8 @@ Command modes_command() {
   Command command{"modes", "Find small oscillations about equilibrium: frequencies, shapes, damping"};
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
-  add_output_options(command, request->common, {});
+  add_output_options(command, request->common,
+                     {.csv = "with controllers: the matrices [A B; C D] of the closed loop to FILE, SI"});
   command.run = [request](const Palette& palette) { return run_modes(*request, palette); };
   return command;
 }

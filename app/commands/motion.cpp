@@ -20,6 +20,7 @@
 #include "app/draw/motion_pictures.hpp"
 #include "app/present/csv.hpp"
 #include "app/results/motion/contact_events.hpp"
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
 #include "motion/forces_in_time.hpp"
@@ -107,7 +108,9 @@ std::vector<Drive> read_motors(const MotionRequest& request, const Scene& scene)
 }
 
 MotionOrigin find_origin(const MotionRequest& request, const MotionModel& model, const std::atomic<bool>& interrupt) {
-  const bool assembled = request.from == "start" || (request.from.empty() && !model.scene().drives.empty());
+  const bool assembled =
+      request.from == "start" ||
+      (request.from.empty() && (!model.scene().drives.empty() || !controllers_of(model.scene()).empty()));
   return assembled ? MotionOrigin{} : equilibrium_origin(model, read_seek(request.seek), &interrupt);
 }
 
@@ -275,8 +278,8 @@ Command motion_command() {
   add_list("--release-rate", request->release_rate, "The same with a speed, per second");
   command
       .add({"--from", &request->from, "WHAT",
-            "equilibrium: the one near the start (the default without drives);\nstart: as it is assembled (the default "
-            "with drives)"})
+            "equilibrium: the one near the start (the default without drives and\ncontrollers);\nstart: as it is "
+            "assembled (the default with them)"})
       .choices = motion_starts;
   add_seek_option(command, request->seek);
   command.add({"--noise", &request->noise, "SIGMA",

@@ -43,6 +43,9 @@ const std::vector<LegendItem>& legend_items() {
   };
   static const Draw blade = [](Canvas& c) { draw_blade(c, {17, 0}, {1, 0}, 13, ink::dark); };
   static const Draw motor = [](Canvas& c) { draw_motor(c, {17, 0}, 9, {.stroke = ink::drive, .width = 1.4}); };
+  static const Draw controller = [](Canvas& c) {
+    draw_controller(c, {17, 0}, 9, {.stroke = ink::drive, .width = 1.4});
+  };
   static const Draw bar = [](Canvas& c) { draw_massless_bar(c, {3, 0}, {31, 0}, 5.0); };
   static const Draw pitch_circle = [](Canvas& c) {
     c.circle({17, 0}, 9, {.stroke = ink::free_stop, .width = 1.3, .dash = "7 2 2 2"});
@@ -81,6 +84,7 @@ const std::vector<LegendItem>& legend_items() {
       {Sign::torsion_spring, "torsion spring, moment on its second body", spiral},
       {Sign::damper, "damper, no force in equilibrium", dashpot},
       {Sign::motor, "motor, off in statics", motor},
+      {Sign::controller, "controller, off in statics", controller},
       {Sign::massless_bar, "massless bar, tension +", bar},
       {Sign::centre_of_mass, "centre of mass", centre},
       {Sign::rope, "rope, dotted where it is slack", a_line({4, 0}, {30, 0}, ink::stop, 2.0)},

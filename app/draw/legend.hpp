@@ -23,6 +23,7 @@ enum class Sign {
   torsion_spring,
   damper,
   motor,
+  controller,
   massless_bar,
   centre_of_mass,
   rope,

@@ -161,6 +161,35 @@ void draw_motor_of(Stage& stage, std::size_t i) {
   stage.label(motor.name, at, {-0.7, -0.7}, radius + 4, ink::drive);
 }
 
+/// A controller stands where it acts.
+void draw_controller_of(Stage& stage, std::size_t i) {
+  const Element& controller = stage.scene.elements[i];
+  const Measure& on = controller.on.kind == Measure::Kind::sum ? controller.feedback->reads : controller.on;
+  const auto place = [&]() -> Vec2 {
+    switch (on.kind) {
+      case Measure::Kind::angle:
+        return stage.pivot(on.body_a, on.body_b);
+      case Measure::Kind::travel:
+        return stage.page(stage.scene.joints[static_cast<std::size_t>(on.joint)].b);
+      case Measure::Kind::rope:
+        return stage.page(on.contacts.front().at);
+      case Measure::Kind::distance:
+        return 0.5 * (stage.page(on.a) + stage.page(on.b));
+      default:
+        return stage.page(on.b);
+    }
+  };
+  const Vec2 at = place();
+  const bool full = stage.detail == Detail::full;
+  const double radius = full ? 13.0 : 6.0;
+  stage.canvas.item(controller.family() + " " + controller.name, state_of(stage, controller, stage.now.elements[i]));
+  draw_controller(stage.canvas, at, radius, {.stroke = ink::drive, .width = full ? 1.6 : 0.9});
+  stage.signs.insert(Sign::controller);
+  if (!full) return;
+  stage.setter.avoid(at, radius);
+  stage.label(controller.name, at, {0.7, -0.7}, radius + 4, ink::drive);
+}
+
 }  // namespace
 
 void draw_springs_and_dampers(Stage& stage) {
@@ -190,6 +219,7 @@ void draw_springs_and_dampers(Stage& stage) {
     const bool torsion = stores_energy(elements[i].law) && elements[i].on.kind == Measure::Kind::angle;
     if (torsion && !std::holds_alternative<CompliantStop>(elements[i].law)) draw_torsion_spring(stage, i, pivots);
     if (is_motor(elements[i].law)) draw_motor_of(stage, i);
+    if (elements[i].feedback) draw_controller_of(stage, i);
   }
   stage.canvas.close();
 }

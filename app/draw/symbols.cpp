@@ -229,6 +229,18 @@ std::vector<Vec2> geneva_disc(int slots) {
   return out;
 }
 
+void draw_controller(Canvas& canvas, Vec2 at, double radius, const Paint& paint) {
+  const auto around = [&](const std::vector<Vec2>& places, double size) {
+    std::vector<Vec2> out;
+    for (const Vec2 p : places) out.push_back(at + size * radius * p);
+    return out;
+  };
+  canvas.polygon(around({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, 0.85), paint);
+  canvas.polyline(
+      around({{0.8, -0.7}, {0.3, -1}, {-0.4, -0.9}, {-0.8, -0.4}, {-0.8, 0.4}, {-0.4, 0.9}, {0.3, 1}, {0.8, 0.7}}, 0.5),
+      paint);
+}
+
 void draw_arrow(Canvas& canvas, Vec2 tail, Vec2 tip, Colour colour, double width, std::string_view dash) {
   const Vec2 u = direction(tail, tip);
   const double head = std::min(5.0 + 2.6 * width, 0.8 * norm(tip - tail));

@@ -44,6 +44,8 @@ void draw_gas_strut(Canvas& canvas, Vec2 a, Vec2 b, Vec2 shift, const Paint& pai
 void draw_spiral(Canvas& canvas, Vec2 at, Vec2 end, double radius, const Paint& paint);
 /// A motor: an M in a circle.
 void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint);
+/// A controller: a C in a square.
+void draw_controller(Canvas& canvas, Vec2 at, double radius, const Paint& paint);
 
 /// Parts of a Geneva drive over the distance of its axes, in their own frames: the outline of a wheel with a slot along
 /// x, and that of the locking disc of a crank with its pin along x. The half width of a slot is the radius of the pin.

@@ -57,7 +57,8 @@ void put(json& into, const std::string& key, json value) {
 }
 
 json row_of(const Table& table, std::size_t row, std::size_t first_column) {
-  json out = table.rows == Rows::values ? json(nullptr) : json::object();
+  const bool is_array = first_column < table.columns.size() && table.columns[first_column].key == "[]";
+  json out = table.rows == Rows::values || is_array ? json(nullptr) : json::object();
   for (std::size_t c = first_column; c < table.columns.size(); ++c) {
     const Column& column = table.columns[c];
     if (column.key.empty()) continue;

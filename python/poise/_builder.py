@@ -164,7 +164,8 @@ class SceneBuilder:
     def element(self, table: str, name: str, on: Measure, /, **keys: Any) -> SceneBuilder:
         """A force element with the keys of its table in docs/scene-files.md#force-elements: ``"spring"``,
         ``"torsion_spring"``, ``"cubic_spring"``, ``"constant_force"``, ``"damper"``, ``"torsion_damper"``,
-        ``"friction"``, ``"bump_stop"``, ``"motor"``. Dampers may have a ``drag`` or, as springs, a curve."""
+        ``"friction"``, ``"bump_stop"``, ``"motor"``, ``"controller"``. Dampers may have a ``drag`` or, as springs,
+        a curve."""
         return self._add("element", table, name, on, self._keys(keys))
 
     def drive(self, name: str, on: Measure, /, **keys: Any) -> SceneBuilder:

@@ -536,8 +536,9 @@ class SceneCommands:
             or a dictionary, {NAME: NUMBER}
         release_rate: The same with a speed, per second;
             or a dictionary, {NAME: NUMBER}
-        from_: equilibrium: the one near the start (the default without drives);
-            start: as it is assembled (the default with drives)
+        from_: equilibrium: the one near the start (the default without drives and
+            controllers);
+            start: as it is assembled (the default with them)
         seek: settle: the equilibrium that the mechanism reaches from its start
             when released with heavy damping (the default); any: any
             equilibrium near the start (minimising methods find minima only);

@@ -481,8 +481,10 @@ TEST(JsonDocs, CompareTolerances) {
 }
 
 TEST(JsonDocs, Modes) {
-  check_section(
-      "modes", {{{"modes", scene("lift")}}, {{"modes", scene("double_pendulum")}}, {{"modes", scene("toggle_clamp")}}});
+  check_section("modes", {{{"modes", scene("lift")}},
+                          {{"modes", scene("double_pendulum")}},
+                          {{"modes", scene("toggle_clamp")}},
+                          {{"modes", scene("machines/cart_pole")}, with_csv}});
 }
 
 TEST(JsonDocs, Equations) {

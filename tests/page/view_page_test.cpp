@@ -580,6 +580,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"damper", point_to_point},
                                                 {"torsion_damper", two_links},
                                                 {"motor", {nowhere, on_crank}},
+                                                {"controller", {nowhere, on_crank}},
                                                 {"friction", two_links},
                                                 {"force", {block}},
                                                 {"distributed_load", {knee, {185, 22}}},

@@ -9,6 +9,7 @@
 #include "app/results/motion/contact_events.hpp"
 #include "app/results/motion/forces_in_time.hpp"
 #include "app/results/parts.hpp"
+#include "model/controllers.hpp"
 #include "model/meshing.hpp"
 
 namespace poise::app {
@@ -277,7 +278,8 @@ void add_record(Group& group, const Scene& scene, const MotionRecord& record, co
   }
 }
 
-void add_data(Group& group, const MotionAnswer& answer) {
+/// `states` of controllers are no degrees of freedom of the mechanism.
+void add_data(Group& group, const MotionAnswer& answer, int states) {
   const Motion& motion = answer.found.motion;
   group.data("status", to_string(motion.status));
   group.data("why", motion.why);
@@ -288,7 +290,7 @@ void add_data(Group& group, const MotionAnswer& answer) {
   group.data("accuracy", answer.accuracy);
   group.data("error", answer.found.error);
   group.data("energy_error", motion.energy_error);
-  group.data("degrees_of_freedom", motion.freedoms);
+  group.data("degrees_of_freedom", motion.freedoms - states);
   group.data("steps", motion.steps);
   group.data("rejected", motion.rejected);
   group.data("evaluations", motion.evaluations);
@@ -308,10 +310,13 @@ Result motion_result(const MotionModel& model, const MotionAnswer& answer, const
   warn_of_contacts(out, model.scene(), motion);
   warn_of_unloaded_bearings(out, model.scene());
   Group& content = out.content;
-  add_data(content, answer);
+  const auto states = static_cast<int>(states_of_controllers(model.scene(), model.layout()).size());
+  add_data(content, answer, states);
   content.fact("start", answer.start);
-  content.fact("mobility", fmt::format("{}, of {}", count(motion.freedoms, "degree of freedom", "degrees of freedom"),
-                                       count(model.layout().kept, "coordinate that moves", "coordinates that move")));
+  content.fact("mobility",
+               fmt::format("{}, of {}", count(motion.freedoms - states, "degree of freedom", "degrees of freedom"),
+                           count(model.layout().kept - states, "coordinate that moves", "coordinates that move")));
+  if (states > 0) content.fact("control", count(states, "state of controllers", "states of controllers"));
   add_contact_events(content, model, motion);
   add_singular(content, model, motion);
   add_dead_centre(content, motion);

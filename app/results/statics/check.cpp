@@ -9,6 +9,7 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "model/controllers.hpp"
 #include "model/dependent_number.hpp"
 #include "model/expression.hpp"
 #include "model/input_error.hpp"
@@ -33,7 +34,11 @@ Line verdict(const Mobility& mobility, const std::optional<Freedoms>& freedoms) 
 }
 
 void add_bodies(Group& group, const Scene& scene) {
-  const std::vector<Body> moving(scene.bodies.begin() + 1, scene.bodies.end());
+  const std::set<int> states = bodies_of_states(scene);
+  std::vector<Body> moving;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    if (!states.contains(static_cast<int>(i))) moving.push_back(scene.bodies[i]);
+  }
   const bool any_mass = std::any_of(moving.begin(), moving.end(), [](const Body& body) { return body.mass > 0; });
   const std::string length = unit_name(Quantity::length, scene.units);
   const auto in_length = [&](double si) { return in_unit(si, Quantity::length, scene.units); };

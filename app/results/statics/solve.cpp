@@ -12,6 +12,7 @@
 #include "app/results/statics/hold.hpp"
 #include "app/results/statics/quantities.hpp"
 #include "app/results/statics/settling.hpp"
+#include "model/controllers.hpp"
 #include "model/curved_slots.hpp"
 #include "statics/proof/enclosed_reactions.hpp"
 #include "statics/proof/principal_directions.hpp"
@@ -336,7 +337,10 @@ void add_pose_data(Group& group, const StaticModel& model, const Readings& readi
   add_places(values("points"), std::move(points), at, length);
   const auto body = [&](std::size_t i) { return scene.bodies[i].name; };
   std::vector<std::size_t> moving = places(scene.bodies.size());
+  const std::set<int> states = bodies_of_states(scene);
+  const auto is_state = [&](std::size_t i) { return states.contains(static_cast<int>(i)); };
   moving.erase(moving.begin());
+  std::erase_if(moving, is_state);
   Table& angles = values("angles");
   angles.words("name", "", each(moving, body));
   angles.data("value", each(moving, [&](std::size_t i) {
@@ -347,7 +351,8 @@ void add_pose_data(Group& group, const StaticModel& model, const Readings& readi
   Table& slides = values("slides");
   slides.words("name", "", each(sliding, [&](std::size_t j) { return scene.joints[j].name; }));
   slides.data("value", each(sliding, [&](std::size_t j) { return length(readings.travel[j]); }));
-  const std::vector<std::size_t> free = free_bodies(model.layout());
+  std::vector<std::size_t> free = free_bodies(model.layout());
+  std::erase_if(free, is_state);
   std::vector<Vec2> origins;
   for (const std::size_t i : free) origins.push_back(readings.poses[i].origin);
   add_places(values("positions"), each(free, body), origins, length);

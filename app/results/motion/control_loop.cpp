@@ -1,0 +1,177 @@
+#include "app/results/motion/control_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/result/numbers.hpp"
+#include "app/results/parts.hpp"
+#include "model/controllers.hpp"
+
+namespace poise::app {
+namespace {
+
+using LoopStability = ControlLoop::Stability;
+using Poles = std::vector<std::complex<double>>;
+
+constexpr int pole_digits = 9;
+// Parts of poles that are smaller, over the largest pole, are rounding.
+constexpr double no_part = 1e-12;
+
+const char* name_of_stability(LoopStability stability) {
+  switch (stability) {
+    case LoopStability::stable:
+      return "stable";
+    case LoopStability::marginal:
+      return "marginal";
+    case LoopStability::unstable:
+      return "unstable";
+  }
+  return "";
+}
+
+Line verdict_on_loop(const ControlLoop& loop) {
+  if (!loop.known) return bad("No equilibrium with its controllers: " + loop.why + ".");
+  const std::string slowest = significant(loop.poles.front().real(), 6);
+  switch (loop.stability) {
+    case LoopStability::stable:
+      return good(fmt::format("The closed loop is stable: what is slowest in it decays at {} 1/s.", slowest));
+    case LoopStability::marginal:
+      return doubtful("The closed loop neither decays nor grows: some pole has no real part.");
+    case LoopStability::unstable:
+      break;
+  }
+  return bad(fmt::format("The closed loop is unstable: a disturbance grows at {} 1/s.", slowest));
+}
+
+void add_poles(Group& group, const std::string& key, const std::string& title, const Poles& poles) {
+  double largest = 0.0;
+  for (const std::complex<double>& one : poles) largest = std::max(largest, std::abs(one));
+  const Format format{.style = Format::Style::significant, .digits = pole_digits, .zero_below = no_part * largest};
+  Table& table = group.table(key, title, Rows::columns);
+  table.numbers("re", "real (1/s)", "", each(poles, [](const auto& p) { return p.real(); }), format);
+  table.numbers("im", "imaginary (1/s)", "", each(poles, [](const auto& p) { return p.imag(); }), format);
+  table.numbers("", "size", "Hz", each(poles, [](const auto& p) { return std::abs(p) / (2 * M_PI); }),
+                {.style = Format::Style::significant, .zero_below = no_part * largest});
+  table.numbers(
+      "", "damping ratio", "",
+      each(poles, [&](const auto& p) { return std::abs(p) > no_part * largest ? -p.real() / std::abs(p) : NAN; }),
+      {.style = Format::Style::significant});
+}
+
+/// [[a, ...], ...], row by row.
+void add_matrix(Group& group, const std::string& key, const Eigen::MatrixXd& matrix) {
+  Table& table = group.table(key, "", Rows::list, Verbosity::data);
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+    table.data("[]", {matrix.col(j).begin(), matrix.col(j).end()});
+  }
+}
+
+void add_system(Group& content, const std::string& key, const StateSpace& system) {
+  Group& group = content.group(key, "", Verbosity::data);
+  group.data("states", system.states);
+  group.data("inputs", system.inputs);
+  group.data("outputs", system.outputs);
+  add_matrix(group, "A", system.a);
+  add_matrix(group, "B", system.b);
+  add_matrix(group, "C", system.c);
+  add_matrix(group, "D", system.d);
+}
+
+/// The file of the matrices [A B; C D].
+void add_block(Group& content, const StateSpace& system) {
+  Eigen::MatrixXd block(system.a.rows() + system.c.rows(), system.a.cols() + system.b.cols());
+  block << system.a, system.b, system.c, system.d;
+  std::vector<std::string> names = system.states;
+  names.insert(names.end(), system.inputs.begin(), system.inputs.end());
+  Table& table = content.table("", "", Rows::columns, Verbosity::data);
+  table.csv = true;
+  for (Eigen::Index j = 0; j < block.cols(); ++j) {
+    table.data(names[static_cast<std::size_t>(j)], {block.col(j).begin(), block.col(j).end()});
+  }
+}
+
+void add_controllers(Group& content, const MotionModel& model, const ControlLoop& loop) {
+  const Units& units = model.scene().units;
+  const auto element = [&](const ControlAtRest& one) -> const Element& {
+    return model.scene().elements[static_cast<std::size_t>(one.element)];
+  };
+  const auto read_dimension = [&](const ControlAtRest& one) {
+    const bool of_rate = controller_of(element(one).law)->of_rate;
+    return element(one).feedback->reads.dimension() * dimension::time.power(of_rate ? -1 : 0);
+  };
+  const auto effort_dimension = [&](const ControlAtRest& one) { return element(one).on.effort_dimension(); };
+  const auto words = [](double value, const std::string& unit) {
+    return fmt::format("{} {}", significant(value, 8), unit);
+  };
+  const std::vector<ControlAtRest>& rows = loop.controllers;
+  Branch& data = content.array("controllers");
+  std::vector<std::string> reads, efforts, remarks;
+  for (const ControlAtRest& one : rows) {
+    const double value = one.value / read_dimension(one).unit(units),
+                 effort = one.effort / effort_dimension(one).unit(units);
+    Group& part = data.parts.emplace_back();
+    part.data("name", element(one).name);
+    part.data("reads", value);
+    part.data("reads_unit", read_dimension(one).unit_name(units));
+    part.data("effort", effort);
+    part.data("effort_unit", effort_dimension(one).unit_name(units));
+    part.data("limited", one.limited);
+    part.data("in_dead_band", one.in_dead_band);
+    reads.push_back(words(value, read_dimension(one).unit_name(units)));
+    efforts.push_back(words(effort, effort_dimension(one).unit_name(units)));
+    remarks.emplace_back(one.limited        ? "at its limit: it does not act on small motions"
+                         : one.in_dead_band ? "in its dead band: it does not act on small motions"
+                                            : "");
+  }
+  Table& table = content.group("").table("", "Controllers in equilibrium", Rows::list);
+  table.words("", "controller", each(rows, [&](const ControlAtRest& one) { return element(one).name; }));
+  table.words("", "reads", std::move(reads));
+  table.words("", "effort", std::move(efforts));
+  table.remarks(std::move(remarks), Tone::doubtful);
+}
+
+}  // namespace
+
+Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
+                           const std::vector<std::string>& settings) {
+  Result out = scene_result(model.scene(), settings);
+  out.verdict = verdict_on_loop(loop);
+  Group& content = out.content;
+  content.data("known", loop.known);
+  content.data("why_unknown", loop.why);
+  if (!loop.known) return out;
+  content.data("stability", name_of_stability(loop.stability));
+  const std::vector<double> q = model.to_si(loop.x);
+  const std::vector<int> own = states_of_controllers(model.scene(), model.layout());
+  std::vector<std::size_t> rows = places(q.size());
+  std::erase_if(rows,
+                [&](std::size_t i) { return std::find(own.begin(), own.end(), static_cast<int>(i)) != own.end(); });
+  const auto quantity = [&](std::size_t i) {
+    return model.layout().is_length(static_cast<int>(i)) ? Quantity::length : Quantity::angle;
+  };
+  Table& coordinates = content.table("coordinates", "", Rows::list, Verbosity::data);
+  coordinates.words("name", "", each(rows, [&](std::size_t i) { return model.layout().coordinates[i].name; }));
+  coordinates.words("kind", "", each(rows, [&](std::size_t i) {
+                      return std::string(quantity(i) == Quantity::length ? "length" : "angle");
+                    }));
+  coordinates.data("value", each(rows, [&](std::size_t i) { return in_unit(q[i], quantity(i), model.scene().units); }));
+  content.fact("system",
+               fmt::format("{}, {}, {}: {}", count(static_cast<int>(loop.closed.states.size()), "state", "states"),
+                           count(static_cast<int>(loop.closed.inputs.size()), "input", "inputs"),
+                           count(static_cast<int>(loop.closed.outputs.size()), "output", "outputs"),
+                           fmt::join(loop.closed.states, ", ")));
+  add_controllers(content, model, loop);
+  add_poles(content, "poles", "Poles of the closed loop", loop.poles);
+  add_poles(content, "open_poles", "Poles of the mechanism alone", loop.open_poles);
+  add_system(content, "closed_loop", loop.closed);
+  add_system(content, "open_loop", loop.open);
+  add_block(content, loop.closed);
+  return out;
+}
+
+}  // namespace poise::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/result/result.hpp"
+#include "motion/control_loop.hpp"
+
+namespace poise::app {
+
+/// What `poise modes` shows of a mechanism with controllers: its poles, whether it is stable, its linear system.
+Result control_loop_result(const MotionModel& model, const ControlLoop& loop, const std::vector<std::string>& settings);
+
+}  // namespace poise::app
