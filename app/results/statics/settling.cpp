@@ -73,7 +73,9 @@ void show_settling(Result& result, const StaticModel& model, const Equilibrium& 
   const Settling& settling = *equilibrium.settling;
   Group& content = result.content;
   if (settling.end == Settling::End::settled) {
-    content.fact("reached", "from the start when released with heavy damping");
+    const bool is_free = model.scene().blades.empty();
+    content.fact("reached", is_free ? "from the start when released with heavy damping"
+                                    : "from the start when released with heavy damping, if its blades were taken away");
   } else if (settling.end == Settling::End::start_unstable) {
     content.fact("reached", "the start itself, an equilibrium that the mechanism leaves when it is disturbed");
   }
