@@ -17,6 +17,7 @@
 #include "motion/motion_step.hpp"
 #include "motion/motion_writer.hpp"
 #include "motion/profile_borders.hpp"
+#include "motion/rolling_forces.hpp"
 #include "motion/sensitivity_columns.hpp"
 #include "motion/simulation_words.hpp"
 #include "motion/singular_passage.hpp"
@@ -103,6 +104,7 @@ class Simulation {
         reduced_(model.scaled_scene(), model.mechanism(), model.inertia()),
         friction_(model, options.variations, options.influences, reduced_),
         contacts_(model, options.variations),
+        rolling_(model),
         borders_(model, options.variations, options.influences),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
         breaks_(inputs_, options.duration),
@@ -196,6 +198,10 @@ class Simulation {
     if (!begin(h)) return;
     for (double t = 0.0; t < options_.duration;) {
       if (!may_go_on(t)) return;
+      if (rolling_.act()) {
+        rolling_margin_ = rolling_.margin(reduced_);
+        if (rolling_margin_ < -stepping::past) return lift_off(t);
+      }
       const double end = breaks_.next(t);
       const double left = end - t;
       // A very short last step is shared with the one before.
@@ -219,6 +225,7 @@ class Simulation {
       const bool switches = can_switch() && ends_.meets_event(t);
       if (switches) meet(event, to_hit);
       if (contacts_.act() && !event.hits) note_grazing(t);
+      const bool lifts = rolling_.act() && meets_lift_off(t);
       const bool changes = switches || event.hits;
       t = last && step_.length == left ? end : t + step_.length;
       ++out_.steps;
@@ -226,6 +233,7 @@ class Simulation {
       if (reduced_.blades() > 0 && !hold_blades(t)) return;
       add_node(t);
       if (is_torn(t) || runs_away(t)) return;
+      if (lifts) return lift_off(t);
       if (t == end && !cross_break(t)) return;
       if (changes && !change_mode(t, event)) return;
       if (changes) ends_.forget_approach();
@@ -236,6 +244,22 @@ class Simulation {
       if (step_.has_poor_coordinates()) choose_anew(t);
     }
     out_.status = MotionStatus::completed;
+  }
+
+  /// Shortens the step just made from t to where a wheel that rolls would have to be pulled from there on.
+  bool meets_lift_off(double t) {
+    const auto margin = [this] { return rolling_.margin(reduced_); };
+    const double at_end = margin();
+    if (!(at_end < -stepping::past)) return false;
+    step_.shorten_to_zero(t, rolling_margin_, step_.length, at_end, margin);
+    return true;
+  }
+
+  void lift_off(double t) {
+    stop(MotionStatus::lifted_off,
+         fmt::format("at t = {:.9g} s the {} lifts off: it would have to be pulled from there on; give a [[contact]] "
+                     "with friction, which may lift off and touch again",
+                     t, model_.scene().stops[static_cast<std::size_t>(rolling_.least())].title()));
   }
 
   /// Takes from the rates across blades what is rounding and the error of the last step, so that it does not grow.
@@ -887,6 +911,8 @@ class Simulation {
   Reduced reduced_;
   StickSlip friction_;
   Contacts contacts_;
+  RollingForces rolling_;
+  double rolling_margin_ = 0.0;  // at the last node
   ProfileBorders borders_;
   std::vector<MotionInput> inputs_;  // of the options and the scene
   InputBreaks breaks_;
@@ -930,6 +956,8 @@ std::string to_string(MotionStatus status) {
       return "no inertia";
     case MotionStatus::step_limit:
       return "step limit";
+    case MotionStatus::lifted_off:
+      return "lifted off";
     case MotionStatus::ran_away:
       return "ran away";
     case MotionStatus::jammed:

@@ -30,8 +30,8 @@ struct StartValue {
 /// change of all other degrees of freedom; other independent rates are zero. Without `independent` flexible links begin
 /// as they are bent in `q`, or straight, and with the least rates of bending (sums of squares over their springs,
 /// weighted by the stiffness), as far as the joints and all that is wanted let them. Changes are those of the
-/// coordinates `independent`, where given. Throws InputError if the loops cannot be closed there, or the values contradict each
-/// other.
+/// coordinates `independent`, where given. Throws InputError if the loops cannot be closed there, or the values
+/// contradict each other.
 MotionState start_motion(const MotionModel& model, const std::vector<StartValue>& wanted,
                          const std::vector<double>* q = nullptr, const std::vector<int>* independent = nullptr);
 
@@ -64,8 +64,9 @@ enum class MotionStatus {
   torn,        ///< a joint or drive opened whose equation repeated others at the start
   no_inertia,  ///< a degree of freedom has no inertia
   step_limit,
-  ran_away,  ///< with controllers, rates grow beyond fastest_controlled
-  jammed,    ///< a drive pushes against a stop, or a law of impact would add energy
+  lifted_off,  ///< what rolls would have to be pulled to what it rolls on
+  ran_away,    ///< with controllers, rates grow beyond fastest_controlled
+  jammed,      ///< a drive pushes against a stop, or a law of impact would add energy
 };
 
 std::string to_string(MotionStatus status);

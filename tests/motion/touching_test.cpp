@@ -537,6 +537,81 @@ block = {}
   EXPECT_LT(motion.energy_error, 1e-9);
 }
 
+// A cylinder of the radius 0.1 rolls from the top of another one of the radius 0.3, on which it is kept by its weight
+// as long as  g cos a > (R + r) a'^2,  with  (R + r) a'^2 = 4/3 g (cos a_0 - cos a):  until cos a = 4/7 cos a_0.
+TEST(Touching, ACylinderLeavesTheOneOnWhichItRolls) {
+  constexpr double from = 0.05;
+  const std::string text = fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ O = [0, 0] }}
+[body.cylinder]
+points = {{ C = [0, 0] }}
+mass = 2
+inertia = 0.01
+[[rolling_on_circle]]
+name = "ridge"
+wheel = "cylinder.C"
+center = "ground.O"
+radius = 0.1
+circle_radius = 0.3
+[start]
+position = {{ cylinder = [{:.17g}, {:.17g}] }}
+ridge = {:.17g}
+)",
+                                       0.4 * std::sin(from), 0.4 * std::cos(from), std::numbers::pi / 2 - from);
+  const MotionModel model(resisted_by_joints(parse_scene(text, "scene.toml")));
+  MotionOptions options;
+  options.duration = 5.0;
+  options.accuracy = 1e-12;
+  const Motion motion = simulate(model, test::released(model, {}), options);
+  ASSERT_EQ(motion.status, MotionStatus::lifted_off) << motion.why;
+  EXPECT_NE(motion.why.find("\"ridge\" lifts off"), std::string::npos) << motion.why;
+  const std::size_t last = motion.trajectory.t.size() - 1;
+  const double x = test::q_at(motion, last)[coordinate_named(model, "cylinder.x")];
+  const double y = test::q_at(motion, last)[coordinate_named(model, "cylinder.y")];
+  EXPECT_NEAR(y / std::hypot(x, y), 4.0 / 7 * std::cos(from), 1e-9);
+}
+
+// A wheel on a line that a load lifts by more than its weight from t = 9.81 / 4 on; and from the start.
+TEST(Touching, AWheelLiftsOffItsLine) {
+  const auto lifted = [](double slope, double constant) {
+    const std::string text = fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ O = [0, 0] }}
+[body.wheel]
+points = {{ C = [0, 0] }}
+mass = 1
+inertia = 0.005
+[[rolling]]
+name = "tyre"
+wheel = "wheel.C"
+line = "ground.O"
+axis = [1, 0]
+radius = 0.1
+[[force]]
+at = "wheel.C"
+vector = [0, 1]
+time = {{ function = "{} + {}*t" }}
+[start]
+position = {{ wheel = [0, 0.1] }}
+)",
+                                         constant, slope);
+    const MotionModel model(resisted_by_joints(parse_scene(text, "scene.toml")));
+    MotionOptions options;
+    options.duration = 5.0;
+    return simulate(model, test::released(model, {}), options);
+  };
+  const Motion later = lifted(4.0, 0.0);
+  EXPECT_EQ(later.status, MotionStatus::lifted_off) << later.why;
+  EXPECT_NEAR(later.trajectory.t.back(), 9.81 / 4, 1e-8);
+  const Motion at_once = lifted(0.0, 9.82);
+  EXPECT_EQ(at_once.status, MotionStatus::lifted_off) << at_once.why;
+  EXPECT_EQ(at_once.trajectory.t.back(), 0.0);
+  EXPECT_EQ(lifted(0.0, 9.8).status, MotionStatus::completed);
+}
+
 // P. Flores, R. Leine, C. Glocker, Multibody System Dynamics 23, 2010: a slider with clearance in its guide, whose
 // upper corners hit the guide first at once (../shared/benchmarks.md 1.7).
 TEST(Touching, ASliderWithClearanceHitsItsGuide) {
