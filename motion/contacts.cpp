@@ -14,6 +14,7 @@
 #include "model/mechanism_impl.hpp"
 #include "motion/blades.hpp"
 #include "motion/private/quintic.hpp"
+#include "statics/model/crossing_outlines.hpp"
 
 namespace poise {
 namespace {
@@ -189,6 +190,14 @@ void Contacts::refuse_start(const double* q, double within) {
                     "its limits, give another start or limit",
                     model_.scene().file, stop.line, name_of(side.at), -side.gap * unit,
                     stop.on.is_angle() ? "rad" : "m", side.at.upper ? "max" : "min"));
+  }
+  const std::vector<BodyPose<double>> poses = model_.poses({q, q + model_.mechanism().coordinates()});
+  const double deep = std::max(within, no_gap_at_start) * model_.scales().length;
+  if (const Stop* const crossed = crossing_outlines(model_.scene(), poses, deep)) {
+    throw InputError(
+        fmt::format("{}:{}: {}: the motion would begin where its outlines cross each other; expected a start in which "
+                    "they are apart",
+                    model_.scene().file, crossed->line, crossed->title()));
   }
 }
 

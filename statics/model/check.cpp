@@ -11,6 +11,7 @@
 #include "model/rolling_profile.hpp"
 #include "statics/bodies/body_measures.hpp"
 #include "statics/bodies/free_bodies.hpp"
+#include "statics/model/crossing_outlines.hpp"
 
 namespace poise {
 namespace {
@@ -234,58 +235,11 @@ class EquilibriumCheck {
     }
   }
 
-  // Outlines of two bodies, of which no corner is inside of the other, may cross as the bars of an X do.
   void look_at_outlines() {
-    for (std::size_t s = 0; s < scene_.stops.size(); ++s) {
-      const Stop& contact = scene_.stops[s];
-      if (contact.table != "contact") continue;
-      const int body = contact.on.outline.points.front().body;
-      std::vector<Outline> own, others;
-      for (std::size_t part = s; part < s + static_cast<std::size_t>(contact.parts); ++part) {
-        const Outline& outline = scene_.stops[part].on.outline;
-        std::vector<Outline>& of_body = outline.points.front().body == body ? own : others;
-        if (std::find(of_body.begin(), of_body.end(), outline) == of_body.end()) of_body.push_back(outline);
-      }
-      double deepest = 0.0;
-      for (const Outline& a : own) {
-        for (const Outline& b : others) deepest = std::max(deepest, overlap(corners_of(a), corners_of(b)));
-      }
-      if (deepest <= deepest_cut * size_) continue;
-      out_.keeps_contacts = false;
-      object(fmt::format("{} \"{}\" has outlines that cross each other", contact.family(), contact.name));
-    }
-  }
-
-  std::vector<Vec2> corners_of(const Outline& outline) const {
-    std::vector<Vec2> out;
-    for (const PointRef& point : outline.points) {
-      out.push_back(poses_[static_cast<std::size_t>(point.body)].world(scene_.local(point)));
-    }
-    if (outline.backed) {
-      const Vec2 first = out.front(), last = out.back();
-      out.push_back(0.5 * (first + last - quarter_turn(last - first)));
-    }
-    return out;
-  }
-
-  /// How far one of two convex polygons would have to move until they are apart: least over the normals of their edges.
-  static double overlap(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::vector<Vec2>* of : {&a, &b}) {
-      for (std::size_t k = 0; k < of->size(); ++k) {
-        const Vec2 edge = (*of)[(k + 1) % of->size()] - (*of)[k];
-        const Vec2 normal = (1 / norm(edge)) * quarter_turn(edge);
-        const auto range = [&](const std::vector<Vec2>& corners) {
-          std::vector<double> at;
-          for (const Vec2& corner : corners) at.push_back(dot(normal, corner));
-          return std::pair(*std::min_element(at.begin(), at.end()), *std::max_element(at.begin(), at.end()));
-        };
-        const auto [from_a, to_a] = range(a);
-        const auto [from_b, to_b] = range(b);
-        least = std::min({least, to_a - from_b, to_b - from_a});
-      }
-    }
-    return least;
+    const Stop* const crossed = crossing_outlines(scene_, poses_, deepest_cut * size_);
+    if (crossed == nullptr) return;
+    out_.keeps_contacts = false;
+    object(fmt::format("{} \"{}\" has outlines that cross each other", crossed->family(), crossed->name));
   }
 
   // A profile touches between its ends, and nowhere else: it cuts into nothing.

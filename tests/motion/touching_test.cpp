@@ -13,6 +13,7 @@
 #include "motion/confirmed_motion.hpp"
 #include "motion/contacts.hpp"
 #include "motion/simulate.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/touching_scenes.hpp"
 
@@ -798,6 +799,32 @@ restitution = 1
   EXPECT_TRUE(std::any_of(whole.events.begin(), whole.events.end(), [&](const ContactEvent& event) {
     return event.kind == Kind::impact && model.scene().stops[static_cast<std::size_t>(event.at.stop)].on.b.body == 0;
   }));
+}
+
+// A bar that lies through a post, of which no corner is in the other.
+TEST(Touching, NoMotionBeginsWhereOutlinesCross) {
+  const std::string crossed = R"(
+[ground]
+points = { A = [-0.1, -1], B = [-0.1, 1], C = [0.1, 1], D = [0.1, -1] }
+[body.bar]
+points = { P = [-1, -0.1], Q = [-1, 0.1], R = [1, 0.1], S = [1, -0.1] }
+mass = 1
+inertia = 0.3
+[[contact]]
+name = "post"
+outline = ["bar.P", "bar.Q", "bar.R", "bar.S"]
+closed = true
+against = ["ground.A", "ground.B", "ground.C", "ground.D"]
+against_closed = true
+[start.position]
+bar = [0, 0]
+)";
+  EXPECT_EQ(
+      test::message_of([&] { moved(crossed, 0.1); }),
+      "scene.toml:8: contact \"post\": the motion would begin where its outlines cross each other; expected a start "
+      "in which they are apart");
+  const std::string beside = crossed.substr(0, crossed.find("bar = [0, 0]")) + "bar = [1.2, 0]\n";
+  EXPECT_TRUE(moved(beside, 0.1).completed());
 }
 
 }  // namespace
