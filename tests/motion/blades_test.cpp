@@ -395,7 +395,7 @@ at = "one.C"
 vector = [3, 0]
 [[drive]]
 name = "condition"
-sum = [{ slide = "first" }, { factor = -2, slide = "second" }]
+sum = [{ factor = 1, slide = "first" }, { factor = -2, slide = "second" }]
 rate = 0.5
 )",
                                   "sum.toml");

@@ -216,13 +216,23 @@ free_length = 0.2
                      "blades.toml");
 }
 
+TEST(Variations, KnowConditionsOfBlades) {
+  Random random(20261129);
+  Compared compared;
+  for (int round = 0; round < 3; ++round) {
+    compare_all(on_blades(), random, compared);
+    compare_all(read_scene(test::dataset("machines/castor.toml")), random, compared);
+  }
+  EXPECT_EQ(compared.scenes, 6);
+  EXPECT_GE(compared.numbers, 100);
+}
+
 TEST(Variations, AreDerivativesOfScenesCompiledAnew) {
   Random random(20261128);
   Compared compared;
   for (const Scene& scene : {test::four_bar_with_everything(), test::four_bar_with_follower(), test::quick_return(),
                              test::quick_return_with_every_measure(), test::driven_five_bar(), test::rubbing_planet(),
-                             test::rubbing_rack(), test::rubbing_rollers(), on_blades(),
-                             read_scene(test::dataset("machines/castor.toml"))}) {
+                             test::rubbing_rack(), test::rubbing_rollers()}) {
     compare_all(scene, random, compared);
   }
   for (const std::string& name : test::scene_names()) {
