@@ -779,6 +779,7 @@ TEST(JsonDocs, Forces) {
        {{"forces", scene("redundant_parallelogram"), "--drive", "crank1=1"}},
        {{"forces", scene("offset_cam"), "--drive", "cam=0..90", "--steps", "3"}, with_csv},
        {{"forces", scene("offset_cam"), "--drive", "cam=30"}},
+       {{"forces", scene("machines/castor")}, with_csv},
        {{"forces", scene("friction/crank_press"), "--drive", "crank=0..90", "--rate", "1", "--steps", "2"}, with_csv},
        {{"forces", folder.write("crank.toml", slider_crank), "--drive", "rail=3.5..1.5"}},
        {{"forces", folder.write("valve.toml", valve), "--drive", "cam=0..6.28", "--rate", "314", "--steps", "9",
