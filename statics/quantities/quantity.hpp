@@ -52,9 +52,9 @@ struct SoughtQuantity {
   Kind kind = Kind::measure;
   Part part = Part::size;
   Measure on{};
-  int item = -1;             ///< index of Scene::elements, joints, stops, blades, bodies or flexible_links; of a mode, from 0
-  int other = -1;            ///< index of Scene::bodies
-  PointRef point{};          ///< where a push acts
+  int item = -1;     ///< index of Scene::elements, joints, stops, blades, bodies or flexible_links; of a mode, from 0
+  int other = -1;    ///< index of Scene::bodies
+  PointRef point{};  ///< where a push acts
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
