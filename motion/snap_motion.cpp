@@ -37,8 +37,8 @@ double time_of_first_peak(const Motion& motion) {
 
 SnapMotion snap_motion(const StaticModel& statics, const std::vector<double>& x, const SnapMotionOptions& options) {
   SnapMotion out;
-  refuse_controllers(statics.scene(), "motions from one equilibrium to the next");
   try {
+    refuse_controllers(statics.scene(), "motions from one equilibrium to the next");
     const MotionModel model(resisted_by_joints(statics.scene()));
     const std::vector<double> q = model.to_si(coordinates_in(model, statics, x));
     const MotionState start{q, std::vector<double>(q.size(), 0.0)};

@@ -53,8 +53,8 @@ void add_poles(Group& group, const std::string& key, const std::string& title, c
   for (const std::complex<double>& one : poles) largest = std::max(largest, std::abs(one));
   const Format format{.style = Format::Style::significant, .digits = pole_digits, .zero_below = no_part * largest};
   Table& table = group.table(key, title, Rows::columns);
-  table.numbers("re", "real (1/s)", "", each(poles, [](const auto& p) { return p.real(); }), format);
-  table.numbers("im", "imaginary (1/s)", "", each(poles, [](const auto& p) { return p.imag(); }), format);
+  table.numbers("re", "real", "1/s", each(poles, [](const auto& p) { return p.real(); }), format);
+  table.numbers("im", "imaginary", "1/s", each(poles, [](const auto& p) { return p.imag(); }), format);
   table.numbers("", "size", "Hz", each(poles, [](const auto& p) { return std::abs(p) / (2 * M_PI); }),
                 {.style = Format::Style::significant, .zero_below = no_part * largest});
   table.numbers(
