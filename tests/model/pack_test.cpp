@@ -219,6 +219,9 @@ std::vector<S> answers(const L& law, const S& g, const S& rate) {
   if constexpr (StoresEnergy<L>) {
     const LawForce<S> force = law.at_rest(g);
     out = {law.energy(g), force.value, force.by_measure};
+  } else if constexpr (requires { law.respond(ControlSignals<S>{}); }) {
+    const ControlOutputs<S> said = law.respond(ControlSignals<S>{g, rate, rate, g, rate});
+    out = {said.effort, said.integral, said.filtered, said.unlimited};
   } else {
     const LawForce<S> force = law.resisting(g, rate);
     out = {force.value, force.by_measure, force.by_rate};
