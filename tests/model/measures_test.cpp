@@ -86,7 +86,8 @@ class Placed {
 // Of random mechanisms, every other one with all of its coordinates: statics leaves some at their start values.
 void for_measures(const std::function<void(const Scene&, const Layout&, const Measure&, const std::vector<double>& q,
                                            Random&)>& expect) {
-  int kinds[10] = {};
+  constexpr int all = static_cast<int>(Measure::Kind::sum) + 1;
+  int kinds[all] = {};
   for (int loops = 1; loops <= 4; ++loops) {
     for (int k = 0; k < 4; ++k) {
       const auto seed = static_cast<std::uint64_t>(100 * loops + k);
@@ -105,7 +106,11 @@ void for_measures(const std::function<void(const Scene&, const Layout&, const Me
       }
     }
   }
-  for (const int count : kinds) EXPECT_GT(count, 8);
+  for (int kind = 0; kind < all; ++kind) {
+    // The slip on a cam needs a cam that is touched: RubbingCam has its derivatives.
+    if (kind == static_cast<int>(Measure::Kind::slip_on_cam)) continue;
+    EXPECT_GT(kinds[kind], 8) << kind;
+  }
 }
 
 bool has_travel(const Measure& measure) {
