@@ -82,7 +82,7 @@ Eigen::VectorXd least_change(const Reduced& reduced, const Eigen::MatrixXd& rows
   const Eigen::MatrixXd by = links->by_independent(reduced);
   if (change.size() == 0) return solvers::minimum_norm_solution<double>(by, -bending, solvers::known_to::closed_point);
   const solvers::LeastSquares<double> reached(rows);
-  const Eigen::VectorXd first = reached.solve(change);
+  Eigen::VectorXd first = reached.solve(change);
   const Eigen::MatrixXd open = reached.null_space();
   if (open.cols() == 0) return first;
   return first + open * solvers::minimum_norm_solution<double>(by * open, -(bending + by * first),

@@ -36,8 +36,8 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
   for (const int e : held) add_row(scene.elements[static_cast<std::size_t>(e)].on, -1, Dual(0.0));
   for (std::size_t b = 0; b < scene.blades.size(); ++b) {
     const Blade& blade = scene.blades[b];
-    blades_.push_back({compiled.measure(blade.turn()), compiled.measure(blade.x()), compiled.measure(blade.y()),
-                       numbers.blade_angle(static_cast<int>(b))});
+    blades_.emplace_back(compiled.measure(blade.turn()), compiled.measure(blade.x()), compiled.measure(blade.y()),
+                         numbers.blade_angle(static_cast<int>(b)));
     scratch = std::max(scratch, blades_.back().scratch_size());
   }
   blade_.resize(blades_.size());
