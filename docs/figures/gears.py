@@ -209,7 +209,7 @@ def geneva_outline(center: complex, slots: int, first: float, apart: float, pin:
 
 
 def geneva() -> Drawing:
-    drawing = Drawing("Geneva drive: slots, phase and offset", 290)
+    drawing = Drawing("Geneva drive: slots, phase and offset", 330)
     slots, apart, pin, crank = 4, 150.0, 13.0, 24.0
     k = math.sin(math.pi / slots)
     r = apart * k
@@ -236,7 +236,8 @@ def geneva() -> Drawing:
     panel.pin(complex(apart))
     panel.dimension(0, complex(apart), "c", -104)
     panel.text(complex(apart + 44, 2), "wheel", down=4)
-    panel.texts(-110 - 124j, ["r = c sin(pi / n), so that the pin enters along the slot;", "each turn moves the wheel by 2 pi / n"])
+    panel.texts(-110 - 124j, ["r = c sin(pi / n), so that the pin enters along the slot;", "each turn moves the wheel by 2 pi / n",
+                              '`bodies` = ["crank", "wheel"] on `carrier`; n = `slots`', "`offset`: the wheel's angle where psi = 0, in turn 0"])
     return drawing
 
 
@@ -313,7 +314,7 @@ def cam_share(turn: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def cam() -> Drawing:
-    drawing = Drawing("Cam: base, lift, roller and pressure angle", 408)
+    drawing = Drawing("Cam: base, lift, roller and pressure angle", 426)
     panel = drawing.panel(184 + 250j)
     base, lift, roller, at = 70.0, 66.0, 16.0, 52.0
     turns = np.linspace(0, 360, 721)
@@ -363,7 +364,8 @@ def cam() -> Drawing:
     panel.leader(complex(pitch[350]), complex(pitch[350]) + 24 - 14j, "pitch curve")
     panel.text(20 - 92j, "cam")
     panel.texts(-172 - 132j, ['`bodies` = ["ground", "cam"]: the angle of the cam',
-                              "`guided` = true: the roller runs in a groove, no lift-off"])
+                              "`guided` = true: the roller runs in a groove, no lift-off",
+                              "`friction` of an edge at `roller`; `restitution` of impacts"])
     return drawing
 
 
