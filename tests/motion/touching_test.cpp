@@ -558,9 +558,11 @@ radius = 0.1
 circle_radius = 0.3
 [start]
 position = {{ cylinder = [{:.17g}, {:.17g}] }}
+cylinder = {:.17g}
 ridge = {:.17g}
 )",
-                                       0.4 * std::sin(from), 0.4 * std::cos(from), std::numbers::pi / 2 - from);
+                                       0.4 * std::sin(from), 0.4 * std::cos(from), 4 * (std::numbers::pi / 2 - from),
+                                       std::numbers::pi / 2 - from);
   const MotionModel model(resisted_by_joints(parse_scene(text, "scene.toml")));
   MotionOptions options;
   options.duration = 5.0;
