@@ -236,8 +236,10 @@ def geneva() -> Drawing:
     panel.pin(complex(apart))
     panel.dimension(0, complex(apart), "c", -104)
     panel.text(complex(apart + 44, 2), "wheel", down=4)
-    panel.texts(-110 - 124j, ["r = c sin(pi / n), so that the pin enters along the slot;", "each turn moves the wheel by 2 pi / n",
-                              '`bodies` = ["crank", "wheel"] on `carrier`; n = `slots`', "`offset`: the wheel's angle where psi = 0, in turn 0"])
+    panel.texts(-110 - 124j, ["r = c sin(pi / n), so that the pin enters along the slot;",
+                              "each turn moves the wheel by 2 pi / n",
+                              '`bodies` = ["crank", "wheel"] on `carrier`; n = `slots`',
+                              "`offset`: the wheel's angle where psi = 0, in turn 0"])
     return drawing
 
 

@@ -177,7 +177,7 @@ class SceneBuilder:
         return self._add("stop", name, on, self._keys(keys))
 
     def blade(self, at: str, /, name: str = "", **keys: Any) -> SceneBuilder:
-        """A blade under a point: ``angle`` of its edge in the body of the point, and the body ``on`` which it stands."""
+        """A blade under a point: ``angle`` of its edge in the point's body, and the body ``on`` which it stands."""
         return self._add("blade", at, self._keys(keys), name)
 
     # Gears, cams, ropes, chains, slots, rolling wheels and profiles, whose tables docs/gears-cams-ropes.md,

@@ -150,8 +150,8 @@ std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose
 ///   nearest place of the line; all of it where the centre of mass is not the middle
 ///
 /// so that mass, centre and moment of inertia are those of the body. With a the acceleration of a place, linear along
-/// each straight part, N and V are quadratic there and M is cubic. Of a flexible link the mass is along its line; M at the
-/// points of Gauss is that of its springs.
+/// each straight part, N and V are quadratic there and M is cubic. Of a flexible link the mass is along its line; M at
+/// the points of Gauss is that of its springs.
 std::vector<LinkLoads> link_loads(const Scene& scene, const std::vector<BodyPose<double>>& poses,
                                   const ForcesInMotion& forces);
 

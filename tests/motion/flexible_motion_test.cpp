@@ -292,9 +292,9 @@ TEST(FlexibleMotion, ABeamThatSpinsIsInTension) {
   }
 }
 
-// A cantilever that a force bends within 0.08 s: its clamp, by inverse dynamics of all bodies, carries the moment and the forces at
-// the root; none is left at the free end, and at the ends of elements all agree from both sides; the more so the
-// shorter they are.
+// A cantilever that a force bends within 0.08 s: its clamp, by inverse dynamics of all bodies, carries the moment and
+// the forces at the root; none is left at the free end, and at the ends of elements all agree from both sides; the more
+// so the shorter they are.
 TEST(FlexibleMotion, LoadsOfABeamThatVibratesAreInBalance) {
   const auto scene = [](int elements) {
     return parse_scene(fmt::format(R"(
