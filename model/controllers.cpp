@@ -14,6 +14,17 @@ namespace {
                   scene.file, controller.line, controller.name, what, with));
 }
 
+/// Calls use(body) for each body that is a state of a controller.
+template <class Use>
+void for_each_state(const Scene& scene, Use use) {
+  for (const int e : controllers_of(scene)) {
+    const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
+    for (const int body : {feedback.integral, feedback.filter}) {
+      if (body >= 0) use(body);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<int> controllers_of(const Scene& scene) {
@@ -26,23 +37,13 @@ std::vector<int> controllers_of(const Scene& scene) {
 
 std::set<int> bodies_of_states(const Scene& scene) {
   std::set<int> out;
-  for (const int e : controllers_of(scene)) {
-    const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
-    for (const int body : {feedback.integral, feedback.filter}) {
-      if (body >= 0) out.insert(body);
-    }
-  }
+  for_each_state(scene, [&](int body) { out.insert(body); });
   return out;
 }
 
 std::vector<int> states_of_controllers(const Scene& scene, const Layout& layout) {
   std::vector<int> out;
-  for (const int e : controllers_of(scene)) {
-    const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
-    for (const int body : {feedback.integral, feedback.filter}) {
-      if (body >= 0) out.push_back(layout.links[static_cast<std::size_t>(body)].frame);
-    }
-  }
+  for_each_state(scene, [&](int body) { out.push_back(layout.links[static_cast<std::size_t>(body)].frame); });
   return out;
 }
 

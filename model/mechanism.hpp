@@ -301,8 +301,8 @@ class Mechanism {
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
   std::vector<int> resisting_;          // those that resist motion
   std::vector<Control> controls_;       // none in statics
-  // Of each of those that resist the three values of its LawForce, then Dg over its support; of each controller its
-  // effort, the changes of its states, then Dg.
+  // Each of those that resist has the three values of its LawForce there, then Dg over its support; each controller has
+  // its effort, the changes of its states, then Dg.
   int resistances_size_ = 0;
   std::vector<LoadAt> loads_;  // one per force; only for dynamics
   std::vector<int> torque_coordinate_;

@@ -75,10 +75,10 @@ class ProfileIn {
   static Piece standard(std::string_view law, double from, double to, double begin, double end);
   /// The names of these laws.
   static constexpr std::array<std::string_view, 4> laws{"dwell", "harmonic", "cycloidal", "polynomial_345"};
-  /// By how many slots the wheel of a Geneva drive has turned, at a share u of a turn of its crank from where the pin
-  /// is deepest in a slot: with the angle f = 2 pi u of the crank and k = sin(pi / slots), while the pin is in the
-  /// slot, cos f >= k,  P = slots / (2 pi) atan2(k sin f, 1 - k cos f);  else the wheel rests. P(u + 1) = P(u) + 1.
-  /// `slots` is at least 3.
+  /// It counts the slots by which the wheel of a Geneva drive has turned, at a share u of a turn of its crank from
+  /// where the pin is deepest in a slot: with the angle f = 2 pi u of the crank and k = sin(pi / slots), while the pin
+  /// is in the slot, cos f >= k,  P = slots / (2 pi) atan2(k sin f, 1 - k cos f);  else the wheel rests. P(u + 1) =
+  /// P(u) + 1. `slots` is at least 3.
   static ProfileIn geneva(int slots);
   /// The Spline through the points (u_k, P_k).
   static ProfileIn spline(const std::vector<C>& u, const std::vector<C>& p, bool periodic,

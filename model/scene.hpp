@@ -48,7 +48,7 @@ struct Body {
   int line = 0;          ///< in the scene file
   std::optional<CrossSection> section{};
 
-  /// Of bodies that are states of controllers, kg m^2: the energies that they have are less than the rounding of all
+  /// Bodies that are states of controllers have this inertia, kg m^2: their energies are less than the rounding of all
   /// others, and their accelerations are exact, because it is a power of two.
   static constexpr double inertia_of_states = 0x1p-120;
   static const std::array<Number, 4> numbers;

@@ -310,7 +310,7 @@ class InverseDynamics {
     }
   }
 
-  // Of a force of a blade on the body of its point, along a direction.
+  // The rate of work of a force of a blade on the body of its point, along a direction, is that against its other body.
   double work_of(const Blade& blade, Vec2 force, const std::vector<BodyMotion>& along) const {
     const Vec2 place = along[static_cast<std::size_t>(blade.at.body)].pose.world(scene_.local(blade.at));
     return dot(force, along[static_cast<std::size_t>(blade.at.body)].velocity_at(place) -

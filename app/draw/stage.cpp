@@ -105,7 +105,7 @@ std::vector<std::vector<Vec2>> shapes_by_contacts(const Scene& scene) {
   for (std::size_t s = 0; s < scene.stops.size(); ++s) {
     const Stop& stop = scene.stops[s];
     if (stop.table != "contact" || stop.on.outline.form != Outline::Form::polygon) continue;
-    // Of one between outlines, each of the two bodies has its own, which all corners of the other may touch.
+    // Where two outlines touch, each of the two bodies has its own, which all corners of the other may touch.
     std::map<int, std::vector<Edge>> edges;
     for (std::size_t part = s; part < s + static_cast<std::size_t>(stop.parts); ++part) {
       std::vector<Edge>& of_body = edges[scene.stops[part].on.outline.points.front().body];

@@ -184,7 +184,7 @@ void draw_motor(Canvas& canvas, Vec2 at, double radius, const Paint& paint) {
 
 namespace {
 
-// Of the disc: it ends beside the mouths of the slots.
+// The disc of this radius ends beside the mouths of the slots.
 double geneva_disc_radius(int slots) { return std::sin(M_PI / slots) - 2.2 * geneva_pin_radius(slots); }
 
 /// Adds points of an arc from one angle to another.

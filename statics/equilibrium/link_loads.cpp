@@ -574,7 +574,7 @@ class BentElement {
  public:
   BentElement(const Scene& scene, const std::vector<BodyPose<double>>& poses,
               const std::vector<BodyAcceleration>& accelerations, const FlexibleLink& link, std::size_t element) {
-    // Of what rests there are none.
+    // What rests has none.
     const auto acceleration = [&](std::size_t body) {
       return accelerations.empty() ? BodyAcceleration{} : accelerations[body];
     };

@@ -195,7 +195,7 @@ TEST(Blades, CastorShimmiesBeyondItsCriticalSpeed) {
   EXPECT_NEAR(roots_of_castor(1.1 * critical)[2].real(), 0.235189295, 1e-9);
 }
 
-// The same by the motion itself: a small oscillation grows or dies out at that rate.
+// In the motion itself a small oscillation grows or dies out at these rates.
 TEST(Blades, CastorMovesAsItsRootsSay) {
   for (const auto& [part, growth] : {std::pair(0.9, -0.236378824), std::pair(1.1, 0.235189295)}) {
     Scene scene = castor();

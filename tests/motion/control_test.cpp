@@ -135,7 +135,7 @@ TEST(Control, PidWithLimitsAndBackCalculationFollowsItsLinearPieces) {
                                           [&](double a, double b) { return std::abs(a - t) < std::abs(b - t); });
     EXPECT_NEAR(*nearest, t, 1e-10);
   }
-  // The same in other units of the scene: the block goes 1000 mm.
+  // In other units of the scene the block goes the same way, of 1000 mm.
   const Course in_mm = course(blocks("proportional = 0.008\nintegral = 0.006\nderivative = 0.003\nmin = -1\nmax = 1.5\n"
                                      "tracking_time = 0.4\nreference = 1000",
                                      "units = { length = \"mm\" }"),
@@ -325,7 +325,7 @@ TEST(Control, TheCartAndPoleHaveThePublishedMatrices) {
   MatrixXd by_references(4, 2);
   by_references << -b, 18.6853959 * b;
   expect_near(found.closed.b, by_references, 1e-6);
-  // Of Q = diag(5000, 0, 100, 0).
+  // These are the gains of Q = diag(5000, 0, 100, 0).
   Scene other = scene;
   set_value(other, "controller.place.proportional", -70.7106781);
   set_value(other, "controller.place.derivative", -37.8344540);

@@ -255,7 +255,7 @@ TEST(FlexibleMotion, TheRodOfASliderCrankBends) {
            4.63434311e-3 * 2 * pi / rod_length * std::cos(2 * pi * x / rod_length);
   };
   const double node[3] = {0.0, 0.5 - 0.5 / std::sqrt(5.0), 0.5 + 0.5 / std::sqrt(5.0)};
-  // That of the last node follows: the end stays on its line.
+  // The rate of the last node follows, because the end stays on its line.
   for (int k = 0; k < 3 * elements; ++k) {
     release.rates[fmt::format("rod.{}", k + 1)] = -75.0 + lateral_slope(rod_length / elements * (k / 3 + node[k % 3]));
   }

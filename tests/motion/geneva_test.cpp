@@ -55,7 +55,8 @@ struct Turned {
   double angle, by_crank, bend;
 };
 
-/// By trigonometry: the pin at r (cos f, sin f) from the crank's axis, and the slot from the wheel's axis at c to it.
+/// Trigonometry gives it: the pin is at r (cos f, sin f) from the crank's axis, and the slot goes from the wheel's axis
+/// at c to it.
 Turned turned(int slots, double crank) {
   const double step = 2 * pi / slots, k = std::sin(pi / slots);
   const double turns = std::round(crank / (2 * pi)), f = crank - 2 * pi * turns;
