@@ -17,12 +17,9 @@ namespace detail {
 
 void set_number_of_controller(Controller& controller, int id, double value) {
   const auto at = [&](int k) { return controller.values[static_cast<std::size_t>(k)]; };
-  if (id == Controller::min && controller.has(Controller::max) && !(value < at(Controller::max))) {
-    throw InputError("expected min < max; set the other limit first, or exchange them");
-  }
-  if (id == Controller::max && controller.has(Controller::min) && !(value > at(Controller::min))) {
-    throw InputError("expected min < max; set the other limit first, or exchange them");
-  }
+  const bool is_above = id == Controller::min && controller.has(Controller::max) && !(value < at(Controller::max));
+  const bool is_below = id == Controller::max && controller.has(Controller::min) && !(value > at(Controller::min));
+  if (is_above || is_below) throw InputError("expected min < max; set the other limit first, or exchange them");
   if (id == Controller::integral && controller.has(Controller::tracking_time) && value == 0.0) {
     throw InputError("expected an integral gain other than 0, which tracking_time is of");
   }

@@ -25,6 +25,13 @@ std::string title_of(const MotionModel& model, int blade) {
   return fmt::format("{}:{}: blade \"{}\"", model.scene().file, of.line, of.name);
 }
 
+/// A of one blade, by all coordinates.
+std::vector<double> row_of(const Reduced& motion, int blade) {
+  std::vector<double> out(static_cast<std::size_t>(motion.coordinates()), 0.0);
+  motion.add_blade(blade, out.data());
+  return out;
+}
+
 void refuse_friction_with_blades(const Scene& scene) {
   const auto refuse = [&](int line, const std::string& item) {
     throw InputError(fmt::format(
@@ -47,11 +54,9 @@ void refuse_friction_with_blades(const Scene& scene) {
 
 Eigen::MatrixXd blade_conditions(const Reduced& motion) {
   Eigen::MatrixXd out(motion.blades(), motion.freedoms());
-  std::vector<double> row(static_cast<std::size_t>(motion.coordinates()));
-  const Eigen::Map<const Eigen::VectorXd> A(row.data(), static_cast<Index>(row.size()));
   for (int b = 0; b < motion.blades(); ++b) {
-    std::fill(row.begin(), row.end(), 0.0);
-    motion.add_blade(b, row.data());
+    const std::vector<double> row = row_of(motion, b);
+    const Eigen::Map<const Eigen::VectorXd> A(row.data(), static_cast<Index>(row.size()));
     for (int k = 0; k < motion.freedoms(); ++k) {
       out(b, k) = A.dot(Eigen::Map<const Eigen::VectorXd>(motion.B(k), A.size()));
     }
@@ -83,11 +88,9 @@ void refuse_idle_blades(const MotionModel& model, const Reduced& motion) {
   if (motion.blades() == 0) return;
   refuse_friction_with_blades(model.scene());
   const Eigen::MatrixXd conditions = blade_conditions(motion);
-  std::vector<double> row(static_cast<std::size_t>(motion.coordinates()));
   for (int b = 0; b < motion.blades(); ++b) {
     const Blade& blade = model.scene().blades[static_cast<std::size_t>(b)];
-    std::fill(row.begin(), row.end(), 0.0);
-    motion.add_blade(b, row.data());
+    const std::vector<double> row = row_of(motion, b);
     double terms = 0.0;
     for (int k = 0; k < motion.freedoms(); ++k) {
       for (std::size_t i = 0; i < row.size(); ++i) terms += std::abs(row[i] * motion.B(k)[i]);
@@ -111,10 +114,8 @@ void refuse_idle_blades(const MotionModel& model, const Reduced& motion) {
 }
 
 void refuse_rates_across_blades(const MotionModel& model, const Reduced& motion) {
-  std::vector<double> row(static_cast<std::size_t>(motion.coordinates()));
   for (int b = 0; b < motion.blades(); ++b) {
-    std::fill(row.begin(), row.end(), 0.0);
-    motion.add_blade(b, row.data());
+    const std::vector<double> row = row_of(motion, b);
     double terms = 0.0;
     for (std::size_t i = 0; i < row.size(); ++i) terms += std::abs(row[i] * motion.v()[i]);
     if (std::abs(motion.blade_rate(b)) <= rounding_of_conditions * terms) continue;
