@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -249,6 +250,10 @@ class ReducedMotion {
   void add_blade(int k, T* row) const { blades_[k].add(here(), T(1), row); }
   /// After move(): the rate A v across the edge.
   T blade_rate(int k) const { return blades_[k].along(here(), v_.data()); }
+  /// Its change along dq and dv, n values each.
+  T blade_rate_change(int k, const T* dq, const T* dv);
+  /// After influence() of one that moves(): its derivative by the number, at constant z and w.
+  T blade_rate_p(int k) { return direct_.blade_rate[k] + blade_rate_change(k, q_p(), v_p()); }
   /// After accelerate(): takes the rates across blades out of w, by impulses of the blades; f values.
   void hold_blades(T* w) const;
 
@@ -366,9 +371,12 @@ class ReducedMotion {
   struct Branch {
     T by_at{}, by_end{};
   };
-  // c, J v, the second derivatives of c, G + J^T multipliers, and c_i |R|_i: their direct derivatives by a number.
+  // c, J v, the second derivatives of c, G + J^T multipliers, c_i |R|_i, and A v and h of blades: their direct
+  // derivatives by a number.
   struct Direct {
-    std::vector<T> gap, rate, acceleration, force, bound, blade;  // of a blade that of h
+    std::vector<T> gap, rate, acceleration, force, bound, blade_rate, blade;
+
+    std::array<std::vector<T>*, 7> parts() { return {&gap, &rate, &acceleration, &force, &bound, &blade_rate, &blade}; }
   };
   template <class S>
   friend class ReducedMotion;

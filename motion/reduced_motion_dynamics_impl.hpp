@@ -233,10 +233,7 @@ void ReducedMotion<T>::jump(const T* steps, const T* impulse) {
 template <class T>
 void ReducedMotion<T>::jump_change(const T* dq, const T* steps, const Influence* influence, T* change,
                                    const T* impulse) {
-  for (auto* part :
-       {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound, &direct_.blade}) {
-    std::fill(part->begin(), part->end(), T(0));
-  }
+  for (auto* part : direct_.parts()) std::fill(part->begin(), part->end(), T(0));
   if (influence != nullptr && influence->variation >= 0) add_direct(static_cast<std::size_t>(influence->variation));
   if (influence != nullptr && influence->body >= 0) {
     add_influence(*influence, a_.data(), second_.data(), direct_.force.data());
@@ -478,7 +475,7 @@ template <class T>
 void ReducedMotion<T>::add_direct(std::size_t variation) {
   VariationTerms& terms = variations_->terms[variation];
   terms.add(variations_->state, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(),
-            direct_.force.data(), direct_.blade.data());
+            direct_.force.data(), direct_.blade_rate.data(), direct_.blade.data());
   for (std::size_t i = 0; gripping_ && !jumps_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
@@ -520,10 +517,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     if (gripping_) let_friction_follow(nullptr, nullptr, full_.data(), alpha);
     return;
   }
-  for (auto* part :
-       {&direct_.gap, &direct_.rate, &direct_.acceleration, &direct_.force, &direct_.bound, &direct_.blade}) {
-    std::fill(part->begin(), part->end(), T(0));
-  }
+  for (auto* part : direct_.parts()) std::fill(part->begin(), part->end(), T(0));
   if (influence.drive >= 0) {
     add_drive_number(influence.drive, influence.drive_number, static_cast<T>(influence.by));
   } else {
@@ -541,6 +535,15 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
   }
   solve_rows(direct_.gap.data(), q_p_.data());
   linearize_pose(q_p_.data(), &direct_, v_p_.data(), a_p_.data(), alpha);
+}
+
+template <class T>
+T ReducedMotion<T>::blade_rate_change(int k, const T* dq, const T* dv) {
+  std::fill(full_.begin(), full_.end(), T(0));
+  blades_[k].add_change(here(), dq, T(1), full_.data());
+  T out = blades_[k].along(here(), dv);
+  for (int i = 0; i < n_; ++i) out += full_[i] * v_[i];
+  return out;
 }
 
 template <class T>

@@ -47,7 +47,9 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
     full->assign(n, T(0));
   }
   blade_rows_.assign(blades_.size() * n, T(0));
-  for (auto* each : {&blade_multipliers_, &blade_work_, &direct_.blade}) each->assign(blades_.size(), T(0));
+  for (auto* each : {&blade_multipliers_, &blade_work_, &direct_.blade_rate, &direct_.blade}) {
+    each->assign(blades_.size(), T(0));
+  }
   blade_factors_.assign(blades_.size() * blades_.size(), T(0));
   const std::size_t k = grips_.size();
   for (auto* each : {&directions_, &efforts_, &sizes_, &grip_work_, &grip_step_, &grip_fixed_, &direct_.bound})

@@ -163,7 +163,6 @@ class Simulation {
 
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
-    if (options_.sensitivities) refuse_blades(model_.scene(), "derivatives of a motion");
     if (!options_.sensitivities || !friction_.acts()) return;
     const auto refuse = [&](const TimeFunction& function, int number, double) {
       if (function.is_smooth_in(number)) return;

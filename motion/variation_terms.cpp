@@ -40,7 +40,7 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
                          numbers.blade_angle(static_cast<int>(b)));
     scratch = std::max(scratch, blades_.back().scratch_size());
   }
-  blade_.resize(blades_.size());
+  for (auto* each : {&blade_rate_, &blade_}) each->resize(blades_.size());
   input_forces_.set_inputs(numbers, inputs);
   for (std::size_t i = 0; i < grips.size(); ++i) {
     const auto [joint, stop] = grips[i];
@@ -78,6 +78,7 @@ void VariationTerms::add_blades(VariedState& state) {
   Planar<Dual>* pose = state.pose.data();
   const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};
   for (std::size_t b = 0; b < blades_.size(); ++b) {
+    blade_rate_[b] = blades_[b].along(here, state.v.data());
     blade_[b] = blades_[b].acceleration(here, state.v.data(), state.a.data());
     blades_[b].add(here, state.blade_multipliers[b], force_.data());
   }

@@ -36,9 +36,9 @@ struct VariedState {
 };
 
 /// What changes with a number of a scene at fixed coordinates, rates, accelerations, multipliers and efforts: the gaps
-/// c of closures and drives, J v less the rates of drives, J a + D2c[v, v] less their accelerations; h of
-/// blades; and G + J^T multipliers. By the number as it moves geometry, inertia and forces: numbers of drives and of
-/// functions of time are left to the caller.
+/// c of closures and drives, J v less the rates of drives, J a + D2c[v, v] less their accelerations; A v and
+/// h of blades; and G + J^T multipliers. By the number as it moves geometry, inertia and forces: numbers of drives and
+/// of functions of time are left to the caller.
 class VariationTerms {
  public:
   using Dual = VariedModel::Dual;
@@ -51,9 +51,10 @@ class VariationTerms {
 
   /// Room that VariedState::pose must have.
   std::size_t pose_size() const { return pose_size_; }
-  /// Adds the derivatives of rows and forces, equalities() and drives, and n values, and of each blade that of h.
+  /// Adds the derivatives of rows and forces, equalities() and drives, and n values, and of each blade those of A v
+  /// and h.
   template <class T>
-  void add(VariedState& state, T* gap, T* rate, T* acceleration, T* force, T* blade) {
+  void add(VariedState& state, T* gap, T* rate, T* acceleration, T* force, T* blade_rate, T* blade) {
     evaluate(state);
     for (std::size_t r = 0; r < gap_.size(); ++r) {
       gap[r] += T(gap_[r].v[0]);
@@ -61,7 +62,10 @@ class VariationTerms {
       acceleration[r] += T(acceleration_[r].v[0]);
     }
     for (std::size_t i = 0; i < force_.size(); ++i) force[i] += T(force_[i].v[0]);
-    for (std::size_t b = 0; b < blade_.size(); ++b) blade[b] += T(blade_[b].v[0]);
+    for (std::size_t b = 0; b < blade_.size(); ++b) {
+      blade_rate[b] += T(blade_rate_[b].v[0]);
+      blade[b] += T(blade_[b].v[0]);
+    }
   }
 
   /// The derivatives of grip_factor() of the joint grips[i], or of its stop's coefficient, and of the direction of its
@@ -93,7 +97,7 @@ class VariationTerms {
   std::vector<Vec2> axes_;
   std::size_t pose_size_ = 0;
   std::vector<BladeRow<Dual>> blades_;
-  std::vector<Dual> gap_, rate_, acceleration_, force_, blade_, jacobian_, resistances_;
+  std::vector<Dual> gap_, rate_, acceleration_, force_, blade_rate_, blade_, jacobian_, resistances_;
   std::vector<Planar<Dual>> work_;
 };
 

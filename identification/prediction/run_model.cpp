@@ -48,6 +48,7 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   take_inputs();
   start_unknown_ = run_.unknown_start;
   equilibrium_unknown_ = run_.equilibrium && run_.equilibrium->unknown;
+  refuse_start_across_blades();
   const MotionModel as_written(scene_);
   scales_ = as_written.scales();
   size_ = as_written.layout().size * scales_.length;
@@ -58,6 +59,16 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
   if (!start_unknown_ && !run_.is_simulated()) first_readings_ = &experiment.records[run];
   release(assembled);
   take_times(run);
+}
+
+/// Unknown rates of a start could go across blades.
+void RunModel::refuse_start_across_blades() const {
+  if (!start_unknown_ || scene_.blades.empty()) return;
+  throw InputError(at_line(experiment_.file_of(run_.part), run_.line) +
+                   fmt::format("run \"{}\".start_known: expected true, since the start of a motion on blades (\"{}\") "
+                               "is not estimated; add start_known = true, with release and release_rate where it "
+                               "does not start at rest",
+                               run_.name, scene_.blades.front().name));
 }
 
 void RunModel::take_inputs() {

@@ -184,6 +184,7 @@ class RunModel {
   void vary(const std::shared_ptr<const MotionModel>& model, Built& out) const;
   void vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const;
   void refuse_what_opens_loops(const MotionModel& model, const Built& built) const;
+  void refuse_start_across_blades() const;
   void take_inputs();
   VaryingNumbers varying_numbers() const;
   std::unique_ptr<const MotionModel> assemble();

@@ -13,6 +13,7 @@
 
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/run_model.hpp"
+#include "motion/blades.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -20,13 +21,15 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Coordinates, or their rates, that a start gives: how they change with the independent ones.
+/// Coordinates, or their rates, that a start gives: how they change with the independent ones. Of rates, blades give
+/// that across each of them.
 class GivenCoordinates {
  public:
   /// Begins with those of the parts of a start, or with their rates.
   template <class Parts>
   GivenCoordinates(const Reduced& reduced, const Parts& parts, bool rate)
       : reduced_(reduced), rows_(0, reduced.freedoms()) {
+    if (rate) rows_ = blade_conditions(reduced);
     for (const auto& part : parts) {
       if (part.value.rate == rate) add(part.value.coordinate);
     }
@@ -199,7 +202,7 @@ std::vector<double> RunModel::independent_of(const MotionState& state) const {
 }
 
 /// How a known start depends on the numbers p. In it the coordinates S q(z, p) are s(p), and the rates S' v(z, w, p)
-/// are those that are given:
+/// are those that are given, those across blades among them:
 ///   S B z_p = s_p - S q_p,   S' B w_p = -S' (v_p + sum_k v_z_k z_p_k).
 void RunModel::vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const {
   const auto f = static_cast<std::size_t>(freedoms_);
@@ -245,14 +248,18 @@ void RunModel::vary_start(const MotionModel& model, const std::vector<double>& a
     rates[f + k] /= is_angle ? 1.0 : scales_.length;
   }
   if (!stand(out.start.q, rates.data() + f)) throw InputError("its motion cannot be computed where it starts");
-  const auto solve = [&](bool rate, const auto& right_side) {
+  // `across` is what the rates across blades have to change by.
+  const auto solve = [&](bool rate, const auto& right_side, const Eigen::VectorXd& across) {
     std::vector<std::pair<const StartPart*, int>> rows;
     for (const StartPart& part : parts) {
       if (part.value.rate == rate) rows.emplace_back(&part, part.value.coordinate);
     }
-    if (rows.empty()) return Eigen::VectorXd(Eigen::VectorXd::Zero(freedoms_));
-    Eigen::MatrixXd B(rows.size(), f);
-    Eigen::VectorXd right(rows.size());
+    const auto given = static_cast<Eigen::Index>(rows.size());
+    if (given + across.size() == 0) return Eigen::VectorXd(Eigen::VectorXd::Zero(freedoms_));
+    Eigen::MatrixXd B(given + across.size(), f);
+    Eigen::VectorXd right(B.rows());
+    if (across.size() > 0) B.bottomRows(across.size()) = blade_conditions(motion);
+    right.tail(across.size()) = across;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const auto row = static_cast<Eigen::Index>(r);
       for (int k = 0; k < freedoms_; ++k) B(row, k) = motion.B(k)[rows[r].second];
@@ -264,22 +271,33 @@ void RunModel::vary_start(const MotionModel& model, const std::vector<double>& a
     const Influence& influence = out.influences[i];
     if (!influence.moves()) continue;
     const Eigen::VectorXd places_by = q_p(i);
-    const Eigen::VectorXd z = solve(false, [&](const StartPart& part, int c) {
-      double own = part.from_equilibrium ? equilibrium_by[i][c] : 0.0;
-      if (part.on && influence.variation >= 0) {
-        Sensor sensor;
-        sensor.on = *part.on;
-        SensorVariation zero(out.variations[static_cast<std::size_t>(influence.variation)], sensor);
-        const std::vector<double> none(zero.coordinates().size(), 0.0);
-        own -= zero.read(none.data(), none.data());
-      }
-      return own - places_by[c];
-    });
-    const Eigen::VectorXd w = solve(true, [&](const StartPart&, int c) {
-      double change = motion.v_p()[c];
-      for (int k = 0; k < freedoms_; ++k) change += motion.v_z(k)[c] * z[k];
-      return -change;
-    });
+    const Eigen::VectorXd z = solve(
+        false,
+        [&](const StartPart& part, int c) {
+          double own = part.from_equilibrium ? equilibrium_by[i][c] : 0.0;
+          if (part.on && influence.variation >= 0) {
+            Sensor sensor;
+            sensor.on = *part.on;
+            SensorVariation zero(out.variations[static_cast<std::size_t>(influence.variation)], sensor);
+            const std::vector<double> none(zero.coordinates().size(), 0.0);
+            own -= zero.read(none.data(), none.data());
+          }
+          return own - places_by[c];
+        },
+        Eigen::VectorXd());
+    Eigen::VectorXd across(motion.blades());
+    for (int b = 0; b < motion.blades(); ++b) {
+      across[b] = -motion.blade_rate_p(b);
+      for (int k = 0; k < freedoms_; ++k) across[b] -= z[k] * motion.blade_rate_change(b, motion.B(k), motion.v_z(k));
+    }
+    const Eigen::VectorXd w = solve(
+        true,
+        [&](const StartPart&, int c) {
+          double change = motion.v_p()[c];
+          for (int k = 0; k < freedoms_; ++k) change += motion.v_z(k)[c] * z[k];
+          return -change;
+        },
+        across);
     for (std::size_t k = 0; k < f; ++k) {
       const double unit = independent_[k] < model.layout().angles ? 1.0 : scales_.length;
       out.released_by[2 * f * i + k] = unit * z[static_cast<Eigen::Index>(k)];
