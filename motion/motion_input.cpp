@@ -13,9 +13,13 @@ std::vector<MotionInput> scaled(std::vector<MotionInput> inputs, const Scene& sc
       input.unit *= dimension::length.per_scale(scales);
       continue;
     }
-    const Dimension dimension = input.of == MotionInput::Of::force    ? scene.forces[input.item].numbers()[0].dimension
-                                : input.of == MotionInput::Of::torque ? dimension::torque
-                                                                      : scene.drives[input.item].on.dimension();
+    const Dimension dimension =
+        input.of == MotionInput::Of::force    ? scene.forces[input.item].numbers()[0].dimension
+        : input.of == MotionInput::Of::torque ? dimension::torque
+        : input.of == MotionInput::Of::element
+            ? numbers_of(scene.elements[input.item].law)[static_cast<std::size_t>(input.part)].dimension_on(
+                  &scene.elements[input.item].on)
+            : scene.drives[input.item].on.dimension();
     input.unit *= dimension.per_scale(scales);
   }
   return inputs;
@@ -50,7 +54,8 @@ std::vector<MotionInput> with_inputs_of(const Scene& scene, std::vector<MotionIn
   const auto given = static_cast<std::ptrdiff_t>(inputs.size());
   for (MotionInput& own : inputs_of(scene)) {
     const bool replaced = std::any_of(inputs.begin(), inputs.begin() + given, [&](const MotionInput& other) {
-      return other.of == own.of && other.item == own.item;
+      const bool of_one_item = other.of == own.of && other.item == own.item;
+      return of_one_item && (own.of != MotionInput::Of::element || other.number() == own.number());
     });
     if (!replaced) inputs.push_back(std::move(own));
   }

@@ -9,10 +9,11 @@
 namespace poise {
 
 /// A load or a drive of the scene that follows a curve of time during a motion: the magnitude of a force along its
-/// direction, N, a torque, N m, or the value of a driven measure, rad or m. It takes the place of the scene's numbers;
-/// or, of a load, its curve c(t), a number, multiplies the scene's:  load = c(t) times the load of the scene.
+/// direction, N, a torque, N m, a number of a force element, SI, or the value of a driven measure, rad or m. It takes
+/// the place of the scene's numbers; or, but for drives, its curve c(t), a number, multiplies the scene's:
+///   load = c(t) times the load of the scene.
 struct MotionInput {
-  /// Or, as TimeFunction says, a number of a spring and the frame: those of the scene alone.
+  /// Or, as TimeFunction says, the frame: that of the scene alone.
   using Of = TimeFunction::Of;
   Of of = Of::torque;
   int item = 0;  ///< index into Scene::forces, torques, drives or elements
@@ -20,12 +21,15 @@ struct MotionInput {
   double unit = 1.0;  ///< of the curve, in the units of the scene that the motion is computed in
   bool multiplies = false;
   std::shared_ptr<const TimeFunction> function{};  ///< of the scene, SI, in place of a curve
+  int part = 0;  ///< of an element that follows a curve: which of the numbers of its law does
 
   /// The value or a derivative by time, times the unit; `near` as of TimeFunction.
   double at(double t, int derivative, double near) const {
     return unit * (function ? function->at(t, derivative, near) : curve->at(t, derivative));
   }
   bool is_load() const { return of == Of::force || of == Of::torque; }
+  /// Of an element: which of the numbers of its law it is of.
+  int number() const { return function ? function->part : part; }
   /// Times at which a motion must not be smooth.
   std::vector<double> breaks() const { return function ? function->breaks() : curve->breaks(); }
   /// Whether accelerations may jump there.
@@ -102,19 +106,19 @@ class InputLoad {
   mutable std::vector<Planar<T>> derivative_;  // of the path
 };
 
-/// A spring or damper of which numbers are multiplied by functions of time. Of a spring its force, less that which the
-/// compiled mechanism has in its place; the mechanism takes the law of a damper itself (InputForces::laws()).
+/// A force element of which numbers follow time. Of a spring its force, less that which the compiled mechanism has in
+/// its place; the mechanism takes the law of a damper itself (InputForces::laws()).
 template <class T>
 class InputSpring {
  public:
-  /// `functions` are all of one element, the first of them is not empty.
-  InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions);
+  /// `inputs` are all of one element, one at least.
+  InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> inputs);
 
-  int element() const { return functions_.front().item; }
+  int element() const { return inputs_.front().item; }
   /// The law with the numbers of the time.
   const LawIn<T>& law() const { return law_; }
   void set(double t, double near);
-  /// Sets the numbers by value(function), what each function has at the time.
+  /// Sets the numbers by value(input), what each input has at the time.
   template <class Value>
   void set_values(Value value);
   /// g += the generalized force in the pose, n values.
@@ -128,7 +132,7 @@ class InputSpring {
   LawForce<T> extra_force(Planar<T>* pose) const;
 
   const Mechanism<T>& mechanism_;
-  std::vector<MotionInput> functions_;
+  std::vector<MotionInput> inputs_;
   std::vector<NumberOfLaw<T>> written_, values_;  // numbers of the law
   LawIn<T> law_;                                  // with values_
   double t_ = 0.0, near_ = 0.0;

@@ -103,9 +103,9 @@ std::vector<N> numbers_of_spring(const LawOf<N>& law) {
 }  // namespace detail
 
 template <class T>
-InputSpring<T>::InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> functions)
+InputSpring<T>::InputSpring(const Mechanism<T>& mechanism, std::vector<MotionInput> inputs)
     : mechanism_(mechanism),
-      functions_(std::move(functions)),
+      inputs_(std::move(inputs)),
       written_(detail::numbers_of_spring(mechanism.law_of(element()))),
       values_(written_),
       law_(mechanism.law_of(element())) {}
@@ -120,10 +120,10 @@ void InputSpring<T>::set(double t, double near) {
 template <class T>
 template <class Value>
 void InputSpring<T>::set_values(Value value) {
-  for (const MotionInput& one : functions_) {
-    const auto k = static_cast<std::size_t>(one.function->part);
+  for (const MotionInput& one : inputs_) {
+    const auto k = static_cast<std::size_t>(one.number());
     // A free length of zero that is multiplied stays zero.
-    if (k < values_.size()) values_[k] = value(one) * written_[k];
+    if (k < values_.size()) values_[k] = one.multiplies ? value(one) * written_[k] : value(one);
   }
   std::visit([&](auto& law) { law = law.with(values_.data()); }, law_);
 }
@@ -149,11 +149,11 @@ void InputSpring<T>::add_change(Planar<T>* pose, const T* dq, T* g) const {
 template <class T>
 void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const {
   T factor = by;
-  for (const MotionInput& one : functions_) {
-    if (one.function->part != number.number) continue;
+  for (const MotionInput& one : inputs_) {
+    if (one.number() != number.number) continue;
     const auto k = static_cast<std::size_t>(number.number);
-    factor = factor * (number.time_number < 0 ? static_cast<T>(one.at(t_, 0, near_))
-                       : k < written_.size()
+    factor = factor * (number.time_number < 0 ? (one.multiplies ? static_cast<T>(one.at(t_, 0, near_)) : T(0))
+                       : one.function && k < written_.size()
                            ? T(written_[k]) * static_cast<T>(one.function->by(number.time_number, t_, 0, near_))
                            : T(0));
   }
@@ -172,13 +172,13 @@ void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector
   loads_.clear();
   springs_.clear();
   frames_.clear();
-  std::map<int, std::vector<MotionInput>> of_springs;
+  std::map<int, std::vector<MotionInput>> of_elements;
   for (const MotionInput& input : inputs) {
     if (input.is_load()) loads_.emplace_back(numbers, mechanism_, input);
     if (input.of == MotionInput::Of::frame) frames_.push_back(input);
-    if (input.of == MotionInput::Of::element) of_springs[input.item].push_back(input);
+    if (input.of == MotionInput::Of::element) of_elements[input.item].push_back(input);
   }
-  for (auto& [element, functions] : of_springs) springs_.emplace_back(mechanism_, std::move(functions));
+  for (auto& [element, some] : of_elements) springs_.emplace_back(mechanism_, std::move(some));
   const bool some_resist = std::any_of(springs_.begin(), springs_.end(), [](const InputSpring<T>& one) {
     return resists_motion(one.law()) || controller_of(one.law()) != nullptr;
   });

@@ -135,8 +135,9 @@ Tangent<double> ProfileBorders::in_time(const OfController& controller, const Re
   const double t = motion.time(), near = std::isnan(motion.near()) ? t : motion.near();
   for (const MotionInput& input : motion.inputs()) {
     if (input.of != MotionInput::Of::element || input.item != controller.element) continue;
-    Tangent<double>& number = numbers[static_cast<std::size_t>(input.function->part)];
-    number = number * Tangent<double>{input.at(t, 0, near), input.at(t, 1, near)};
+    Tangent<double>& number = numbers[static_cast<std::size_t>(input.number())];
+    const Tangent<double> now{input.at(t, 0, near), input.at(t, 1, near)};
+    number = input.multiplies ? number * now : now;
   }
   const ControllerOf<Tangent<double>> now = law.with(numbers.data());
   const ControlSignals<double> at = m.signals_of(controller.element, pose_.data(), motion.v());

@@ -64,7 +64,10 @@ class ExperimentReader {
     for (const KnownNumber& known : experiment_.known) {
       check_label(fmt::format("known \"{}\"", known.path), known.line, known.per);
     }
-    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) check_is_read(k);
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+      check_is_read(k);
+      check_is_constant(experiment_.sensors[k]);
+    }
     guess_noise();
     if (const auto plan = root_.find_table("plan")) experiment_.plan = read_plan(*plan, names, experiment_);
     return std::move(experiment_);
@@ -82,7 +85,6 @@ class ExperimentReader {
     }
     experiment_.scene = is_given ? *options.scene : read_scene(scene);
     refuse_rubbing_ropes(experiment_.scene, "identification");
-    refuse_blades(experiment_.scene, "experiments");
     experiment_.changes = read_parameter_changes(root_, experiment_.scene);
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }
@@ -552,6 +554,27 @@ class ExperimentReader {
              fmt::format("expected a number that no equilibrium position sets, rest of run \"{}\" sets it in line "
                          "{}; take one of the two out",
                          run.name, run.equilibrium->line));
+      }
+    }
+  }
+
+  /// A force that is read is one of the numbers of the scene, not of the time.
+  void check_is_constant(const Sensor& sensor) const {
+    if (!sensor.reads_force()) return;
+    const auto fail = [&](const std::string& what) {
+      TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".force"}.fail(
+          "expected an element with constant numbers, found \"" +
+          experiment_.scene.elements[static_cast<std::size_t>(sensor.element)].name + "\", of which " + what +
+          "; read another quantity");
+    };
+    for (const TimeFunction& function : experiment_.scene.time_functions) {
+      if (function.of == TimeFunction::Of::element && function.item == sensor.element) fail("one follows time");
+    }
+    for (const Run& run : experiment_.runs) {
+      for (const RunInput& input : run.inputs) {
+        if (input.motion.of == MotionInput::Of::element && input.motion.item == sensor.element) {
+          fail(fmt::format("one is an input of run \"{}\"", run.name));
+        }
       }
     }
   }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "model/dependent_number.hpp"
+#include "model/laws/laws.hpp"
 #include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "solvers/quintic_spline.hpp"
@@ -15,7 +17,18 @@ namespace poise {
 namespace {
 namespace fs = std::filesystem;
 
-/// The load or drive of a path.
+/// Whether numbers of a law may follow readings. Those of the points of a curve do not.
+bool may_follow(const Law& law) {
+  return std::visit(
+      []<class L>(const L&) {
+        return std::is_same_v<L, LinearSpring> || std::is_same_v<L, CubicSpring> ||
+               std::is_same_v<L, PreloadedSpring> || std::is_same_v<L, ConstantForce> || std::is_same_v<L, Damper> ||
+               std::is_same_v<L, DragDamper> || std::is_same_v<L, Controller>;
+      },
+      law);
+}
+
+/// The load, drive or number of a force element of a path.
 RunInput find_input(const std::string& path, const TomlPlace& place, const Scene& scene) {
   RunInput input;
   input.path = path;
@@ -42,10 +55,22 @@ RunInput find_input(const std::string& path, const TomlPlace& place, const Scene
   for (std::size_t i = 0; i < scene.drives.size(); ++i) {
     if (is_it("drive." + scene.drives[i].name, MotionInput::Of::drive, i)) return input;
   }
+  for (const ParameterRow& row : parameter_table(scene)) {
+    if (row.place.owner != Owner::element) continue;
+    const Element& element = scene.elements[static_cast<std::size_t>(row.place.item)];
+    if (!may_follow(element.law)) continue;
+    if (!is_it(row.path.text(), MotionInput::Of::element, static_cast<std::size_t>(row.place.item))) continue;
+    if (dependent_number(scene, row.place) != nullptr) {
+      place.fail("expected a number in the scene, whose place the input takes, found an expression; write its value");
+    }
+    input.motion.part = row.place.number;
+    return input;
+  }
   if (valid.empty()) {
     place.fail("expected a load or drive of the scene, which has none; add a force, torque or drive to it");
   }
-  place.fail("expected load.NAME of a force or torque, or drive.NAME, in quotes" + did_you_mean_or_list(path, valid));
+  place.fail("expected load.NAME of a force or torque, drive.NAME, or a number of a force element, in quotes" +
+             did_you_mean_or_list(path, valid));
 }
 
 /// The SI value of the unit of an input.
@@ -83,7 +108,8 @@ void read_table(const TomlTable& table, const fs::path& folder, InputTable& inpu
   if (input.input.motion.multiplies) {
     const std::vector<MotionInput> functions = inputs_of(scene);
     if (std::any_of(functions.begin(), functions.end(), [&](const MotionInput& one) {
-          return one.of == input.input.motion.of && one.item == input.input.motion.item;
+          return one.of == input.input.motion.of && one.item == input.input.motion.item &&
+                 (one.of != MotionInput::Of::element || one.number() == input.input.motion.number());
         })) {
       table.place_of("multiplies")
           .fail(
