@@ -464,7 +464,10 @@ constexpr std::array<CouplingPart, 2> play_parts{CouplingPart{Of::lower, 0, 0, -
 
 constexpr auto contact_part_tables = indexed_keys<most_contact_parts>("contact_part");
 
-constexpr std::array<CouplingKind, 31> kinds_without_parts{
+// Of two curves, which have no parts.
+constexpr std::array<Number, 2> curve_contact_numbers{contact_radius, Stop::restitution_number()};
+
+constexpr std::array<CouplingKind, 35> kinds_without_parts{
     {{"gear", gear_numbers, factor_and_backlash},
      {"belt", belt_numbers, factor_and_value},
      {"rack", rack_numbers, factor_and_backlash},
@@ -495,7 +498,11 @@ constexpr std::array<CouplingKind, 31> kinds_without_parts{
      {"rolling_profile_on_circle_friction", {}, circle_profile_friction, 1},
      {"rolling_profile_on_circle_tangent", {}, {}, 2},
      {"rolling_profile_on_circle_line", {}, {}, 3},
-     {"rolling_profile_on_circle_ends", {}, circle_profile_ends, 4}}};
+     {"rolling_profile_on_circle_ends", {}, circle_profile_ends, 4},
+     {"curve_contact", curve_contact_numbers, contact_limit},
+     {"curve_contact_along", {}, {}, 1},
+     {"curve_contact_tangent", {}, {}, 2},
+     {"curve_contact_against_tangent", {}, {}, 3}}};
 constexpr auto kinds = [] {
   std::array<CouplingKind, kinds_without_parts.size() + 3 + most_contact_parts> out{};
   std::copy(kinds_without_parts.begin(), kinds_without_parts.end(), out.begin());

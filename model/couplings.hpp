@@ -81,6 +81,12 @@ struct CouplingKind {
 ///     _tangent     angle of the body from the radius + `angle` = - sense pi / 2
 ///     _line        - sense times the component across + `along` = 0
 ///     _ends        of an open curve, from <= s <= to
+///   curve_contact  distance of two closed curves >= radius: with the functions of model/rolling_profile.hpp at the
+///                  travels s and t along them, component to the right of the tangent that they share of the way from
+///                  the origin of the first to that of the second + their `across`; behind it
+///     _along         component along that tangent - their `along` = 0
+///     _tangent       angle of the body of the first from the tangent + `angle` = 0
+///     _against_tangent  the same of the second = pi
 ///   contact        clearance of a point from an outline, a convex part of it, >= radius
 ///     _part.1, ...   the same of as many other parts as there are
 std::span<const CouplingKind> coupling_kinds();

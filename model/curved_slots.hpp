@@ -9,8 +9,8 @@
 
 namespace poise {
 
-/// The joint whose travel is the coordinate along the curve of a curved slot or of a profile that rolls, whose row of
-/// its tangent tells it (add_riders()); -1 of other stops.
+/// The joint whose travel is the coordinate along the curve of a curved slot, of a profile that rolls or of a contact
+/// of curves, whose row of its tangent tells it (add_riders()); -1 of other stops.
 inline int travel_along_curve(const Stop& stop) {
   if (stop.table == "curved_slot") return stop.on.joint;
   return stop.table.ends_with("_tangent") ? stop.on.terms[1].measure.joint : -1;
@@ -39,11 +39,13 @@ struct LineOfCentres {
   std::string_view pinned_at;  ///< its key for the point at which the line begins, to which that body is pinned
 };
 /// All of them, in the order of coupling_kinds(): chains, whose body turns with the strand; circular slots with ends,
-/// whose pin it guides; wheels on a circle; profiles that roll on one, whose contact it turns with.
-inline constexpr std::array<LineOfCentres, 4> lines_of_centres{{{"chain", "a"},
+/// whose pin it guides; wheels on a circle; profiles that roll on one, whose contact it turns with; contacts of curves,
+/// with whose tangent it turns.
+inline constexpr std::array<LineOfCentres, 5> lines_of_centres{{{"chain", "a"},
                                                                 {"circular_slot", "center"},
                                                                 {"rolling_on_circle", "center"},
-                                                                {"rolling_profile_on_circle", "center"}}};
+                                                                {"rolling_profile_on_circle", "center"},
+                                                                {"curve_contact", "at"}}};
 
 /// That body of the first stop of such a coupling (add_lines_of_centres()), in whose frame it, or the first term of its
 /// sum, is a component; -1 of other stops.

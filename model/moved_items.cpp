@@ -148,7 +148,7 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
   } else if (key == "contact") {
     transform_contact(table);
   } else if (is_any_of(key, {"circular_slot", "curved_slot", "rolling", "rolling_on_circle", "rolling_profile",
-                             "rolling_profile_on_circle"})) {
+                             "rolling_profile_on_circle", "curve_contact"})) {
     transform_track(key, table, place);
   } else {  // joints, force elements, drives, stops and couplings of measures
     transform_measure(table);
@@ -177,7 +177,7 @@ void MovedItems::transform_contact(toml::table& table) {
 }
 
 void MovedItems::transform_track(std::string_view key, toml::table& table, const TomlTable& place) {
-  for (const std::string_view point : {"pin", "center", "at", "wheel", "line"}) {
+  for (const std::string_view point : {"pin", "center", "at", "wheel", "line", "against"}) {
     name_in(table, point, &MovedItems::name_point);
   }
   if (!mirrored_) return;
@@ -193,8 +193,8 @@ void MovedItems::transform_track(std::string_view key, toml::table& table, const
     mirror_number(table, "offset");
   } else {
     place.place().fail(
-        "expected what is not mirrored: places on a profile that rolls count from its first "
-        "point, and the mirrored one has another; draw it in a file of its own");
+        "expected what is not mirrored: places on a curve that rolls or touches count from its "
+        "first point, and the mirrored one has another; draw it in a file of its own");
   }
 }
 

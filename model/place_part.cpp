@@ -176,7 +176,7 @@ void Placing::add_start(const TomlTable& root) {
   toml::table* const written = table_in(part_.document, "start");
   std::set<std::string> travels;
   for (const std::string_view key :
-       {"slide", "pin_in_slot", "curved_slot", "rolling_profile", "rolling_profile_on_circle"}) {
+       {"slide", "pin_in_slot", "curved_slot", "rolling_profile", "rolling_profile_on_circle", "curve_contact"}) {
     for (toml::table* const table : tables_in(part_.document, key)) {
       if (const std::string* const name = text_in(*table, "name")) travels.insert(*name);
     }

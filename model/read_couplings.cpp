@@ -46,6 +46,7 @@ class CouplingReader {
     if (kind.table == "circular_slot" && line >= 0) return read_arc(kind, table, line);
     if (kind.table == "chain") return read_chain(kind, table, line);
     if (kind.table == "contact") return read_contact(kind, table);
+    if (kind.table == "curve_contact") return read_curve_contact(kind, table, rider, line);
     if (kind.table == "loose_pin" || kind.table == "loose_slot") return {read_loose(kind, table)};
     return {read_row(kind, table)};
   }
@@ -288,20 +289,18 @@ class CouplingReader {
     return rows;
   }
 
-  // The points of the curve, m.
-  std::vector<Vec2> track_points(const TomlTable& table, bool is_closed) const {
+  // The points of the curve of that key, m.
+  std::vector<Vec2> track_points(const TomlTable& table, bool is_closed, std::string_view key = "curve") const {
     std::vector<Vec2> points;
-    for (const TomlTable::Pair& pair :
-         table.pairs("curve", table.unit(dimension::length), table.unit(dimension::length))) {
+    for (const TomlTable::Pair& pair : table.pairs(key, table.unit(dimension::length), table.unit(dimension::length))) {
       if (!points.empty() && points.back() == pair.value) {
         pair.place.fail("expected another point than the one before");
       }
       points.push_back(pair.value);
     }
-    if (points.size() < 3) table.place_of("curve").fail("expected three points [X, Y] or more");
+    if (points.size() < 3) table.place_of(key).fail("expected three points [X, Y] or more");
     if (is_closed && points.front() == points.back()) {
-      table.place_of("curve").fail(
-          "expected another last point than the first, to which a closed curve returns anyway");
+      table.place_of(key).fail("expected another last point than the first, to which a closed curve returns anyway");
     }
     return points;
   }
@@ -552,10 +551,12 @@ class CouplingReader {
     bool is_closed;
   };
   Curve read_curve(const TomlTable& table, int rider, double least) const {
-    const bool is_closed = table.flag("closed", false);
-    std::vector<Vec2> points = track_points(table, is_closed);
+    return read_curve(table, "curve", table.flag("closed", false), rider, least);
+  }
+  Curve read_curve(const TomlTable& table, std::string_view key, bool is_closed, int rider, double least) const {
+    std::vector<Vec2> points = track_points(table, is_closed, key);
     const RollingProfile found =
-        located(table.place_of("curve"), [&] { return rolling_profile_on(least, points, is_closed); });
+        located(table.place_of(key), [&] { return rolling_profile_on(least, points, is_closed); });
     const auto term = [&](double factor, const std::shared_ptr<const Profile>& profile) {
       return Measure::Term{factor, Measure::travel_of(rider), profile, 0.0, found.chords};
     };
@@ -647,6 +648,48 @@ class CouplingReader {
     add_ends(kind, table, curve, rows);
     for (Stop& row : rows) row.sense = sense;
     read_numbers(table, kind.numbers.first(2), rows.data(), &rows[0].on);
+    return rows;
+  }
+
+  // A closed curve that bends to its left everywhere.
+  Curve read_convex_curve(const TomlTable& table, std::string_view key, int rider) const {
+    Curve curve = read_curve(table, key, true, rider, 0.0);
+    if (!is_convex(*curve.angle.profile)) {
+      table.place_of(key).fail(
+          "expected a convex curve, found one that bends to its right in places; give a contact for each convex part, "
+          "or more points where it should be convex");
+    }
+    return curve;
+  }
+
+  // In the frame of the tangent that both curves share, at an angle a: how far they are apart, and none along it.
+  std::vector<Stop> read_curve_contact(const CouplingKind& kind, const TomlTable& table, int rider, int line) const {
+    table.allow_keys({"name", "at", "curve", "against", "against_curve", "radius", "restitution", "law"});
+    const auto [at, against] = points_of(table, "at", "against");
+    const Curve first = read_convex_curve(table, "curve", rider);
+    const Curve second = read_convex_curve(table, "against_curve", rider + 1);
+    const PointRef origin{line, 0};
+    const auto negative = [](Measure::Term term) {
+      term.factor = -term.factor;
+      return term;
+    };
+    std::vector<Stop> rows(2);
+    rows[0].table = kind.table;
+    rows[0].on =
+        Measure::sum_of({{1.0, Measure::component_along(origin, against, {0, -1})}, first.across, second.across});
+    rows[0].min = 0.0;
+    rows[0].parts = 1;
+    rows[1].table = "curve_contact_along";
+    rows[1].on = Measure::sum_of(
+        {{1.0, Measure::component_along(origin, against, {1, 0})}, negative(first.along), negative(second.along)});
+    rows[1].min = rows[1].max = 0.0;
+    keep_points(first, rows[0]);
+    keep_points(second, rows[1]);
+    rows.push_back(tangent_row(kind, line, at.body, first.angle, 0.0));
+    rows.push_back(tangent_row(kind, line, against.body, second.angle, M_PI));
+    rows.back().table = "curve_contact_against_tangent";
+    read_numbers(table, kind.numbers, rows.data(), &rows[0].on);
+    read_impact(table, rows.front());
     return rows;
   }
 
@@ -785,8 +828,25 @@ bool stretches(const CouplingKind& kind, const TomlTable& table) {
 /// A circular slot that has ends.
 bool has_ends(const TomlTable& table) { return table.has("from") || table.has("to"); }
 
-/// Couplings with a rider, in the order in which they are read.
-constexpr std::array<std::string_view, 3> curves{"curved_slot", "rolling_profile", "rolling_profile_on_circle"};
+/// Couplings with riders, in the order in which they are read: their keys of the points at which these begin.
+struct Ridden {
+  std::string_view table;
+  std::vector<std::string_view> at;
+};
+const std::vector<Ridden>& ridden() {
+  static const std::vector<Ridden> all{{"curved_slot", {"at"}},
+                                       {"rolling_profile", {"at"}},
+                                       {"rolling_profile_on_circle", {"at"}},
+                                       {"curve_contact", {"at", "against"}}};
+  return all;
+}
+
+/// How many riders a coupling of this table has.
+std::size_t riders_of(std::string_view table) {
+  const auto found =
+      std::find_if(ridden().begin(), ridden().end(), [&](const Ridden& one) { return one.table == table; });
+  return found == ridden().end() ? 0 : found->at.size();
+}
 
 /// What is behind the name of a coupling in those of its rows.
 std::string name_of_row(const std::string& name, const Stop& row) {
@@ -796,6 +856,8 @@ std::string name_of_row(const std::string& name, const Stop& row) {
   if (row.table.ends_with("_line")) return name + " line";
   if (row.table.ends_with("_ends")) return name + " ends";
   if (row.table.ends_with("_straight")) return name + " straight";
+  if (row.table.ends_with("_along")) return name + " along";
+  if (row.table.ends_with("_against_tangent")) return name + " against tangent";
   if (row.table.ends_with("_tangent")) return name + " tangent";
   return row.table.ends_with("_friction") ? name + " friction" : name;
 }
@@ -869,6 +931,61 @@ std::optional<double> guessed(const Scene& scene, const Measure& measure) {
   }
 }
 
+/// Where the tangent of a closed convex curve has this angle from the x axis of its body, as a share of the curve.
+double place_of_tangent(const Profile& angle, double wanted) {
+  const double first = angle.at(0.0).value;
+  const double turned = wanted - first - full_turn * std::floor((wanted - first) / full_turn);
+  double low = 0.0, high = 1.0;
+  constexpr int halvings = 53;
+  for (int k = 0; k < halvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (angle.at(middle).value - first < turned ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Of a contact of curves, whose first stop this is: gives the tangent that they share and the places of the contact
+/// where the guesses of the scene put the bodies, as far as the scene has no guesses for them. The component of their
+/// way apart along the tangent falls as the tangent turns, within a right angle of where it is square to the way
+/// between their origins.
+void guess_contact(const Stop* rows, Scene& scene) {
+  const Measure& apart = rows[0].on.terms[0].measure;
+  const Mechanism<double> mechanism(scene);
+  const std::vector<BodyPose<double>> poses = mechanism.poses(mechanism.start().data());
+  const auto pose_of = [&](int body) { return poses[static_cast<std::size_t>(body)]; };
+  const Vec2 way =
+      pose_of(apart.b.body).world(scene.local(apart.b)) - pose_of(apart.a.body).world(scene.local(apart.a));
+  const auto place = [&](int row, double angle) {
+    const Measure::Term& turned = rows[row].on.terms[0];
+    const double of_line = row == 2 ? angle : angle + M_PI;
+    return place_of_tangent(*rows[row].on.terms[1].profile, of_line - pose_of(turned.measure.body_b).angle);
+  };
+  const auto along = [&](double angle) {
+    double out = dot(unit(angle), way);
+    for (const int curve : {1, 2}) out -= rows[1].on.terms[curve].profile->at(place(1 + curve, angle)).value;
+    return out;
+  };
+  const double square = std::atan2(way.x, -way.y);
+  double low = square - M_PI / 2, high = square + M_PI / 2;
+  if (way == Vec2{} || !(along(low) > 0.0) || !(along(high) < 0.0)) low = high = square;
+  constexpr int halvings = 53;
+  for (int k = 0; k < halvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (along(middle) > 0.0 ? low : high) = middle;
+  }
+  std::optional<double>& line = scene.start.angle[static_cast<std::size_t>(apart.a.body)];
+  if (!line) line = 0.5 * (low + high);
+  for (const int row : {2, 3}) {
+    const Measure::Term& curve = rows[row].on.terms[1];
+    std::optional<double>& guess = scene.start.travel[static_cast<std::size_t>(curve.measure.joint)];
+    if (guess) continue;
+    const double u = place(row, *line);
+    const double body = pose_of(rows[row].on.terms[0].measure.body_b).angle - *line;
+    const double turns = std::round((rows[row].min - body - curve.profile->at(u).value) / full_turn);
+    guess = (turns + u) * curve.span;
+  }
+}
+
 /// Of a chain, whose first stop this is, where the guesses of the scene put its sprockets: gives the angle of its
 /// strand, and the length that is not given. Throws InputError where the sprockets have no strand there.
 void fit_chain(Stop* rows, const TomlTable& table, Scene& scene) {
@@ -907,7 +1024,7 @@ void fit_chain(Stop* rows, const TomlTable& table, Scene& scene) {
 
 std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scene& scene) {
   std::vector<int> riders;
-  for (const std::string_view kind : curves) {
+  for (const auto& [kind, keys] : ridden()) {
     const std::vector<TomlTable> tables = root.tables(kind);
     // The travel has the name of the table, by which [start] gives its guess.
     NameLines taken;
@@ -916,16 +1033,19 @@ std::vector<int> add_riders(const TomlTable& root, const SceneNames& names, Scen
     const std::vector<std::string> own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
     for (std::size_t i = 0; i < tables.size(); ++i) {
       const int line = tables[i].place().line_in_document();
-      const std::string name = own[i] + " rider";
-      if (const int body = names.index_of_body(name); body >= 0) {
-        fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
+      for (const std::string_view key : keys) {
+        const std::string travel = key == keys.front() ? own[i] : own[i] + " " + std::string(key);
+        const std::string name = travel + " rider";
+        if (const int body = names.index_of_body(name); body >= 0) {
+          fail_taken(tables[i].place(), name, scene.bodies[static_cast<std::size_t>(body)].line);
+        }
+        const PointRef at = names.point(tables[i].text(key));
+        const int rider = scene.add_body(name);
+        scene.bodies.back().line = line;
+        const PointRef origin = scene.add_point(rider, "O", {});
+        riders.push_back(
+            scene.add_joint({.kind = Joint::Kind::slide, .name = travel, .a = at, .b = origin, .line = line}));
       }
-      const PointRef at = names.point(tables[i].text("at"));
-      const int rider = scene.add_body(name);
-      scene.bodies.back().line = line;
-      const PointRef origin = scene.add_point(rider, "O", {});
-      riders.push_back(
-          scene.add_joint({.kind = Joint::Kind::slide, .name = own[i], .a = at, .b = origin, .line = line}));
     }
   }
   return riders;
@@ -940,13 +1060,17 @@ std::vector<int> add_lines_of_centres(const TomlTable& root, const SceneNames& n
     for (const Body& body : scene.bodies) taken.emplace(body.name, body.line);
     for (const Joint& joint : scene.joints) taken.emplace(joint.name, joint.line);
     std::vector<std::string> own;
-    if (kind == curves.back()) {
-      // Their riders are the last ones.
-      for (std::size_t i = riders.size() - tables.size(); i < riders.size(); ++i) {
-        own.push_back(scene.joints[static_cast<std::size_t>(riders[i])].name + " radius");
-        const TomlPlace place = tables[own.size() - 1].place();
+    if (const std::size_t count = riders_of(kind); count > 0) {
+      std::size_t first = 0;  // of their riders
+      for (const Ridden& before : ridden()) {
+        if (before.table == kind) break;
+        first += before.at.size() * root.tables(before.table).size();
+      }
+      for (std::size_t i = 0; i < tables.size(); ++i) {
+        own.push_back(scene.joints[static_cast<std::size_t>(riders[first + count * i])].name +
+                      (kind == "curve_contact" ? " line" : " radius"));
         if (const auto other = taken.find(own.back()); other != taken.end())
-          fail_taken(place, own.back(), other->second);
+          fail_taken(tables[i].place(), own.back(), other->second);
       }
     } else {
       own = names_of(tables, numbered(kind, tables.size()), std::move(taken));
@@ -977,7 +1101,8 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
     const std::vector<TomlTable> tables = root.tables(kind.table);
     // Forces of stops, couplings and joints are told by their names.
     NameLines taken;
-    const bool is_track = std::count(curves.begin(), curves.end(), kind.table) > 0;
+    const std::size_t own_riders = riders_of(kind.table);
+    const bool is_track = own_riders > 0;
     const bool is_circle = std::any_of(lines_of_centres.begin(), lines_of_centres.end(),
                                        [&](const LineOfCentres& one) { return one.table == kind.table; });
     for (std::size_t j = 0; j < scene.joints.size(); ++j) {
@@ -996,7 +1121,8 @@ void read_couplings(const TomlTable& root, const SceneNames& names, const std::v
         continue;
       }
       const int line = is_circle ? lines[next_line++] : -1;
-      const int rider = is_track ? riders[next_rider++] : -1;
+      const int rider = is_track ? riders[next_rider] : -1;
+      next_rider += own_riders;
       for (Stop& row : reader.read(kind, tables[i], rider, line)) {
         row.name = name_of_row(is_track    ? scene.joints[static_cast<std::size_t>(rider)].name
                                : line >= 0 ? scene.bodies[static_cast<std::size_t>(line)].name
@@ -1040,6 +1166,7 @@ void set_values_from_start(const TomlTable& root, Scene& scene) {
   }
   // The line of a slot with ends begins in the middle of its arc.
   for (Stop& stop : scene.stops) {
+    if (stop.table == "curve_contact") guess_contact(&stop, scene);
     if (stop.table.ends_with("_tangent")) guess_place(stop, scene);
     if (stop.table != "circular_slot_ends") continue;
     std::optional<double>& guess = scene.start.angle[static_cast<std::size_t>(stop.on.body_b)];

@@ -65,12 +65,23 @@ RollingProfile rolling_profile_on(double least, const std::vector<Vec2>& points,
   return *std::move(found);
 }
 
-Vec2 point_of_profile(const Stop* rows, double u) {
+bool is_convex(const Profile& angle) {
+  return std::all_of(angle.pieces().begin(), angle.pieces().end(), [](const Profile::Piece& piece) {
+    const auto c = [&](std::size_t k) { return Vec2{piece.c[1 + k], piece.c[5 + k]}; };
+    const double constant = 2 * cross(c(1), c(2)), slope = 6 * cross(c(1), c(3)), bend = 6 * cross(c(2), c(3));
+    const auto at = [&](double t) { return constant + t * (slope + t * bend); };
+    const double turn = bend > 0.0 ? std::clamp(-slope / (2 * bend), -0.5, 0.5) : 0.5;
+    return std::min({at(-0.5), at(0.5), at(turn)}) > 0.0;
+  });
+}
+
+Vec2 point_of_profile(const Stop* rows, double u, bool is_against) {
   const auto value = [&](int row, std::size_t term) {
     const Measure::Term& of = rows[row].on.terms[term];
     return std::abs(of.factor) * of.profile->at(u).value;
   };
-  return Vec2{value(1, 1), value(0, 1)} * unit(value(2, 1));
+  const std::size_t term = is_against ? 2 : 1;
+  return Vec2{value(1, term), value(0, term)} * unit(value(is_against ? 3 : 2, 1));
 }
 
 std::pair<double, double> range_of_profile(const Scene& scene, std::size_t first) {

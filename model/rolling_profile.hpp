@@ -167,9 +167,13 @@ std::optional<RollingProfile> rolling_profile(const std::vector<Vec2>& points, b
 /// it stops, as in a cusp, closes clockwise, goes round more than once, or is nowhere more curved than that.
 RollingProfile rolling_profile_on(double least, const std::vector<Vec2>& points, bool is_closed, double near = 0.0);
 
-/// Where the curve of a profile that rolls has its point at u, m, from its origin and along the axes of its body;
-/// `rows` are its stops, from the first on.
-Vec2 point_of_profile(const Stop* rows, double u);
+/// Whether a curve of that angle bends to its left everywhere. With r = c_1 + c_2 t + c_3 t^2 + c_4 t^3 of a piece,
+///   r' x r'' = 2 c_2 x c_3 + 6 t c_2 x c_4 + 6 t^2 c_3 x c_4 > 0,  |t| <= 1/2.
+bool is_convex(const Profile& angle);
+
+/// Where the curve of a profile that rolls, or the first of a contact of curves, or the one that it is against, has its
+/// point at u, m, from its origin and along the axes of its body; `rows` are its stops, from the first on.
+Vec2 point_of_profile(const Stop* rows, double u, bool is_against = false);
 /// From where to where it rolls, as u: of an open one between its ends, of a closed one all round.
 std::pair<double, double> range_of_profile(const Scene& scene, std::size_t first);
 

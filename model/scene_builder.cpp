@@ -589,6 +589,18 @@ SceneBuilder& SceneBuilder::rolling_profile(const std::string& at, const std::ve
   return *this;
 }
 
+SceneBuilder& SceneBuilder::curve_contact(const std::string& at, const std::vector<Vec2>& curve,
+                                          const std::string& against, const std::vector<Vec2>& against_curve,
+                                          const std::vector<Key>& keys, const std::string& name) {
+  toml::table& table = document_->next("curve_contact", name);
+  document_->set(table, "at", at);
+  document_->set(table, "curve", pairs_of(curve));
+  document_->set(table, "against", against);
+  document_->set(table, "against_curve", pairs_of(against_curve));
+  document_->add_keys(table, "curve_contact", name, keys);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::rolling_profile_on_circle(const std::string& at, const std::vector<Vec2>& curve,
                                                       const std::string& center, const std::vector<Key>& keys,
                                                       const std::string& name) {

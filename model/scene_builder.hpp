@@ -226,6 +226,10 @@ class SceneBuilder {
   SceneBuilder& rolling_profile_on_circle(const std::string& at, const std::vector<Vec2>& curve,
                                           const std::string& center, const std::vector<Key>& keys,
                                           const std::string& name = {});
+  /// Convex curves, each fixed in the body of its point, that stay outside of one another: "radius", "restitution".
+  SceneBuilder& curve_contact(const std::string& at, const std::vector<Vec2>& curve, const std::string& against,
+                              const std::vector<Vec2>& against_curve, const std::vector<Key>& keys = {},
+                              const std::string& name = {});
 
   /// A force at a point, which keeps its direction in the world, or in the body that it `follows`.
   SceneBuilder& force(const std::string& name, const std::string& at, Vec2 vector, const std::string& follows = {});

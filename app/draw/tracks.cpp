@@ -33,6 +33,13 @@ std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, 
   return out;
 }
 
+/// The point at which the line of a contact of curves is pinned: the origin of the first curve.
+PointRef pinned_point(const Scene& scene, int line) {
+  const auto pin =
+      std::find_if(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.b.body == line; });
+  return pin->a;
+}
+
 /// Points along the curve of a profile that rolls, m.
 std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first) {
   const PointRef origin = scene.stops[first].on.terms[0].measure.b;
@@ -43,6 +50,20 @@ std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings
   for (int k = 0; k <= steps; ++k) {
     out.push_back(
         pose.world(scene.local(origin) + point_of_profile(&scene.stops[first], from + (to - from) * k / steps)));
+  }
+  return out;
+}
+
+/// Points along a curve of a contact of curves, the first or the one that it is against, m.
+std::vector<Vec2> points_of_contact(const Scene& scene, const Readings& readings, std::size_t first, bool is_against) {
+  const Stop* const rows = &scene.stops[first];
+  const Measure& apart = rows->on.terms[0].measure;
+  const PointRef origin = is_against ? apart.b : pinned_point(scene, apart.a.body);
+  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
+  constexpr int steps = 160;
+  std::vector<Vec2> out;
+  for (int k = 0; k <= steps; ++k) {
+    out.push_back(pose.world(scene.local(origin) + point_of_profile(rows, static_cast<double>(k) / steps, is_against)));
   }
   return out;
 }
@@ -200,6 +221,25 @@ void draw_profile(Stage& stage, std::size_t first) {
   label_force(stage, *rows, first, 2, contact);
 }
 
+/// Both curves.
+void draw_curve_contact(Stage& stage, std::size_t first) {
+  const Stop* const rows = &stage.scene.stops[first];
+  for (const bool is_against : {false, true}) {
+    std::vector<Vec2> line;
+    for (const Vec2& point : points_of_contact(stage.scene, stage.now, first, is_against)) {
+      line.push_back(stage.page(point));
+    }
+    stage.canvas.polyline(line, {.stroke = ink::dark, .width = 1.3});
+    for (std::size_t k = 1; k < line.size(); ++k) stage.setter.avoid(line[k - 1], line[k], 2.0);
+  }
+  const Measure::Term& curve = rows->on.terms[1];
+  const double u = value_of(stage.scene, curve.measure, stage.now.poses) / curve.span;
+  const PointRef origin = pinned_point(stage.scene, rows->on.terms[0].measure.a.body);
+  label_force(stage, *rows, first, 1,
+              stage.page(stage.now.poses[static_cast<std::size_t>(origin.body)].world(stage.scene.local(origin) +
+                                                                                      point_of_profile(rows, u))));
+}
+
 }  // namespace
 
 void draw_tracks(Stage& stage) {
@@ -218,6 +258,8 @@ void draw_tracks(Stage& stage) {
       draw_rolling_on_circle(stage, s);
     else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle")
       draw_profile(stage, s);
+    else if (stop.table == "curve_contact")
+      draw_curve_contact(stage, s);
     else if (stop.table == "chain")
       draw_chain(stage, s);
     stage.signs.insert(stop.table.starts_with("rolling") ? Sign::rolling
@@ -242,6 +284,10 @@ void include_track(const Scene& scene, const Readings& readings, std::size_t fir
     for (const Vec2& point : points_of_profile(scene, readings, first)) box.include(point);
     if (stop.table == "rolling_profile_on_circle")
       box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
+  } else if (stop.table == "curve_contact") {
+    for (const bool is_against : {false, true}) {
+      for (const Vec2& point : points_of_contact(scene, readings, first, is_against)) box.include(point);
+    }
   } else if (stop.table == "chain") {
     const std::vector<Measure::Term>& terms = stop.on.terms;
     box.include(world(scene, readings, terms[0].measure.a), std::abs(terms[1].factor));
@@ -251,7 +297,8 @@ void include_track(const Scene& scene, const Readings& readings, std::size_t fir
 
 bool has_track(const Stop& stop) {
   return stop.table.starts_with("circular_slot") || stop.table.starts_with("curved_slot") ||
-         stop.table.starts_with("rolling") || stop.table.starts_with("chain");
+         stop.table.starts_with("rolling") || stop.table.starts_with("chain") ||
+         stop.table.starts_with("curve_contact");
 }
 
 }  // namespace poise::app

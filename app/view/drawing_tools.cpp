@@ -930,6 +930,15 @@ std::span<const DrawingTool> drawing_tools() {
        "at = {point1}\ncenter = {point2}\ncircle_radius = {distance}\ncurve = [[-{half}, {quarter}], [0, 0], [{half}, "
        "{quarter}]]",
        "Click a point of the body that rolls, then the centre of the circle."},
+      {"curve_contact",
+       "Curve on a curve",
+       "Slots",
+       "curve_contact",
+       {moving, point},
+       false,
+       "at = {point1}\nagainst = {point2}\ncurve = [[{quarter}, 0], [0, {quarter}], [-{quarter}, 0], [0, "
+       "-{quarter}]]\nagainst_curve = [[{quarter}, 0], [0, {quarter}], [-{quarter}, 0], [0, -{quarter}]]",
+       "Click a point of a body, then one of the body that it touches."},
       {"rolling",
        "Wheel on a line",
        "Slots",

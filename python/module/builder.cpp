@@ -326,10 +326,17 @@ void bind_couplings(py::class_<Named>& type) {
                                        pair_of(b, "rolling_profile.axis", axis), keys_of(b, "rolling_profile", keys),
                                        name);
            })
-      .def("rolling_profile_on_circle", [](Named& b, Text at, Any curve, Text center, const py::dict& keys, Text name) {
-        b.builder.rolling_profile_on_circle(at, pairs_of(b, "rolling_profile_on_circle.curve", curve), center,
-                                            keys_of(b, "rolling_profile_on_circle", keys), name);
-      });
+      .def("rolling_profile_on_circle",
+           [](Named& b, Text at, Any curve, Text center, const py::dict& keys, Text name) {
+             b.builder.rolling_profile_on_circle(at, pairs_of(b, "rolling_profile_on_circle.curve", curve), center,
+                                                 keys_of(b, "rolling_profile_on_circle", keys), name);
+           })
+      .def("curve_contact",
+           [](Named& b, Text at, Any curve, Text against, Any against_curve, const py::dict& keys, Text name) {
+             b.builder.curve_contact(at, pairs_of(b, "curve_contact.curve", curve), against,
+                                     pairs_of(b, "curve_contact.against_curve", against_curve),
+                                     keys_of(b, "curve_contact", keys), name);
+           });
 }
 
 void bind_loads(py::class_<Named>& type) {

@@ -268,6 +268,11 @@ class SceneBuilder:
         """A curve, fixed in the body of the point ``at``, that rolls on a circle: ``circle_radius``, ..."""
         return self._add("rolling_profile_on_circle", at, curve, center, self._keys(keys), name)
 
+    def curve_contact(self, at: str, /, curve: Pairs, against: str, against_curve: Pairs, name: str = "",
+                      **keys: Any) -> SceneBuilder:
+        """Convex curves of two bodies that stay outside of one another: ``radius``, ``restitution``, ..."""
+        return self._add("curve_contact", at, curve, against, against_curve, self._keys(keys), name)
+
     # Loads.
 
     def force(self, name: str, at: str, vector: Pair, *, follows: str = "") -> SceneBuilder:

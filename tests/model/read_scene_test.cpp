@@ -691,7 +691,7 @@ INSTANTIATE_TEST_SUITE_P(
             "friction, bump_stop, motor, controller, gear, belt, rack, cam, geneva, coupling, rope, chain, "
             "circular_slot, "
             "curved_slot, "
-            "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
+            "rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, curve_contact, "
             "loose_pin, loose_slot, contact, drive, force, distributed_load, "
             "torque, "
             "stop, blade, start, outputs, frame; "
@@ -703,7 +703,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "torsion_damper, friction, bump_stop, motor, controller, gear, belt, rack, cam, geneva, coupling, "
                  "rope, chain, "
                  "circular_slot, "
-                 "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, "
+                 "curved_slot, rolling, rolling_on_circle, rolling_profile, rolling_profile_on_circle, curve_contact, "
                  "loose_pin, loose_slot, contact, drive, force, "
                  "distributed_load, torque, stop, blade, start, outputs, frame; did you mean \"body\"?"},
         BadScene{"KeyOfManyParts", "title = 'a'\nx" + repeated(".a", 40'000) + " = 1\n",

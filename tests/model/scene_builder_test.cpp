@@ -314,6 +314,13 @@ curve = [[10, 0], [0, 8], [-10, 0], [0, -8]]
 center = "a.O"
 circle_radius = 30
 closed = true
+[[curve_contact]]
+name = "touch"
+at = "wheel.C"
+curve = [[10, 0], [0, 8], [-10, 0], [0, -8]]
+against = "bead.P"
+against_curve = [[6, 0], [0, 9], [-6, 0], [0, -9]]
+radius = 0.5
 [[loose_pin]]
 points = ["arm.L", "bead.P"]
 clearance = 0.5
@@ -392,6 +399,8 @@ SceneBuilder couplings_builder() {
       .rolling_profile("wheel.C", {{-10, 4}, {0, 0}, {10, 4}}, "ground.T", {1, 2}, {{"from", 2}}, "runner")
       .rolling_profile_on_circle("wheel.C", {{10, 0}, {0, 8}, {-10, 0}, {0, -8}}, "a.O",
                                  {{"circle_radius", 30}, {"closed", true}})
+      .curve_contact("wheel.C", {{10, 0}, {0, 8}, {-10, 0}, {0, -8}}, "bead.P", {{6, 0}, {0, 9}, {-6, 0}, {0, -9}},
+                     {{"radius", 0.5}}, "touch")
       .loose_pin("arm.L", "bead.P", {{"clearance", 0.5}})
       .loose_slot("rack.Q", "wheel.C", {1, 2}, {{"clearance", 0.1}}, "play")
       .contact("bead.P", {"arm.O", "arm.P"}, {{"radius", 3}})

@@ -603,6 +603,7 @@ TEST_F(ViewPage, EveryToolDrawsByMouse) {
                                                 {"curved_slot", {block, pivot}},
                                                 {"rolling_profile", along},
                                                 {"rolling_profile_on_circle", {block, pivot}},
+                                                {"curve_contact", {block, pivot}},
                                                 {"rolling", along},
                                                 {"rolling_on_circle", {block, pivot}}};
   const std::set<std::string> of_the_page{"", "select", "move_point"};

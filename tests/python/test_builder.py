@@ -93,6 +93,8 @@ def couplings_builder():
         .rolling_profile("wheel.C", [(-10, 4), (0, 0), (10, 4)], "ground.T", (1, 2), "runner", from_=2)
         .rolling_profile_on_circle("wheel.C", [(10, 0), (0, 8), (-10, 0), (0, -8)], "a.O", circle_radius=30,
                                    closed=True)
+        .curve_contact("wheel.C", [(10, 0), (0, 8), (-10, 0), (0, -8)], bead, [(6, 0), (0, 9), (-6, 0), (0, -9)],
+                       "touch", radius=0.5)
         .loose_pin("arm.L", "bead.P", clearance=0.5)
         .loose_slot("rack.Q", "wheel.C", (1, 2), "play", clearance=0.1)
         .contact(bead, ["arm.O", "arm.L", "arm.P"], "cup", radius=3, closed=True)
@@ -129,7 +131,8 @@ def test_every_method_writes_what_the_reader_reads():
     builder = couplings_builder()
     text = builder.toml
     for item in ("gear", "belt", "rack", "geneva", "coupling", "cam", "rope", "chain", "circular_slot", "curved_slot", "rolling",
-                 "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "loose_pin", "loose_slot",
+                 "rolling_on_circle", "rolling_profile", "rolling_profile_on_circle", "curve_contact", "loose_pin",
+                 "loose_slot",
                  "contact", "pin_in_slot", "weld", "bar", "drive", "stop", "blade", "spring", "force", "distributed_load",
                  "torque"):
         assert f"[[{item}]]" in text
