@@ -1,5 +1,7 @@
 #include "model/controllers.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "model/input_error.hpp"
@@ -19,9 +21,7 @@ template <class Use>
 void for_each_state(const Scene& scene, Use use) {
   for (const int e : controllers_of(scene)) {
     const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
-    for (const int body : {feedback.integral, feedback.filter}) {
-      if (body >= 0) use(body);
-    }
+    for (const int body : feedback.states()) use(body);
   }
 }
 
@@ -32,6 +32,22 @@ std::vector<int> controllers_of(const Scene& scene) {
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
     if (scene.elements[e].feedback) out.push_back(static_cast<int>(e));
   }
+  return out;
+}
+
+std::vector<int> in_order_of_decisions(const Scene& scene) {
+  std::vector<int> out;
+  const auto add = [&](int e, const auto& self) -> void {
+    if (std::find(out.begin(), out.end(), e) != out.end()) return;
+    const Element& element = scene.elements[static_cast<std::size_t>(e)];
+    if (controller_of(element.law)->decides_at_once()) {
+      for (const int before : {element.feedback->follows, element.feedback->reads_from}) {
+        if (before >= 0) self(before, self);
+      }
+    }
+    out.push_back(e);
+  };
+  for (const int e : controllers_of(scene)) add(e, add);
   return out;
 }
 
@@ -54,7 +70,7 @@ void refuse_controllers(const Scene& scene, std::string_view what) {
 void refuse_states_of_controllers(const Scene& scene, std::string_view what) {
   for (const int e : controllers_of(scene)) {
     const Element& element = scene.elements[static_cast<std::size_t>(e)];
-    if (element.feedback->integral >= 0 || element.feedback->filter >= 0) {
+    if (!element.feedback->states().empty()) {
       refuse(scene, element, " that have states of their own", what);
     }
   }

@@ -14,6 +14,9 @@ namespace poise {
 /// Indices of the elements that are controllers.
 std::vector<int> controllers_of(const Scene& scene);
 
+/// The same, so that each comes behind those on which what it decides depends at once.
+std::vector<int> in_order_of_decisions(const Scene& scene);
+
 /// The bodies that are states of controllers (Feedback), as a set that is empty in most scenes.
 std::set<int> bodies_of_states(const Scene& scene);
 

@@ -196,6 +196,7 @@ void CopiedItems::copy_item(const CopiedSelection::Item& item, toml::table& tabl
   if (!in_place_ && (has_name || !item.derived.empty()))
     table.insert_or_assign(toml::key("name", key_source(table, "name")), name);
   if (item.owner == Owner::joint) joint_names_[item.name] = name;
+  if (item.owner == Owner::element) element_names_[item.name] = name;
   for (const std::string& derived : item.derived) {
     const std::string whole = name + derived.substr(item.name.size());
     body_names_[derived] = joint_names_[derived] = whole;
@@ -236,6 +237,12 @@ void CopiedItems::name_point(std::string& name) {
 }
 
 void CopiedItems::name_joint(std::string& name) { name = joint_names_.at(name); }
+
+// One that is not copied before stays.
+void CopiedItems::name_element(std::string& name) {
+  const auto known = element_names_.find(name);
+  if (known != element_names_.end()) name = known->second;
+}
 
 std::string CopiedItems::origin_of_places() {
   if (uses_frame_) return frame() + "." + frame_origin_;

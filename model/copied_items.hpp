@@ -75,6 +75,7 @@ class CopiedItems : private MovedItems {
   void name_body(std::string& name) override;
   void name_point(std::string& name) override;
   void name_joint(std::string& name) override;
+  void name_element(std::string& name) override;
   std::string origin_of_places() override;
   std::string carrier_of_gears() override;
 
@@ -102,7 +103,7 @@ class CopiedItems : private MovedItems {
   FreeNames& names_;
   bool in_place_;
   moved::Place at_;
-  std::map<std::string, std::string> body_names_, joint_names_, point_names_;  // by the names before
+  std::map<std::string, std::string> body_names_, joint_names_, element_names_, point_names_;  // by the names before
   std::string frame_, frame_point_, frame_origin_;
   bool uses_frame_ = false;  // the item that is being copied
   std::string ground_;

@@ -19,7 +19,9 @@ inline int travel_along_curve(const Stop& stop) {
 /// Whether a body is a state of a controller (Feedback).
 inline bool is_state_of_controller(const Scene& scene, int body) {
   return body > 0 && std::any_of(scene.elements.begin(), scene.elements.end(), [&](const Element& element) {
-           return element.feedback && (element.feedback->integral == body || element.feedback->filter == body);
+           if (!element.feedback) return false;
+           const std::vector<int> states = element.feedback->states();
+           return std::find(states.begin(), states.end(), body) != states.end();
          });
 }
 
@@ -68,9 +70,7 @@ inline std::vector<int> bodies_of_tracks(const Scene& scene) {
   std::vector<int> out;
   for (const Element& element : scene.elements) {
     if (!element.feedback) continue;
-    for (const int body : {element.feedback->integral, element.feedback->filter}) {
-      if (body >= 0) out.push_back(body);
-    }
+    for (const int body : element.feedback->states()) out.push_back(body);
   }
   for (const Stop& stop : scene.stops) {
     if (const int joint = travel_along_curve(stop); joint >= 0)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,31 @@ inline ForceNumber force_number(TimeFunction::Of of, int item, int part, int tim
       return {ForceNumber::Of::element, item, part, time_number};
   }
 }
+
+/// What forces of a motion follow besides places and rates: by element of the scene laws to use in place of those
+/// compiled, or null.
+template <class T>
+struct ForcesInTime {
+  const LawIn<T>* const* laws = nullptr;
+};
+
+/// The law that an element has there.
+template <class T, class MechanismOf>
+const LawIn<T>& law_in_time(const MechanismOf& mechanism, const ForcesInTime<T>& in_time, int element) {
+  const bool varies = in_time.laws != nullptr && in_time.laws[element] != nullptr;
+  return varies ? *in_time.laws[element] : mechanism.law_of(element);
+}
+
+/// A direction along which controllers change: of places and rates, unless null, and of a number of the law of an
+/// element.
+template <class T>
+struct ControlChange {
+  const T* dq = nullptr;
+  const T* dv = nullptr;
+  int element = -1;  ///< or none
+  int number = 0;
+  T by{};  ///< of the number
+};
 
 /// A scene compiled to a short sum of phasors, to be evaluated in the scalar T; in lanes (model/pack.hpp) of several
 /// variants of the scene at once.
@@ -167,27 +193,43 @@ class Mechanism {
   /// Evaluates dampers, friction and controllers at the rates v into `resistances`, which the next two read. `slides`,
   /// where given, has a value per element, of which those of friction that sticks are used: the direction in which it
   /// slides, 1 or -1, in place of the sign of its rate; 0 of what is held, which has no force here; 2 or -2 where it
-  /// begins to slide (DryFriction::sliding()). `in_time`, where given, has laws of elements to use in place of those
-  /// compiled, or null.
+  /// begins to slide (DryFriction::sliding()).
   void resist(Planar<T>* pose, const T* v, const int* slides, T* resistances,
-              const LawIn<T>* const* in_time = nullptr) const;
+              const ForcesInTime<T>& in_time = {}) const;
   /// g += their generalized forces; v . g is the power they dissipate.
   void add_resistance(const T* resistances, T* g) const;
   /// g += the change of these along dq and dv.
   void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g,
-                             const LawIn<T>* const* in_time = nullptr) const;
-  /// Whether an element is a controller; what it reads and its states at the rates v; the measure that it reads.
+                             const ForcesInTime<T>& in_time = {}) const;
   bool is_controller(int element) const { return controller_of(elements_[element].law) != nullptr; }
-  ControlSignals<T> signals_of(int element, Planar<T>* pose, const T* v) const {
-    return signals(control_of(element), at(pose), v);
+  /// What a controller reads of the mechanism, and its states, at the rates v: without what other controllers give it.
+  ControlSignals<T> own_signals_of(int element, Planar<T>* pose, const T* v) const {
+    return own_signals(control_of(element), at(pose), v);
   }
   /// Their changes along dq and dv: with dq = v and dv the accelerations by time.
-  ControlSignals<T> signals_along(int element, Planar<T>* pose, const T* v, const T* dq, const T* dv) const {
-    return signals_along(control_of(element), at(pose), v, dq, dv);
+  ControlSignals<T> own_signals_along(int element, Planar<T>* pose, const T* v, const T* dq, const T* dv) const {
+    return own_signals_along(control_of(element), at(pose), v, dq, dv);
   }
-  /// g += by d(-Q)/dp of a controller with this law, for p a number of it.
-  void add_control_derivative(int element, const LawIn<T>& law, int number, const T& by, Planar<T>* pose, const T* v,
-                              T* g) const;
+  /// All that it knows, and how that changes.
+  ControlSignals<T> signals_of(int element, Planar<T>* pose, const T* v, const ForcesInTime<T>& in_time = {}) const {
+    return signals(control_of(element), at(pose), v, in_time, true);
+  }
+  ControlSignals<T> signals_along(int element, Planar<T>* pose, const T* v, const ControlChange<T>& change,
+                                  const ForcesInTime<T>& in_time = {}) const {
+    return signals_along(control_of(element), at(pose), v, change, in_time, true);
+  }
+  /// What it does there, and how that changes.
+  ControlOutputs<T> outputs_of(int element, Planar<T>* pose, const T* v, const ForcesInTime<T>& in_time = {}) const {
+    return outputs(control_of(element), at(pose), v, in_time, true);
+  }
+  ControlOutputs<T> outputs_along(int element, Planar<T>* pose, const T* v, const ControlChange<T>& change,
+                                  const ForcesInTime<T>& in_time = {}) const {
+    return outputs_along(control_of(element), at(pose), v, change, in_time, true);
+  }
+  /// g += the change of -Q along a direction in which no place and no rate changes: of the controller named there, and
+  /// of those behind it.
+  void add_control_derivative(const ControlChange<T>& change, Planar<T>* pose, const T* v,
+                              const ForcesInTime<T>& in_time, T* g) const;
   /// g += the generalized force that a frame with this acceleration requires of all masses, and its change along dq. Of
   /// a scene whose frame moves (Scene::time_functions), compiled for dynamics.
   void add_frame(const Planar<T>& acceleration, const Planar<T>* pose, T* g) const;
@@ -226,7 +268,12 @@ class Mechanism {
   struct Control {
     int element;                                 // of elements_
     CompiledMeasure<T> reads, integral, filter;  // the angles of its states, or nothing
-    T inertia{};                                 // of these
+    std::array<CompiledMeasure<T>, 3> held;
+    T inertia{};                        // of these
+    bool acts = true;                   // on the measure of its element
+    int follows = -1, reads_from = -1;  // elements
+
+    bool is_behind_others() const { return follows >= 0 || reads_from >= 0; }
   };
   struct LoadAt {  // a unit force at a point, for derivatives; its frame as of a follower, or -1
     PhasorSum<T> path;
@@ -270,9 +317,24 @@ class Mechanism {
   void compile_elements(const Scene& scene, Purpose purpose);
   Control compiled_control(const Scene& scene, const Element& element) const;
   const Control& control_of(int element) const;
-  ControlSignals<T> signals(const Control& control, const Configuration<T>& here, const T* v) const;
-  ControlSignals<T> signals_along(const Control& control, const Configuration<T>& here, const T* v, const T* dq,
-                                  const T* dv) const;
+  // What others give is left out of a controller whose output does not depend on it at once, unless `all` is asked for.
+  ControlSignals<T> own_signals(const Control& control, const Configuration<T>& here, const T* v) const;
+  ControlSignals<T> own_signals_along(const Control& control, const Configuration<T>& here, const T* v, const T* dq,
+                                      const T* dv) const;
+  ControlSignals<T> signals(const Control& control, const Configuration<T>& here, const T* v,
+                            const ForcesInTime<T>& in_time, bool all) const;
+  ControlSignals<T> signals_along(const Control& control, const Configuration<T>& here, const T* v,
+                                  const ControlChange<T>& change, const ForcesInTime<T>& in_time, bool all) const;
+  ControlOutputs<T> outputs(const Control& control, const Configuration<T>& here, const T* v,
+                            const ForcesInTime<T>& in_time, bool all) const;
+  ControlOutputs<T> outputs_along(const Control& control, const Configuration<T>& here, const T* v,
+                                  const ControlChange<T>& change, const ForcesInTime<T>& in_time, bool all) const;
+  const ControllerOf<NumberOfLaw<T>>& law_at(const Control& control, const ForcesInTime<T>& in_time) const {
+    return *controller_of(law_in_time(*this, in_time, control.element));
+  }
+  const std::vector<int>& pushed(const Control& control) const {
+    return control.acts ? elements_[control.element].on.support() : nothing_;
+  }
   static void add_states(const Control& control, const T& integral, const T& filtered, T* g);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);
@@ -301,6 +363,7 @@ class Mechanism {
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
   std::vector<int> resisting_;          // those that resist motion
   std::vector<Control> controls_;       // none in statics
+  std::vector<int> nothing_;
   // Each of those that resist has the three values of its LawForce there, then Dg over its support; each controller has
   // its effort, the changes of its states, then Dg.
   int resistances_size_ = 0;

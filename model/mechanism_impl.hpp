@@ -226,7 +226,7 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
     if (element.feedback) {
       controls_.push_back(compiled_control(scene, element));
       need_scratch(controls_.back().reads.scratch_size());
-      resistances_size_ += 3 + static_cast<int>(compiled.on.support().size());
+      resistances_size_ += 3 + (element.feedback->acts ? static_cast<int>(compiled.on.support().size()) : 0);
     }
     elements_.push_back(std::move(compiled));
   }
@@ -235,17 +235,20 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
 template <class T>
 typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene, const Element& element) const {
   Control out;
+  const Feedback& feedback = *element.feedback;
   out.element = elements();
-  out.reads = {scene, layout_, phasors_, element.feedback->reads};
+  out.acts = feedback.acts;
+  out.follows = feedback.follows;
+  out.reads_from = feedback.reads_from;
+  out.reads = {scene, layout_, phasors_, feedback.reads};
   const auto angle_of = [&](int body) -> CompiledMeasure<T> {
     if (body < 0) return {};
     return {scene, layout_, phasors_, Measure::angle_between(0, body)};
   };
-  out.integral = angle_of(element.feedback->integral);
-  out.filter = angle_of(element.feedback->filter);
-  for (const int body : {element.feedback->integral, element.feedback->filter}) {
-    if (body >= 0) out.inertia = T(scene.bodies[static_cast<std::size_t>(body)].inertia);
-  }
+  out.integral = angle_of(feedback.integral);
+  out.filter = angle_of(feedback.filter);
+  for (std::size_t k = 0; k < out.held.size(); ++k) out.held[k] = angle_of(feedback.held[k]);
+  for (const int body : feedback.states()) out.inertia = T(scene.bodies[static_cast<std::size_t>(body)].inertia);
   return out;
 }
 

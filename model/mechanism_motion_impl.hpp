@@ -22,7 +22,7 @@ void Mechanism<T>::closures_of(const Planar<T>* f, T* c) const {
 
 template <class T>
 void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* resistances,
-                          const LawIn<T>* const* in_time) const {
+                          const ForcesInTime<T>& in_time) const {
   const Configuration<T> here = at(pose);
   for (const int r : resisting_) {
     const ForceElement& e = elements_[r];
@@ -36,7 +36,7 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* res
           slopes[i] = by;
           w += by * v[support[i]];
         });
-    const LawIn<T>& law = in_time != nullptr && in_time[r] != nullptr ? *in_time[r] : e.law;
+    const LawIn<T>& law = in_time.laws != nullptr && in_time.laws[r] != nullptr ? *in_time.laws[r] : e.law;
     const LawForce<T> force = slides != nullptr && sticks(law) ? force_of_sliding(law, slides[r], w)
                                                                : force_of_motion(law, e.on.value(here), w);
     resistances[0] = force.value;
@@ -45,17 +45,15 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* res
     resistances = slopes + support.size();
   }
   for (const Control& control : controls_) {
-    const ForceElement& e = elements_[control.element];
+    const std::vector<int>& support = pushed(control);
     T* slopes = resistances + 3;
-    std::fill(slopes, slopes + e.on.support().size(), T(0));
-    e.on.gradient(here, [&](int i, const T& by) { slopes[i] = by; });
-    const bool varies = in_time != nullptr && in_time[control.element] != nullptr;
-    const ControlOutputs<T> out =
-        controller_of(varies ? *in_time[control.element] : e.law)->respond(signals(control, here, v));
+    std::fill(slopes, slopes + support.size(), T(0));
+    if (control.acts) elements_[control.element].on.gradient(here, [&](int i, const T& by) { slopes[i] = by; });
+    const ControlOutputs<T> out = outputs(control, here, v, in_time, true);
     resistances[0] = out.effort;
     resistances[1] = out.integral;
     resistances[2] = out.filtered;
-    resistances = slopes + e.on.support().size();
+    resistances = slopes + support.size();
   }
 }
 
@@ -65,20 +63,88 @@ const typename Mechanism<T>::Control& Mechanism<T>::control_of(int element) cons
 }
 
 template <class T>
-ControlSignals<T> Mechanism<T>::signals(const Control& control, const Configuration<T>& here, const T* v) const {
+ControlSignals<T> Mechanism<T>::own_signals(const Control& control, const Configuration<T>& here, const T* v) const {
+  const ControllerOf<NumberOfLaw<T>>& law = *controller_of(elements_[control.element].law);
+  ControlSignals<T> out;
   const T rate = control.reads.along(here, v);
-  const bool of_rate = controller_of(elements_[control.element].law)->of_rate;
-  return {of_rate ? rate : control.reads.value(here), of_rate ? T(0) : rate, control.integral.along(here, v),
-          control.filter.value(here), control.filter.along(here, v)};
+  out.value = law.of_rate ? rate : control.reads.value(here);
+  out.rate = law.of_rate ? T(0) : rate;
+  out.integral = control.integral.along(here, v);
+  out.place = control.filter.value(here);
+  out.filtered = control.filter.along(here, v);
+  if (law.has(law.period)) {
+    out.held_effort = control.held[0].along(here, v);
+    out.held_integral = control.held[1].along(here, v);
+    out.held_input = control.held[2].along(here, v);
+  }
+  return out;
+}
+
+template <class T>
+ControlSignals<T> Mechanism<T>::own_signals_along(const Control& control, const Configuration<T>& here, const T* v,
+                                                  const T* dq, const T* dv) const {
+  const ControllerOf<NumberOfLaw<T>>& law = *controller_of(elements_[control.element].law);
+  ControlSignals<T> out;
+  const T rate = control.reads.second(here, v, dq) + control.reads.along(here, dv);
+  out.value = law.of_rate ? rate : control.reads.along(here, dq);
+  out.rate = law.of_rate ? T(0) : rate;
+  out.integral = control.integral.along(here, dv);
+  out.place = control.filter.along(here, dq);
+  out.filtered = control.filter.along(here, dv);
+  if (law.has(law.period)) {
+    out.held_effort = control.held[0].along(here, dv);
+    out.held_integral = control.held[1].along(here, dv);
+    out.held_input = control.held[2].along(here, dv);
+  }
+  return out;
+}
+
+template <class T>
+ControlSignals<T> Mechanism<T>::signals(const Control& control, const Configuration<T>& here, const T* v,
+                                        const ForcesInTime<T>& in_time, bool all) const {
+  ControlSignals<T> out = own_signals(control, here, v);
+  if (!control.is_behind_others() || (!all && !law_at(control, in_time).is_direct())) return out;
+  const auto effort_of = [&](int element) { return outputs(control_of(element), here, v, in_time, false).effort; };
+  if (control.follows >= 0) out.followed = effort_of(control.follows);
+  if (control.reads_from >= 0) out.value = effort_of(control.reads_from);
+  return out;
+}
+
+template <class T>
+ControlOutputs<T> Mechanism<T>::outputs(const Control& control, const Configuration<T>& here, const T* v,
+                                        const ForcesInTime<T>& in_time, bool all) const {
+  return law_at(control, in_time).respond(signals(control, here, v, in_time, all));
 }
 
 template <class T>
 ControlSignals<T> Mechanism<T>::signals_along(const Control& control, const Configuration<T>& here, const T* v,
-                                              const T* dq, const T* dv) const {
-  const T rate = control.reads.second(here, v, dq) + control.reads.along(here, dv);
-  const bool of_rate = controller_of(elements_[control.element].law)->of_rate;
-  return {of_rate ? rate : control.reads.along(here, dq), of_rate ? T(0) : rate, control.integral.along(here, dv),
-          control.filter.along(here, dq), control.filter.along(here, dv)};
+                                              const ControlChange<T>& change, const ForcesInTime<T>& in_time,
+                                              bool all) const {
+  const ControllerOf<NumberOfLaw<T>>& law = law_at(control, in_time);
+  ControlSignals<T> out;
+  if (change.dv != nullptr) out = own_signals_along(control, here, v, change.dq, change.dv);
+  if (!control.is_behind_others() || (!all && !law.is_direct())) return out;
+  const auto change_of = [&](int element) {
+    return outputs_along(control_of(element), here, v, change, in_time, false).effort;
+  };
+  if (control.follows >= 0) out.followed = change_of(control.follows);
+  if (control.reads_from >= 0) out.value = change_of(control.reads_from);
+  return out;
+}
+
+template <class T>
+ControlOutputs<T> Mechanism<T>::outputs_along(const Control& control, const Configuration<T>& here, const T* v,
+                                              const ControlChange<T>& change, const ForcesInTime<T>& in_time,
+                                              bool all) const {
+  const ControllerOf<NumberOfLaw<T>>& law = law_at(control, in_time);
+  const ControlSignals<T> in = signals(control, here, v, in_time, all);
+  ControlOutputs<T> out = law.respond_along(in, signals_along(control, here, v, change, in_time, all));
+  if (change.element != control.element) return out;
+  const ControlOutputs<T> by = law.respond_by(change.number, in);
+  out.effort += change.by * by.effort;
+  out.integral += change.by * by.integral;
+  out.filtered += change.by * by.filtered;
+  return out;
 }
 
 // The torques that give the states these accelerations.
@@ -89,13 +155,15 @@ void Mechanism<T>::add_states(const Control& control, const T& integral, const T
 }
 
 template <class T>
-void Mechanism<T>::add_control_derivative(int element, const LawIn<T>& law, int number, const T& by, Planar<T>* pose,
-                                          const T* v, T* g) const {
+void Mechanism<T>::add_control_derivative(const ControlChange<T>& change, Planar<T>* pose, const T* v,
+                                          const ForcesInTime<T>& in_time, T* g) const {
   const Configuration<T> here = at(pose);
-  const Control& control = control_of(element);
-  const ControlOutputs<T> change = controller_of(law)->respond_by(number, signals(control, here, v));
-  elements_[element].on.add_gradient(here, T(-by * change.effort), g);
-  add_states(control, T(by * change.integral), T(by * change.filtered), g);
+  for (const Control& control : controls_) {
+    if (control.element != change.element && !control.is_behind_others()) continue;
+    const ControlOutputs<T> out = outputs_along(control, here, v, change, in_time, true);
+    if (control.acts) elements_[control.element].on.add_gradient(here, T(-out.effort), g);
+    add_states(control, out.integral, out.filtered, g);
+  }
 }
 
 template <class T>
@@ -107,7 +175,7 @@ void Mechanism<T>::add_resistance(const T* resistances, T* g) const {
     resistances = slopes + support.size();
   }
   for (const Control& control : controls_) {
-    const std::vector<int>& support = elements_[control.element].on.support();
+    const std::vector<int>& support = pushed(control);
     const T* slopes = resistances + 3;
     for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= resistances[0] * slopes[i];
     add_states(control, resistances[1], resistances[2], g);
@@ -118,7 +186,7 @@ void Mechanism<T>::add_resistance(const T* resistances, T* g) const {
 // Of  T(g, w) Dg  with  w = Dg[v]:  (T_g Dg[dq] + T_w (D2g[v, dq] + Dg[dv])) Dg + T D2g[dq, .].
 template <class T>
 void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv,
-                                         T* g, const LawIn<T>* const* in_time) const {
+                                         T* g, const ForcesInTime<T>& in_time) const {
   const Configuration<T> here = at(pose);
   for (const int r : resisting_) {
     const ForceElement& e = elements_[r];
@@ -137,15 +205,12 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, 
     resistances = slopes + support.size();
   }
   for (const Control& control : controls_) {
-    const ForceElement& e = elements_[control.element];
-    const std::vector<int>& support = e.on.support();
+    const CompiledMeasure<T>& on = elements_[control.element].on;
+    const std::vector<int>& support = pushed(control);
     const T* slopes = resistances + 3;
-    const bool varies = in_time != nullptr && in_time[control.element] != nullptr;
-    const ControlOutputs<T> change =
-        controller_of(varies ? *in_time[control.element] : e.law)
-            ->respond_along(signals(control, here, v), signals_along(control, here, v, dq, dv));
+    const ControlOutputs<T> change = outputs_along(control, here, v, {.dq = dq, .dv = dv}, in_time, true);
     for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= change.effort * slopes[i];
-    if (!e.on.is_linear()) e.on.add_bend(here, dq, T(-resistances[0]), g);
+    if (control.acts && !on.is_linear()) on.add_bend(here, dq, T(-resistances[0]), g);
     add_states(control, change.integral, change.filtered, g);
     resistances = slopes + support.size();
   }
@@ -170,7 +235,7 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
     case ForceNumber::Of::element: {
       const ForceElement& e = elements_[number.item];
       if (controller_of(e.law) != nullptr) {
-        add_control_derivative(number.item, e.law, number.number, by, pose, v, g);
+        add_control_derivative({.element = number.item, .number = number.number, .by = by}, pose, v, {}, g);
         break;
       }
       const T w = e.on.along(here, v);

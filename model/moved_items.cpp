@@ -153,7 +153,11 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
   } else {  // joints, force elements, drives, stops and couplings of measures
     transform_measure(table);
     if (key == "controller") {
-      if (toml::table* const reads = table_in(table, "reads")) transform_measure(*reads);
+      name_in(table, "follows", &MovedItems::name_element);
+      if (toml::table* const reads = table_in(table, "reads")) {
+        transform_measure(*reads);
+        name_in(*reads, "controller", &MovedItems::name_element);
+      }
     }
     if (is_any_of(key, {"slide", "weld"})) mirror_number(table, "angle");
   }

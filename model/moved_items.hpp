@@ -129,6 +129,7 @@ class MovedItems {
   virtual void name_body(std::string& name) = 0;
   virtual void name_point(std::string& name) = 0;
   virtual void name_joint(std::string& name) = 0;
+  virtual void name_element(std::string& name) = 0;
   /// "BODY.POINT" where the origin of the frame is from which places of the moved items count.
   virtual std::string origin_of_places() = 0;
   /// The body on which gears without a carrier turn; empty where that stays the ground.

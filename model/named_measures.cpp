@@ -119,6 +119,7 @@ std::vector<NamedMeasure> named_measures(const Scene& scene) {
   }
   const std::vector<ElementName> elements = names_of_elements(scene);
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    if (scene.elements[e].feedback && !scene.elements[e].feedback->acts) continue;
     const auto& [own, whole] = elements[e];
     const Measure& on = scene.elements[e].on;
     NamedMeasure one{.name = "length." + (own.empty() ? whole : own),

@@ -173,7 +173,11 @@ NumberSpot NumberSpots::of_element(std::size_t element, const std::string& key, 
   const toml::table* const part = below(written, key.substr(0, dot));
   const std::string last = key.substr(dot + 1);
   const Law& law = scene_.elements[element].law;
-  if (!std::holds_alternative<CurveSpring>(law) && !std::holds_alternative<CurveDamper>(law)) return {part, "", last};
+  const bool is_coefficient = controller_of(law) != nullptr && !key.starts_with("table.");
+  if (is_coefficient) return {below(written, "transfer"), "", key.substr(0, dot), std::stoi(last)};
+  const bool has_points = std::holds_alternative<CurveSpring>(law) || std::holds_alternative<CurveDamper>(law) ||
+                          controller_of(law) != nullptr;
+  if (!has_points) return {part, "", last};
   return {part, "", "curve", 1, std::stoi(last) - 1};
 }
 

@@ -588,8 +588,9 @@ void scale(Scene& scene, const Scales& scales) {
     std::visit(
         [&]<class L>(L& law) {
           if constexpr (requires { law.rescale(1.0, 1.0); }) {
-            const Measure& of = element.feedback ? element.feedback->reads : element.on;
-            law.rescale(of.dimension().per_scale(scales), element.on.effort_dimension().per_scale(scales));
+            const auto& own = element.feedback;
+            law.rescale((own ? own->signal : element.on.dimension()).per_scale(scales),
+                        (own ? own->output : element.on.effort_dimension()).per_scale(scales));
           }
         },
         element.law);

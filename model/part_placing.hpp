@@ -119,6 +119,7 @@ class Placing : private MovedItems {
   void name_body(std::string& name) override;
   void name_point(std::string& name) override;
   void name_joint(std::string& name) override { name = named(name); }
+  void name_element(std::string& name) override { name = named(name); }
   std::string origin_of_places() override;
   std::string carrier_of_gears() override;
   void note_negated(const toml::node& node) override;

@@ -47,6 +47,7 @@ double checked(double written, double unit, const TomlPlace& place) {
 
 constexpr PointWords spring_words{"x", "force", "an x", "[x, F]"};
 constexpr PointWords damper_words{"rate", "force", "a rate", "[rate, F]"};
+constexpr PointWords controller_words{"error", "output", "an error", "[error, output]"};
 
 /// The points of a table { curve = [[x, F], ...] } or { file = "NAME.csv" }.
 CurvePoints read_points(const TomlTable& table, double unit_x, double unit_force, const PointWords& words) {
@@ -98,6 +99,10 @@ CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit
 CurveSpring read_curve(const TomlTable& table, const Measure& on) {
   CurvePoints points = read_points(table, table.unit(on.dimension()), table.unit(on.effort_dimension()), spring_words);
   return {std::move(points.x), std::move(points.y), table.has("curve")};
+}
+
+CurvePoints read_table_of_controller(const TomlTable& table, double unit_x, double unit_y) {
+  return read_points(table, unit_x, unit_y, controller_words);
 }
 
 CurveDamper read_damper_curve(const TomlTable& table, const Measure& on) {

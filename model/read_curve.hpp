@@ -34,6 +34,10 @@ CurvePoints read_points_of_file(const TomlText& name, double unit_x, double unit
 /// scene file. Throws InputError with file and line unless there are two points or more, of ascending x.
 CurveSpring read_curve(const TomlTable& table, const Measure& on);
 
+/// The points of the table of a controller, of the same keys, of which x is an error in units of `unit_x` and what it
+/// gives there one in units of `unit_y`.
+CurvePoints read_table_of_controller(const TomlTable& table, double unit_x, double unit_y);
+
 /// The same of a damper, of which x is a rate of the measure. Fails, too, where a force does not resist.
 CurveDamper read_damper_curve(const TomlTable& table, const Measure& on);
 

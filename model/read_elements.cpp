@@ -13,6 +13,7 @@
 
 #include "model/gas_struts.hpp"
 #include "model/one_line.hpp"
+#include "model/read_controllers.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_measure.hpp"
 #include "model/read_time_function.hpp"
@@ -24,8 +25,7 @@ namespace {
 template <class L>
 constexpr bool varies_in_time =
     std::is_same_v<L, LinearSpring> || std::is_same_v<L, CubicSpring> || std::is_same_v<L, PreloadedSpring> ||
-    std::is_same_v<L, Damper> || std::is_same_v<L, DragDamper> || std::is_same_v<L, CurveDamper> ||
-    std::is_same_v<L, Controller>;
+    std::is_same_v<L, Damper> || std::is_same_v<L, DragDamper> || std::is_same_v<L, CurveDamper>;
 
 class ElementReader {
  public:
@@ -38,7 +38,7 @@ class ElementReader {
                   [key](const ElementReader* self, const TomlTable& table) { return self->read_element(table, key); });
     }
     add_friction_of_struts();
-    add_states_of_controllers();
+    ControllerReader(root_, measures_, scene_).read();
     read_times_of_springs();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
@@ -82,6 +82,7 @@ class ElementReader {
   }
 
   Element read_element(const TomlTable& table, std::string_view key) const {
+    if (key == "controller") return read_what_controller_acts_on(table, measures_);
     bool angles_only = false;
     each_law_of(key, [&](auto, const LawTable& written) { angles_only = written.angles_only; });
     const MeasureKeys measures = angles_only ? MeasureKeys{"bodies"} : all_measures();
@@ -124,9 +125,6 @@ class ElementReader {
       for (const Number& number : DryFriction::numbers_of_falling) allowed.push_back(number.key);
       allowed.push_back("stribeck");
     }
-    if constexpr (std::is_same_v<L, Controller>) {
-      allowed.insert(allowed.end(), own_keys_of_controller.begin(), own_keys_of_controller.end());
-    }
     if constexpr (varies_in_time<L>) allowed.push_back("time");
     if constexpr (requires { L::choices; }) {
       for (const LawChoice& choice : L::choices) allowed.push_back(choice.key);
@@ -139,8 +137,6 @@ class ElementReader {
     L law;
     if constexpr (std::is_same_v<L, GasStrut>) {
       read_gas(table, element.on, law);
-    } else if constexpr (std::is_same_v<L, Controller>) {
-      read_controller(table, element, law);
     } else {
       if constexpr (std::is_same_v<L, CurveSpring>) law = read_curve(*table.find_table(told), element.on);
       if constexpr (std::is_same_v<L, CurveDamper>) law = read_damper_curve(*table.find_table(told), element.on);
@@ -156,129 +152,6 @@ class ElementReader {
     }
     element.law = law;
     return element;
-  }
-
-  static constexpr std::array<std::string_view, 12> own_keys_of_controller{
-      "proportional", "integral", "derivative",    "filter", "reference",  "dead_band",
-      "min",          "max",      "tracking_time", "reads",  "reads_rate", "transfer"};
-
-  /// What a controller reads, else what it acts on, and its numbers.
-  void read_controller(const TomlTable& table, Element& element, Controller& law) const {
-    Feedback feedback{element.on};
-    if (table.has("reads")) {
-      if (!table.holds_table("reads")) {
-        table.place_of("reads").fail("expected the table of a measure, say reads = { bodies = [\"ground\", \"arm\"] }");
-      }
-      MeasureKeys measures = all_measures();
-      std::erase(measures, "sum");
-      feedback.reads = measures_.read(*table.find_table("reads"), measures, {});
-    } else if (element.on.kind == Measure::Kind::sum) {
-      table.place_of("sum").fail("expected the key reads beside it, the measure that is controlled; add it");
-    }
-    law.of_rate = table.flag("reads_rate", false);
-    for (int id = 0; id < Controller::numerator; ++id) {
-      if (table.has(own_keys_of_controller[static_cast<std::size_t>(id)])) law.given |= 1U << id;
-    }
-    expect_beside(table, law);
-    std::array<std::vector<double>, 2> transfer;
-    if (table.has("transfer")) transfer = read_transfer(table, law);
-    law.declare(feedback.reads.is_angle());
-    constexpr double unlimited = std::numeric_limits<double>::infinity();
-    law.values[Controller::min] = -unlimited;
-    law.values[Controller::max] = unlimited;
-    read_numbers(table,
-                 law.all_numbers().first(
-                     static_cast<std::size_t>(std::popcount(law.given & ((1U << Controller::numerator) - 1)))),
-                 &law, &element.on);
-    for (const Number& number : law.all_numbers()) {
-      const std::size_t dot = number.key.find('.');
-      if (dot == std::string_view::npos) continue;
-      const std::vector<double>& list = transfer[number.key.starts_with("numerator") ? 0 : 1];
-      const double value = list[static_cast<std::size_t>(number.key.back() - '0')];
-      located(table.place_of("transfer"),
-              [&] { number.set(&law, value * table.unit(number.dimension_on(&element.on))); });
-    }
-    element.feedback = std::move(feedback);
-  }
-
-  static void expect_beside(const TomlTable& table, const Controller& law) {
-    const auto expect = [&](std::string_view key, std::string_view other) {
-      if (table.has(key) && !table.has(other)) {
-        table.place_of(key).fail("expected the key " + std::string(other) + " beside it; add it");
-      }
-    };
-    expect("filter", "derivative");
-    expect("tracking_time", "integral");
-    if (table.has("tracking_time") && !table.has("min") && !table.has("max")) {
-      table.place_of("tracking_time").fail("expected the key min or max beside it, which limits the effort; add it");
-    }
-    if (!table.has("proportional") && !table.has("integral") && !table.has("derivative") && !table.has("transfer")) {
-      table.place().fail(
-          "expected one of the keys proportional, integral, derivative and transfer, by which it acts; add one");
-    }
-    if (law.of_rate && table.has("derivative") && !table.has("filter")) {
-      table.place_of("derivative").fail("expected the key filter beside it, because it reads a rate; add it");
-    }
-    if (table.has("filter") && table.has("transfer")) {
-      table.place_of("filter").fail("expected filter or transfer, found both; make two controllers");
-    }
-    if (table.has("time") && table.holds_table("time") && table.find_table("time")->has("reference") &&
-        !table.has("reference")) {
-      table.place_of("time").fail(
-          "expected the key reference beside it, which time.reference multiplies; add "
-          "reference = 1");
-    }
-  }
-
-  /// The coefficients of a transfer function, ascending: first those of its numerator.
-  static std::array<std::vector<double>, 2> read_transfer(const TomlTable& table, Controller& law) {
-    if (!table.holds_table("transfer")) {
-      table.place_of("transfer")
-          .fail(
-              "expected the table of a transfer function, say transfer = { numerator = [2], denominator = [1, 0.1] }");
-    }
-    const TomlTable transfer = *table.find_table("transfer");
-    transfer.allow_keys({"numerator", "denominator"});
-    std::array<std::vector<double>, 2> out{transfer.numbers("numerator"), transfer.numbers("denominator")};
-    if (out[1].size() != 2 && out[1].size() != 3) {
-      transfer.place_of("denominator")
-          .fail("expected 2 or 3 coefficients, of a first or second order, ascending in powers of p, found " +
-                std::to_string(out[1].size()));
-    }
-    if (out[0].empty() || out[0].size() > out[1].size()) {
-      transfer.place_of("numerator")
-          .fail(
-              "expected at least 1 coefficient and at most those of the denominator, ascending in powers of p, found " +
-              std::to_string(out[0].size()));
-    }
-    law.order = static_cast<int>(out[1].size()) - 1;
-    for (std::size_t k = 0; k < out[0].size(); ++k) law.given |= 1U << (Controller::numerator + static_cast<int>(k));
-    for (std::size_t k = 0; k < out[1].size(); ++k) law.given |= 1U << (Controller::denominator + static_cast<int>(k));
-    return out;
-  }
-
-  /// The bodies whose rates are the states of controllers.
-  void add_states_of_controllers() {
-    for (Element& element : scene_.elements) {
-      if (!element.feedback) continue;
-      const auto add_state = [&](const char* what) {
-        const std::string name = element.name + " " + what;
-        for (const Body& body : scene_.bodies) {
-          if (body.name == name) {
-            throw InputError(scene_.file + ":" + std::to_string(element.line) + ": controller \"" + element.name +
-                             "\": expected another name, the body \"" + name + "\" of line " +
-                             std::to_string(body.line) + " has that of its state; rename one");
-          }
-        }
-        const int body = scene_.add_body(name);
-        scene_.bodies.back().inertia = Body::inertia_of_states;
-        scene_.bodies.back().line = element.line;
-        return body;
-      };
-      const Controller& law = std::get<Controller>(element.law);
-      if (law.has(Controller::integral)) element.feedback->integral = add_state("integral");
-      if (law.has(Controller::filter) || law.order > 0) element.feedback->filter = add_state("state");
-    }
   }
 
   /// Friction whose static force is above that of sliding.
@@ -445,8 +318,9 @@ class ElementReader {
       const std::span<const Number> numbers = numbers_of(element.law);
       Keys keys;
       for (const Number& number : numbers) {
-        // Numbers of points of a curve do not vary.
-        if (number.key.find('.') == std::string_view::npos) keys.push_back(number.key_on(&element.on));
+        // Numbers of points of a curve do not vary, nor does the period of a controller, which is behind those that do.
+        const bool is_period = element.feedback && number.key == "period";
+        if (number.key.find('.') == std::string_view::npos && !is_period) keys.push_back(number.key_on(&element.on));
       }
       time.allow_keys(keys);
       for (std::size_t k = 0; k < keys.size(); ++k) {

@@ -92,12 +92,30 @@ inline constexpr std::array<Number, 4> Body::numbers{
     component_number<&Body::center, 0>("center.x", dimension::length),
     component_number<&Body::center, 1>("center.y", dimension::length)};
 
-/// What a controller reads, and where its states are: the rate of a body is its integral, that of another the state of
-/// its filter or transfer function; -1 without one. These bodies turn for themselves alone, with an inertia of which
-/// no energy is seen (Body::inertia_of_states).
+/// What a controller reads and gives, and where its states are: the rate of a body is its integral, that of another the
+/// state of its filter or transfer function, those of three more what it holds between samples (ControlSignals); -1
+/// without one. These bodies turn for themselves alone, with an inertia of which no energy is seen
+/// (Body::inertia_of_states).
 struct Feedback {
-  Measure reads;
+  enum class Source { measure, controller, nothing };
+
+  Measure reads;                    ///< where that is its source
+  Source source = Source::measure;  ///< of y
+  int reads_from = -1;              ///< the element whose output it reads, where that is its source
+  int follows = -1;                 ///< the element whose output is added to its reference, or -1
+  bool acts = true;                 ///< on the measure of its element; else it gives a signal to other controllers
+  Dimension signal{}, output{};     ///< of y and u
   int integral = -1, filter = -1;
+  std::array<int, 3> held{-1, -1, -1};  ///< u, s', and the input of the filter or transfer function
+
+  /// All bodies that are states.
+  std::vector<int> states() const {
+    std::vector<int> out;
+    for (const int body : {integral, filter, held[0], held[1], held[2]}) {
+      if (body >= 0) out.push_back(body);
+    }
+    return out;
+  }
 };
 
 /// A force element: a law on a measure. The torsion spring of a scene file is a linear spring on an angle.

@@ -31,6 +31,8 @@ MeasureByName measures::y(std::string point) { return {"y", {std::move(point)}, 
 
 MeasureByName measures::sum(std::vector<MeasureByName::Term> terms) { return {"sum", {}, std::move(terms)}; }
 
+MeasureByName measures::nothing() { return {}; }
+
 namespace {
 
 toml::array pair_of(Vec2 v) { return toml::array{v.x, v.y}; }
@@ -179,6 +181,7 @@ struct SceneBuilder::Document {
   }
 
   void set_measure(toml::table& table, const MeasureByName& on) {
+    if (on.key.empty()) return;
     toml::array list;
     for (const MeasureByName::Term& term : on.terms) {
       toml::table& written = list.emplace_back<toml::table>();
@@ -236,6 +239,10 @@ struct SceneBuilder::Document {
       use(pair_of(*pair));
     } else if (const auto* words = std::get_if<std::vector<std::string>>(&entry.value)) {
       use(list_of(*words));
+    } else if (const auto* numbers = std::get_if<std::vector<double>>(&entry.value)) {
+      toml::array list;
+      for (const double number : *numbers) list.push_back(number);
+      use(std::move(list));
     } else if (const auto* flag = std::get_if<bool>(&entry.value)) {
       use(*flag);
     } else if (const auto* number = std::get_if<double>(&entry.value)) {

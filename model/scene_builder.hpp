@@ -18,7 +18,7 @@ namespace poise {
 struct MeasureByName {
   struct Term;
 
-  std::string key;  ///< of a scene file: "bodies", "points", "slide", "x", "y", "sum"
+  std::string key;  ///< of a scene file: "bodies", "points", "slide", "x", "y", "sum"; empty for none
   std::vector<std::string> names;
   std::vector<Term> terms;  ///< of a sum
 };
@@ -40,6 +40,8 @@ MeasureByName x(std::string point);
 MeasureByName y(std::string point);
 /// Sum of factor times measure: measures::sum({{2, measures::travel("guide")}, {1, measures::x("arm.B")}}).
 MeasureByName sum(std::vector<MeasureByName::Term> terms);
+/// No measure: of a controller that acts on nothing.
+MeasureByName nothing();
 }  // namespace measures
 
 /// Builds a scene in code, as docs/scene-files.md describes scene files: the same items, keys, units, defaults and
@@ -73,9 +75,10 @@ class SceneBuilder {
   };
 
   /// A key of a table of a scene file with its number, its word, which for a number is an expression, its flag, its two
-  /// numbers (Vec2{0, 3}), its words, its pairs of numbers, or the keys of each table of a list (Tables). A key of a
-  /// table in that table has all names: {"gas.preload", 300}, {"force.curve", {{0, 0}, {10, 40}}},
-  /// {"time.function", "sin(3*t)"}; behind "numbers." of a part the rest is one key.
+  /// numbers (Vec2{0, 3}), its words, its numbers (std::vector<double>), its pairs of numbers, or the keys of each
+  /// table of a list (Tables). A key of a table in that table has all names: {"gas.preload", 300},
+  /// {"force.curve", {{0, 0}, {10, 40}}}, {"time.function", "sin(3*t)"}, {"reads.slide", "rail"}; behind "numbers." of
+  /// a part the rest is one key.
   struct Key {
     Key(std::string key, double number) : name(std::move(key)), value(number) {}
     Key(std::string key, std::string word) : name(std::move(key)), value(std::move(word)) {}
@@ -84,12 +87,16 @@ class SceneBuilder {
     Key(std::string key, std::same_as<Vec2> auto pair) : name(std::move(key)), value(pair) {}
     Key(std::string key, std::same_as<std::vector<std::string>> auto words)
         : name(std::move(key)), value(std::move(words)) {}
+    Key(std::string key, std::same_as<std::vector<double>> auto numbers)
+        : name(std::move(key)), value(std::move(numbers)) {}
     Key(std::string key, std::vector<Vec2> pairs) : name(std::move(key)), value(std::move(pairs)) {}
     using Tables = std::vector<std::vector<Key>>;
     Key(std::string key, std::same_as<Tables> auto tables) : name(std::move(key)), value(std::move(tables)) {}
 
     std::string name;
-    std::variant<double, std::string, bool, std::vector<Vec2>, Vec2, std::vector<std::string>, Tables> value;
+    std::variant<double, std::string, bool, std::vector<Vec2>, Vec2, std::vector<std::string>, std::vector<double>,
+                 Tables>
+        value;
   };
 
   /// A part of the law of a cam: up to the angle `to`, at which the lift is this share, or that of the part before.

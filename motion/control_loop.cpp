@@ -9,9 +9,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "model/controllers.hpp"
 #include "motion/reduced_motion.hpp"
+#include "motion/samples.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -39,23 +41,32 @@ class LoopAtRest {
     reduced_.set_inputs(model.scaled_scene(), {});
     reduced_.begin(0.0, from.data());
     find_states();
+    still_.assign(static_cast<std::size_t>(reduced_.coordinates()), 0.0);
     z_.resize(reduced_.independent().size());
     w_.resize(z_.size());
     for (std::size_t k = 0; k < z_.size(); ++k) z_[k] = from[static_cast<std::size_t>(reduced_.independent()[k])];
   }
 
   ControlLoop find() {
-    out_.known = comes_to_rest() && touches_nothing();
+    out_.period = common_period();
+    out_.known = (out_.period > 0.0 ? comes_to_rest_between_samples() : comes_to_rest()) && touches_nothing();
     if (!out_.known) return std::move(out_);
     out_.x.assign(reduced_.q(), reduced_.q() + reduced_.coordinates());
     model_.mechanism().place(reduced_.q(), pose_.data());
     for (const int e : controllers_of(scene_)) add_controller(e);
     close();
     open();
+    if (out_.period > 0.0) discretize();
     out_.poles = poles_of(out_.closed.a);
     out_.open_poles = poles_of(out_.open.a);
-    const double zero = no_growth_of_pole * out_.closed.a.cwiseAbs().rowwise().sum().maxCoeff();
-    const double growth = out_.poles.empty() ? 0.0 : out_.poles.front().real();
+    double zero = no_growth_of_pole * out_.closed.a.cwiseAbs().rowwise().sum().maxCoeff();
+    double growth = out_.poles.empty() ? 0.0 : out_.poles.front().real();
+    if (out_.period > 0.0) {
+      std::stable_sort(out_.poles.begin(), out_.poles.end(),
+                       [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
+      growth = out_.poles.empty() ? -1.0 : std::abs(out_.poles.front()) - 1.0;
+      zero = std::max(zero, no_growth_of_pole);
+    }
     using Stability = ControlLoop::Stability;
     out_.stability = growth > zero ? Stability::unstable : growth < -zero ? Stability::stable : Stability::marginal;
     return std::move(out_);
@@ -121,6 +132,115 @@ class LoopAtRest {
   const double* change_by(const State& state) const {
     const auto k = static_cast<int>(state.k);
     return state.is_rate ? reduced_.alpha_w(k) : reduced_.alpha_z(k);
+  }
+
+  /// That of all controllers with one; 0 without any.
+  double common_period() const {
+    const Element* first = nullptr;
+    for (const int e : controllers_of(scene_)) {
+      const Element& one = scene_.elements[static_cast<std::size_t>(e)];
+      const Controller& law = *controller_of(one.law);
+      if (!law.has(Controller::period)) continue;
+      if (first == nullptr) first = &one;
+      if (law.values[Controller::period] == controller_of(first->law)->values[Controller::period]) continue;
+      throw InputError(fmt::format(
+          "{}:{}: controller \"{}\".period: the linear system of samples with several periods is not known; "
+          "expected {:g} s, that of \"{}\"",
+          scene_.file, one.line, one.name, controller_of(first->law)->values[Controller::period], first->name));
+    }
+    return first == nullptr ? 0.0 : controller_of(first->law)->values[Controller::period];
+  }
+
+  /// The equilibrium is that of controllers that decide at all times.
+  bool comes_to_rest_between_samples() {
+    Scene scene = scene_;
+    for (const int e : controllers_of(scene)) {
+      Element& one = scene.elements[static_cast<std::size_t>(e)];
+      Controller& law = std::get<Controller>(one.law);
+      law.given &= ~(1U << Controller::period);
+      law.declare(one.feedback->signal, one.feedback->acts, one.feedback->output);
+    }
+    const MotionModel model(scene, model_.scales());
+    LoopAtRest at_all_times(model, {reduced_.q(), reduced_.q() + reduced_.coordinates()});
+    if (!at_all_times.comes_to_rest()) return fail(at_all_times.out_.why);
+    z_ = at_all_times.z_;
+    w_ = at_all_times.w_;
+    reduced_.evaluate(0.0, z_.data(), w_.data());
+    Samples samples(model_, {}, {});
+    for (const Samples::Held& held : samples.take(reduced_, 0.0, 0.0)) w_[place_of(held.coordinate)] = held.rate;
+    if (reduced_.evaluate(0.0, z_.data(), w_.data()) != ReducedMotion<double>::Status::ok) {
+      return fail("its equations of motion have no solution in its equilibrium");
+    }
+    reduced_.linearize();
+    return true;
+  }
+
+  std::size_t place_of(int coordinate) const {
+    const std::vector<int>& all = reduced_.independent();
+    return static_cast<std::size_t>(std::find(all.begin(), all.end(), coordinate) - all.begin());
+  }
+
+  /// With e^(A T) of the states x, what is held, h, and the references r between samples, and at a sample h = H x + K
+  /// r: from one sample to the next  x <- (E_xx + E_xh H) x + (E_xr + E_xh K) r.
+  void discretize() {
+    StateSpace& loop = out_.closed;
+    std::vector<Influence> references;
+    for (const ControlAtRest& one : out_.controllers) {
+      const ControlChange<double> by = along_reference(one.element);
+      Influence& reference = references.emplace_back();
+      reference.force = {ForceNumber::Of::element, one.element, by.number};
+      reference.by = 1.0;
+    }
+    Samples samples(model_, {}, references);
+    std::vector<Index> free, held;
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      (is_held(states_[i]) ? held : free).push_back(static_cast<Index>(i));
+    }
+    const auto decided_by = [&](const ControlChange<double>& change, int influence) {
+      const auto n = static_cast<std::size_t>(reduced_.coordinates());
+      const std::vector<double> dq(change.dq, change.dq + n), dv(change.dv, change.dv + n);
+      VectorXd out(static_cast<Index>(held.size()));
+      for (const Samples::Held& one : samples.take_by(reduced_, 0.0, 0.0, dq, dv, influence)) {
+        for (std::size_t h = 0; h < held.size(); ++h) {
+          const State& state = states_[static_cast<std::size_t>(held[h])];
+          if (reduced_.independent()[state.k] == one.coordinate) out[static_cast<Index>(h)] = one.rate;
+        }
+      }
+      return out;
+    };
+    const auto n = static_cast<Index>(states_.size()), m = static_cast<Index>(references.size());
+    const auto f = static_cast<Index>(free.size()), k = static_cast<Index>(held.size());
+    MatrixXd by_states(k, f), by_references(k, m), rates = MatrixXd::Zero(n + m, n + m);
+    for (Index j = 0; j < f; ++j) {
+      const State& column = states_[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])];
+      by_states.col(j) = decided_by(along(column), -1) / column.unit;
+    }
+    for (Index r = 0; r < m; ++r) {
+      by_references.col(r) = decided_by({.dq = still_.data(), .dv = still_.data()}, static_cast<int>(r)) /
+                             reading_unit(out_.controllers[static_cast<std::size_t>(r)].element);
+    }
+    rates.topLeftCorner(n, n) = loop.a;
+    rates.topRightCorner(n, m) = loop.b;
+    const MatrixXd step = (rates * out_.period).exp();
+    const auto last = Eigen::seqN(n, m);
+    const MatrixXd from_held = step(free, held), c_held = loop.c(Eigen::all, held);
+    loop.a = step(free, free) + from_held * by_states;
+    loop.b = step(free, last) + from_held * by_references;
+    loop.c = (loop.c(Eigen::all, free) + c_held * by_states).eval();
+    loop.d += c_held * by_references;
+    std::vector<std::string> names;
+    for (const Index i : free) names.push_back(loop.states[static_cast<std::size_t>(i)]);
+    loop.states = std::move(names);
+  }
+
+  bool is_held(const State& state) const {
+    const int coordinate = reduced_.independent()[state.k];
+    for (const ControlAtRest& one : out_.controllers) {
+      for (const int body : feedback_of(one.element).held) {
+        if (body >= 0 && model_.layout().links[static_cast<std::size_t>(body)].frame == coordinate) return true;
+      }
+    }
+    return false;
   }
 
   double largest_acceleration() const {
@@ -193,43 +313,46 @@ class LoopAtRest {
   }
 
   const Controller& law_of(int element) const { return *controller_of(model_.mechanism().law_of(element)); }
-  double effort_unit(int element) const {
-    const bool turns = scene_.elements[static_cast<std::size_t>(element)].on.is_angle();
-    return turns ? model_.scales().energy() : model_.scales().force;
+  const Feedback& feedback_of(int element) const {
+    return *scene_.elements[static_cast<std::size_t>(element)].feedback;
   }
-  double reading_unit(int element) const {
-    const bool turns = scene_.elements[static_cast<std::size_t>(element)].feedback->reads.is_angle();
-    return turns ? 1.0 : model_.scales().length;
-  }
-  ControlSignals<double> signals(int element) {
-    return model_.mechanism().signals_of(element, pose_.data(), reduced_.v());
-  }
-  ControlSignals<double> signals_by(int element, const State& state) {
+  double effort_unit(int element) const { return 1.0 / feedback_of(element).output.per_scale(model_.scales()); }
+  double reading_unit(int element) const { return 1.0 / feedback_of(element).signal.per_scale(model_.scales()); }
+  /// Where a state changes.
+  ControlChange<double> along(const State& state) const {
     const auto k = static_cast<int>(state.k);
-    const std::vector<double> none(static_cast<std::size_t>(reduced_.coordinates()), 0.0);
-    const double* const dq = state.is_rate ? none.data() : reduced_.B(k);
-    const double* const dv = state.is_rate ? reduced_.B(k) : reduced_.v_z(k);
-    return model_.mechanism().signals_along(element, pose_.data(), reduced_.v(), dq, dv);
+    return {.dq = state.is_rate ? still_.data() : reduced_.B(k), .dv = state.is_rate ? reduced_.B(k) : reduced_.v_z(k)};
   }
-  /// The derivatives of what a controller does by its reference, or of the mechanism's accelerations by its effort.
-  ControlOutputs<double> by_reference(int element) {
-    const Controller& law = law_of(element);
-    const unsigned below = law.given & ((1U << Controller::reference) - 1U);
-    return law.respond_by(std::popcount(below), signals(element));
+  /// Where the reference of a controller changes.
+  ControlChange<double> along_reference(int element) const {
+    const unsigned below = law_of(element).given & ((1U << Controller::reference) - 1U);
+    return {.element = element, .number = std::popcount(below), .by = 1.0};
   }
-  VectorXd by_effort(int element) {
-    std::vector<double> slope(static_cast<std::size_t>(reduced_.coordinates()), 0.0);
-    model_.mechanism().add_measure_gradient(element, pose_.data(), slope.data());
+  double effort_along(int element, const ControlChange<double>& change) {
+    return model_.mechanism().outputs_along(element, pose_.data(), reduced_.v(), change).effort;
+  }
+  VectorXd accelerations_by(const std::vector<double>& slope) const {
     VectorXd out(reduced_.freedoms());
     reduced_.respond(slope.data(), out.data());
     return out;
   }
+  /// The derivatives of the accelerations by the reference of a controller, and by its effort.
+  VectorXd by_reference(int element) {
+    std::vector<double> slope(still_.size(), 0.0);
+    model_.mechanism().add_control_derivative(along_reference(element), pose_.data(), reduced_.v(), {}, slope.data());
+    return -accelerations_by(slope);
+  }
+  VectorXd by_effort(int element) {
+    std::vector<double> slope(still_.size(), 0.0);
+    model_.mechanism().add_measure_gradient(element, pose_.data(), slope.data());
+    return accelerations_by(slope);
+  }
 
   void add_controller(int element) {
     const Controller& law = law_of(element);
-    const ControlSignals<double> in = signals(element);
-    const ControlOutputs<double> out = law.respond(in);
-    const double error = law.values[Controller::reference] - in.value;
+    const ControlSignals<double> in = model_.mechanism().signals_of(element, pose_.data(), reduced_.v());
+    const ControlOutputs<double> out = law.decide(in);
+    const double error = law.values[Controller::reference] + in.followed - in.value;
     out_.controllers.push_back({element, in.value * reading_unit(element), out.effort * effort_unit(element),
                                 out.effort != out.unlimited,
                                 law.has(Controller::dead_band) && std::abs(error) < law.values[Controller::dead_band]});
@@ -272,55 +395,64 @@ class LoopAtRest {
     for (Index e = 0; e < m; ++e) {
       const int element = out_.controllers[static_cast<std::size_t>(e)].element;
       const double read = reading_unit(element), effort = effort_unit(element);
-      const ControlOutputs<double> by = by_reference(element);
-      const VectorXd push = by_effort(element);
-      const Feedback& feedback = *scene_.elements[static_cast<std::size_t>(element)].feedback;
+      const VectorXd by = by_reference(element);
       loop.inputs.push_back(name_of(element) + ".reference");
       for (Index i = 0; i < n; ++i) {
         const State& row = states_[static_cast<std::size_t>(i)];
-        if (!row.is_rate) continue;
-        const int coordinate = reduced_.independent()[row.k];
-        double change = push[static_cast<Index>(row.k)] * by.effort;
-        if (is_state(feedback.integral, coordinate)) change += by.integral;
-        if (is_state(feedback.filter, coordinate)) change += by.filtered;
-        loop.b(i, e) = change * row.unit / read;
+        if (row.is_rate) loop.b(i, e) = by[static_cast<Index>(row.k)] * row.unit / read;
       }
       loop.outputs.push_back(name_of(element) + ".reads");
       for (Index j = 0; j < n; ++j) {
         const State& column = states_[static_cast<std::size_t>(j)];
-        const ControlSignals<double> change = signals_by(element, column);
-        loop.c(e, j) = change.value * read / column.unit;
-        loop.c(m + e, j) = law_of(element).respond_along(signals(element), change).effort * effort / column.unit;
+        loop.c(e, j) = reading_along(element, along(column)) * read / column.unit;
+        loop.c(m + e, j) = effort_along(element, along(column)) * effort / column.unit;
       }
-      loop.d(m + e, e) = by.effort * effort / read;
+      for (Index r = 0; r < m; ++r) {
+        const int by_that = out_.controllers[static_cast<std::size_t>(r)].element;
+        const double of_that = reading_unit(by_that);
+        loop.d(e, r) = reading_along(element, along_reference(by_that)) * read / of_that;
+        loop.d(m + e, r) = effort_along(element, along_reference(by_that)) * effort / of_that;
+      }
     }
     for (const ControlAtRest& one : out_.controllers) loop.outputs.push_back(name_of(one.element) + ".effort");
   }
 
-  bool is_state(int body, int coordinate) const {
-    return body >= 0 && model_.layout().links[static_cast<std::size_t>(body)].frame == coordinate;
+  double reading_along(int element, const ControlChange<double>& change) {
+    return model_.mechanism().signals_along(element, pose_.data(), reduced_.v(), change).value;
   }
 
   /// The mechanism alone: that of the closed loop less what the efforts do that follow its states.
   void open() {
     StateSpace& plant = out_.open;
     const auto n = static_cast<Index>(of_mechanism_);
-    const auto m = static_cast<Index>(out_.controllers.size());
+    std::vector<Index> acting, reading;
+    for (std::size_t e = 0; e < out_.controllers.size(); ++e) {
+      const Feedback& feedback = feedback_of(out_.controllers[e].element);
+      if (feedback.acts) acting.push_back(static_cast<Index>(e));
+      if (feedback.source == Feedback::Source::measure) reading.push_back(static_cast<Index>(e));
+    }
+    const auto inputs = static_cast<Index>(acting.size()), outputs = static_cast<Index>(reading.size());
     plant.states = names_of(of_mechanism_);
     plant.a = out_.closed.a.topLeftCorner(n, n);
-    plant.b = MatrixXd::Zero(n, m);
-    plant.c = out_.closed.c.topLeftCorner(m, n);
-    plant.d = MatrixXd::Zero(m, m);
-    for (Index e = 0; e < m; ++e) {
+    plant.b = MatrixXd::Zero(n, inputs);
+    plant.c = MatrixXd::Zero(outputs, n);
+    plant.d = MatrixXd::Zero(outputs, inputs);
+    const auto m = static_cast<Index>(out_.controllers.size());
+    for (Index u = 0; u < inputs; ++u) {
+      const Index e = acting[static_cast<std::size_t>(u)];
       const int element = out_.controllers[static_cast<std::size_t>(e)].element;
       const VectorXd push = by_effort(element);
       for (Index i = 0; i < n; ++i) {
         const State& row = states_[static_cast<std::size_t>(i)];
-        if (row.is_rate) plant.b(i, e) = push[static_cast<Index>(row.k)] * row.unit / effort_unit(element);
+        if (row.is_rate) plant.b(i, u) = push[static_cast<Index>(row.k)] * row.unit / effort_unit(element);
       }
-      plant.a -= plant.b.col(e) * out_.closed.c.row(m + e).head(n);
+      plant.a -= plant.b.col(u) * out_.closed.c.row(m + e).head(n);
       plant.inputs.push_back(name_of(element) + ".effort");
-      plant.outputs.push_back(name_of(element) + ".reads");
+    }
+    for (Index y = 0; y < outputs; ++y) {
+      const Index e = reading[static_cast<std::size_t>(y)];
+      plant.c.row(y) = out_.closed.c.row(e).head(n);
+      plant.outputs.push_back(name_of(out_.controllers[static_cast<std::size_t>(e)].element) + ".reads");
     }
   }
 
@@ -343,6 +475,7 @@ class LoopAtRest {
   std::size_t of_mechanism_ = 0;
   std::vector<char> unknown_is_rate_;  // of each independent coordinate: at rest its rate is looked for, not its place
   std::vector<double> z_, w_;
+  std::vector<double> still_;  // a direction in which no coordinate moves
   ControlLoop out_;
 };
 

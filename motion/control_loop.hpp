@@ -19,8 +19,8 @@ struct StateSpace {
 /// A controller at the equilibrium.
 struct ControlAtRest {
   int element = 0;            ///< of the scene
-  double value = 0.0;         ///< what it reads, rad, m, rad/s or m/s
-  double effort = 0.0;        ///< N or N m
+  double value = 0.0;         ///< what it reads, SI: rad, m, rad/s, m/s, or what another one gives
+  double effort = 0.0;        ///< N or N m, or what it gives to others
   bool limited = false;       ///< the effort is at a limit, where it does not follow what is read
   bool in_dead_band = false;  ///< the error is within the dead band
 };
@@ -28,7 +28,7 @@ struct ControlAtRest {
 /// A mechanism with its controllers near an equilibrium.
 struct ControlLoop {
   enum class Stability {
-    stable,    ///< all poles have negative real parts
+    stable,    ///< all poles have negative real parts, of a loop with samples sizes below 1
     marginal,  ///< none has a positive one, but some have a real part that is zero to rounding
     unstable
   };
@@ -38,10 +38,14 @@ struct ControlLoop {
   std::vector<ControlAtRest> controllers;
   /// With the loop closed: u are the references, y what each controller reads and its effort. x are the independent
   /// coordinates, each with its rate, less their values at the equilibrium, then the states of controllers.
+  /// With samples it is  x(k+1) = A x(k) + B u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision
+  /// of the controllers: exact for references that are constant in between.
   StateSpace closed;
-  /// The mechanism alone: u are the efforts of the controllers, y what they read.
+  /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
-  std::vector<std::complex<double>> poles, open_poles;  ///< of A, 1/s: the largest real parts first
+  /// Of A, 1/s: the largest real parts first; with samples z, the largest sizes first.
+  std::vector<std::complex<double>> poles, open_poles;
+  double period = 0.0;  ///< of the samples, s; 0 without any
   Stability stability = Stability::unstable;
 };
 
@@ -50,7 +54,9 @@ struct ControlLoop {
 ///   w' = alpha(z, w, s),   s' = f(z, w, s)  at  alpha = 0, f = 0, w = 0,
 /// with the independent coordinates z and the states s of the controllers. An integral has the value that keeps its
 /// error zero. Loads, springs and references have the values of the scene, none of its functions of time.
-/// Not known with limits of stops that are touched. Throws InputError for scenes with drives or dry friction.
+/// Of controllers with a period what is held between samples takes no part in x; the zero-order hold is exact.
+/// Not known with limits of stops that are touched. Throws InputError for scenes with drives or dry friction, and for
+/// periods that differ.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
 }  // namespace poise

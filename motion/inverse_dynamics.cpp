@@ -125,6 +125,7 @@ class InverseDynamics {
       if (!resists_motion(e.law) && !e.feedback) continue;
       force = e.feedback ? -control_outputs(scene_, e, motions_).effort
                          : force_of_motion(e.law, value_of(scene_, e.on, poses), rate_of(scene_, motions_, e.on)).value;
+      if (e.feedback && !e.feedback->acts) continue;
       std::vector<BodyLoad>& loads = std::holds_alternative<DryFriction>(e.law) ? dry_friction_ : additions_.loads;
       if (std::holds_alternative<DryFriction>(e.law)) lost_in_elements_ += force * rate_of(scene_, motions_, e.on);
       for (const UnitEffort& effort : unit_efforts(scene_, e.on, poses)) {

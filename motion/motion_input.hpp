@@ -125,6 +125,8 @@ class InputSpring {
   void add(Planar<T>* pose, T* g) const;
   /// g += its change along dq.
   void add_change(Planar<T>* pose, const T* dq, T* g) const;
+  /// d(number of the law at the time)/d(number), of the law itself or of a function of it.
+  T by(const ForceNumber& number) const;
   /// g += by times the derivative of the whole force, at the rates v, by a number of the law, or of a function of it.
   void add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const;
 
@@ -152,8 +154,10 @@ class InputForces {
   void add_change(Planar<T>* pose, const T* dq, T* g) const;
   /// g += by times the derivative of -Q by a number, at the rates v; `sliding` as of Mechanism::resist().
   void add_derivative(const ForceNumber& number, T by, Planar<T>* pose, const T* v, const int* sliding, T* g) const;
-  /// For Mechanism::resist(): the laws of dampers that vary.
-  const LawIn<T>* const* laws() const;
+  /// d(number of an element's law at the time)/d(number), of the law itself or of a function of it.
+  T by(const ForceNumber& number) const;
+  /// For Mechanism::resist(): the laws of dampers and controllers that vary.
+  ForcesInTime<T> in_time() const;
   /// The acceleration of the frame.
   const Planar<T>& frame() const { return frame_; }
 

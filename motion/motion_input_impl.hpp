@@ -90,13 +90,7 @@ std::vector<N> numbers_of_spring(const LawOf<N>& law) {
   if (const auto* const damper = std::get_if<DamperOf<N>>(&law)) return {damper->coefficient};
   if (const auto* const damper = std::get_if<DragDamperOf<N>>(&law)) return {damper->coefficient, damper->drag};
   if (const auto* const damper = std::get_if<CurveDamperOf<N>>(&law)) return damper->values();
-  if (const auto* const controller = controller_of(law)) {
-    std::vector<N> out;
-    for (int id = 0; id < ControllerOf<N>::count; ++id) {
-      if (controller->has(id)) out.push_back(controller->values[static_cast<std::size_t>(id)]);
-    }
-    return out;
-  }
+  if (const auto* const controller = controller_of(law)) return controller->all_values();
   return {std::get<ConstantForceOf<N>>(law).force};
 }
 
@@ -147,8 +141,8 @@ void InputSpring<T>::add_change(Planar<T>* pose, const T* dq, T* g) const {
 }
 
 template <class T>
-void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const {
-  T factor = by;
+T InputSpring<T>::by(const ForceNumber& number) const {
+  T factor(1);
   for (const MotionInput& one : inputs_) {
     if (one.number() != number.number) continue;
     const auto k = static_cast<std::size_t>(number.number);
@@ -157,13 +151,14 @@ void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Plan
                            ? T(written_[k]) * static_cast<T>(one.function->by(number.time_number, t_, 0, near_))
                            : T(0));
   }
-  if (controller_of(law_) != nullptr) {
-    mechanism_.add_control_derivative(element(), law_, number.number, factor, pose, v, g);
-    return;
-  }
+  return factor;
+}
+
+template <class T>
+void InputSpring<T>::add_derivative(const ForceNumber& number, const T& by, Planar<T>* pose, const T* v, T* g) const {
   const T slope = force_by_number(law_, number.number, mechanism_.measure_of(element(), pose),
                                   mechanism_.rate_of(element(), pose, v));
-  mechanism_.add_measure_gradient(element(), pose, factor * slope, g);
+  mechanism_.add_measure_gradient(element(), pose, by * this->by(number) * slope, g);
 }
 
 template <class T>
@@ -186,10 +181,19 @@ void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector
 }
 
 template <class T>
-const LawIn<T>* const* InputForces<T>::laws() const {
-  if (laws_.empty()) return nullptr;
-  for (const InputSpring<T>& one : springs_) laws_[static_cast<std::size_t>(one.element())] = &one.law();
-  return laws_.data();
+ForcesInTime<T> InputForces<T>::in_time() const {
+  for (const InputSpring<T>& one : springs_) {
+    if (!laws_.empty()) laws_[static_cast<std::size_t>(one.element())] = &one.law();
+  }
+  return {laws_.empty() ? nullptr : laws_.data()};
+}
+
+template <class T>
+T InputForces<T>::by(const ForceNumber& number) const {
+  for (const InputSpring<T>& spring : springs_) {
+    if (spring.element() == number.item) return spring.by(number);
+  }
+  return T(1);
 }
 
 template <class T>
@@ -231,6 +235,11 @@ void InputForces<T>::add_derivative(const ForceNumber& number, T by, Planar<T>* 
     return;
   }
   if (number.of == ForceNumber::Of::element) {
+    if (mechanism_.is_controller(number.item)) {
+      mechanism_.add_control_derivative({.element = number.item, .number = number.number, .by = by * this->by(number)},
+                                        pose, v, in_time(), g);
+      return;
+    }
     for (const InputSpring<T>& spring : springs_) {
       if (spring.element() == number.item) return spring.add_derivative(number, by, pose, v, g);
     }

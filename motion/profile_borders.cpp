@@ -110,6 +110,7 @@ void ProfileBorders::add_controllers() {
                numbers_of(scene.elements[e].law)[static_cast<std::size_t>(function.part)].key == own.key;
       });
     };
+    if (law->has(Controller::period)) continue;  // it decides at its samples alone, where steps end
     OfController effort{static_cast<int>(e), true, {}};
     for (const int id : {Controller::min, Controller::max}) {
       if (law->has(id) && !varies(id)) effort.borders.push_back(law->values[static_cast<std::size_t>(id)]);
@@ -119,50 +120,72 @@ void ProfileBorders::add_controllers() {
       effort.size = way > 0.0 ? way : one > 0.0 ? one : 1.0;
       arguments_.emplace_back().controller = std::move(effort);
     }
-    if (!law->has(Controller::dead_band) || varies(Controller::dead_band)) continue;
-    const double half = law->values[Controller::dead_band];
-    if (half > 0.0)
-      arguments_.emplace_back().controller = OfController{static_cast<int>(e), false, {-half, half}, half};
+    const bool has_band = law->has(Controller::dead_band);
+    if (has_band && varies(Controller::dead_band)) continue;
+    const double half = has_band ? law->values[Controller::dead_band] : 0.0;
+    OfController error{static_cast<int>(e), false, {}};
+    if (half > 0.0) error.borders = {-half, half};
+    if (law->curve) {
+      for (const double x : law->curve->x()) {
+        if (x != 0.0 || half == 0.0) error.borders.push_back(x < 0.0 ? x - half : x + half);
+      }
+    }
+    if (error.borders.empty()) continue;
+    for (const double border : error.borders) error.size = std::max(error.size, std::abs(border));
+    arguments_.emplace_back().controller = std::move(error);
   }
 }
 
-/// The argument of a controller at the state of the motion, and its rate.
-Tangent<double> ProfileBorders::in_time(const OfController& controller, const ReducedMotion<double>& motion) const {
+ProfileBorders::Known ProfileBorders::known_by(int element, const ReducedMotion<double>& motion, bool all) const {
   const Mechanism<double>& m = model_.mechanism();
-  const Controller& law = *controller_of(m.law_of(controller.element));
+  const Controller& law = *controller_of(m.law_of(element));
   std::vector<Tangent<double>> numbers;
   for (const Number& number : law.all_numbers()) numbers.emplace_back(number.get(&law).value());
   const double t = motion.time(), near = std::isnan(motion.near()) ? t : motion.near();
   for (const MotionInput& input : motion.inputs()) {
-    if (input.of != MotionInput::Of::element || input.item != controller.element) continue;
+    if (input.of != MotionInput::Of::element || input.item != element) continue;
     Tangent<double>& number = numbers[static_cast<std::size_t>(input.number())];
     const Tangent<double> now{input.at(t, 0, near), input.at(t, 1, near)};
     number = input.multiplies ? number * now : now;
   }
-  const ControllerOf<Tangent<double>> now = law.with(numbers.data());
-  const ControlSignals<double> at = m.signals_of(controller.element, pose_.data(), motion.v());
-  const ControlSignals<double> along =
-      m.signals_along(controller.element, pose_.data(), motion.v(), motion.v(), motion.a());
-  const ControlSignals<Tangent<double>> in{{at.value, along.value},
-                                           {at.rate, along.rate},
-                                           {at.integral, along.integral},
-                                           {at.place, along.place},
-                                           {at.filtered, along.filtered}};
-  const Tangent<double> out =
-      controller.is_effort ? now.respond(in).unlimited : now.values[Controller::reference] - in.value;
+  Known out{law.with(numbers.data()), {}};
+  out.in = Controller::tangents(m.own_signals_of(element, pose_.data(), motion.v()),
+                                m.own_signals_along(element, pose_.data(), motion.v(), motion.v(), motion.a()));
+  const Feedback& feedback = *model_.scene().elements[static_cast<std::size_t>(element)].feedback;
+  const auto effort_of = [&](int other) {
+    const Known there = known_by(other, motion, false);
+    return there.law.respond(there.in).effort;
+  };
+  // What others give is asked for only where it tells at once, so that loops with states end.
+  if (!all && !law.is_direct()) return out;
+  if (feedback.follows >= 0) out.in.followed = effort_of(feedback.follows);
+  if (feedback.reads_from >= 0) out.in.value = effort_of(feedback.reads_from);
+  return out;
+}
+
+/// The argument of a controller at the state of the motion, and its rate.
+Tangent<double> ProfileBorders::in_time(const OfController& controller, const ReducedMotion<double>& motion) const {
+  const Known known = known_by(controller.element, motion, true);
+  const Tangent<double> out = controller.is_effort
+                                  ? known.law.respond(known.in).unlimited
+                                  : known.law.values[Controller::reference] + known.in.followed - known.in.value;
   return out / Tangent<double>(controller.size);
 }
 
 double ProfileBorders::terms_of(const OfController& controller, const ReducedMotion<double>& motion) const {
+  const Known known = known_by(controller.element, motion, true);
   const Controller& law = *controller_of(model_.mechanism().law_of(controller.element));
-  const ControlSignals<double> at = model_.mechanism().signals_of(controller.element, pose_.data(), motion.v());
   const auto number = [&](int id) { return law.has(id) ? std::abs(law.values[static_cast<std::size_t>(id)]) : 0.0; };
-  const double value = std::abs(at.value), filtered = law.unit * std::abs(at.filtered);
-  const double place = law.unit * std::abs(at.place), error = number(Controller::reference) + value;
+  const double value = std::abs(known.in.value.value), filtered = law.unit * std::abs(known.in.filtered.value);
+  const double place = law.unit * std::abs(known.in.place.value);
+  const double error = number(Controller::reference) + std::abs(known.in.followed.value) + value;
   if (!controller.is_effort) return error;
-  const double rate = law.has(Controller::filter) ? (value + filtered) / number(Controller::filter) : std::abs(at.rate);
+  const double rate =
+      law.has(Controller::filter) ? (value + filtered) / number(Controller::filter) : std::abs(known.in.rate.value);
   double sum = number(Controller::proportional) * error +
-               number(Controller::integral) * law.unit * std::abs(at.integral) + number(Controller::derivative) * rate;
+               number(Controller::integral) * law.unit * std::abs(known.in.integral.value) +
+               number(Controller::derivative) * rate;
+  if (law.curve) sum += std::abs(law.curve->force(error).first) + std::abs(law.curve->force(-error).first);
   if (law.order > 0) {
     const double below = law.order == 1
                              ? number(Controller::denominator) * filtered

@@ -75,6 +75,12 @@ class ProfileBorders {
   void add_controllers();
   /// The sum of the sizes of the terms of its argument, to which that is rounded.
   double terms_of(const OfController& controller, const ReducedMotion<double>& motion) const;
+  /// Its law with all numbers at the time, and what it knows, with rates of change.
+  struct Known {
+    ControllerOf<Tangent<double>> law;
+    ControlSignals<Tangent<double>> in;
+  };
+  Known known_by(int element, const ReducedMotion<double>& motion, bool all) const;
   Tangent<double> in_time(const OfController& controller, const ReducedMotion<double>& motion) const;
   Configuration<double> here(const ReducedMotion<double>& motion);
   double value(const Argument& argument, const Configuration<double>& at, const ReducedMotion<double>& motion) const;

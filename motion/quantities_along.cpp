@@ -382,7 +382,7 @@ class MovingLoads {
     element_force.push_back(0.0);
     if (of.feedback) {
       element_force.back() = -control_outputs(scene_, of, motions_).effort;
-      add_effort_on(of.on, -element_force.back(), additions);
+      if (of.feedback->acts) add_effort_on(of.on, -element_force.back(), additions);
       return;
     }
     if (!resists_motion(of.law) || is_of_joint(static_cast<int>(element))) return;

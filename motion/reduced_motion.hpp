@@ -135,6 +135,7 @@ class ReducedMotion {
   int freedoms() const { return static_cast<int>(independent_.size()); }
   /// Drives, stops whose limits are equal, limits of stops that are touched, and rows of friction that is held.
   int drives() const { return static_cast<int>(drives_.size()); }
+  /// Ascending, those of the mechanism before the states of controllers.
   const std::vector<int>& independent() const { return independent_; }
   /// Whether a coordinate is a state of a controller: what is large of those is not so of the mechanism.
   bool is_state(int coordinate) const { return std::find(states_.begin(), states_.end(), coordinate) != states_.end(); }
@@ -146,6 +147,10 @@ class ReducedMotion {
   /// Loads and drives that follow curves of time, in the units of `scene`, which is the one given to the constructor.
   void set_inputs(const Scene& scene, std::vector<MotionInput> inputs);
   const std::vector<MotionInput>& inputs() const { return inputs_; }
+  /// What forces follow at the time of the last place().
+  ForcesInTime<T> forces_in_time() const { return input_forces_.in_time(); }
+  /// d(number of an element's law at that time)/d(number), of the scene or of a function of time.
+  T number_of_element_by(const ForceNumber& number) const { return input_forces_.by(number); }
   /// Until the next call loads and drives follow the formulas that their functions of time have at this time
   /// (TimeFunction); NaN: at the time of each pose, as without a call.
   void set_near(double time) { near_ = time; }
@@ -451,6 +456,7 @@ class ReducedMotion {
   std::vector<int> states_;  // of controllers
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
+  int heavy_ = 0;  // of the independent coordinates: those before the states of controllers
   T singular_limit_{};
   T pivot_{1};
   T t_{};

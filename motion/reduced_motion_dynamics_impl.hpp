@@ -11,10 +11,10 @@
 
 namespace poise {
 
-// Cholesky factors are in mass_, lower part.
+// Cholesky factors of what is not a state of controllers are in mass_, lower part. States turn for themselves alone.
 template <class T>
 void ReducedMotion<T>::divide_by_mass(T* b) const {
-  const int f = freedoms();
+  const int f = heavy_;
   const auto l = [&](int i, int j) -> const T& { return mass_[static_cast<std::size_t>(i) * f + j]; };
   for (int i = 0; i < f; ++i) {
     for (int j = 0; j < i; ++j) b[i] -= l(i, j) * b[j];
@@ -24,12 +24,13 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
     for (int j = i + 1; j < f; ++j) b[i] -= l(j, i) * b[j];
     b[i] /= l(i, i);
   }
+  for (int i = f; i < freedoms(); ++i) b[i] /= inertia_.moment(independent_[i]);
 }
 
 // Divides derivatives by the mass, with the reciprocals of the factors' diagonal, which round once more.
 template <class T>
 void ReducedMotion<T>::divide_change_by_mass(T* b) const {
-  const int f = freedoms();
+  const int f = heavy_;
   const T* mass = mass_.data();
   const T* inverse = inverse_diagonal_.data();
   for (int i = 0; i < f; ++i) {
@@ -42,6 +43,7 @@ void ReducedMotion<T>::divide_change_by_mass(T* b) const {
     for (int j = i + 1; j < f; ++j) x -= mass[j * f + i] * b[j];
     b[i] = x * inverse[i];
   }
+  for (int i = f; i < freedoms(); ++i) b[i] /= inertia_.moment(independent_[i]);
 }
 
 // A, C, M'^-1 C^T and the factors of C M'^-1 C^T. False where a blade's condition repeats others.
@@ -151,7 +153,7 @@ void ReducedMotion<T>::find_forces() {
     std::fill(full_force_.begin(), full_force_.end(), T(0));
   } else {
     mechanism_.negative_force(q_.data(), pose_.data(), full_force_.data());
-    mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data(), input_forces_.laws());
+    mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data(), input_forces_.in_time());
     mechanism_.add_resistance(resistances_.data(), full_force_.data());
     input_forces_.add(pose_.data(), full_force_.data());
   }
@@ -163,17 +165,10 @@ void ReducedMotion<T>::find_forces() {
 template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
   using std::sqrt;
-  const int f = freedoms();
+  const int f = heavy_;
   for (int k = 0; k < f; ++k) {
     Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
-    if (is_state(independent_[k])) {  // turns for itself alone
-      std::fill(weighed, weighed + n_, Planar<T>{});
-      std::fill(moved, moved + n_, T(0));
-      moved[independent_[k]] = inertia_.moment(independent_[k]);
-      for (int j = 0; j < f; ++j) mass_[static_cast<std::size_t>(j) * f + k] = j == k ? moved[independent_[k]] : T(0);
-      continue;
-    }
     mechanism_.phasors().first(pose_.data(), B(k), work_.data());
     inertia_.weigh(work_.data(), weighed);
     for (int i = 0; i < n_; ++i) moved[i] = inertia_.moment(i) * B(k)[i];
@@ -204,7 +199,8 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
     if (!factor_blades()) return Status::blades;
     for (std::size_t i = 0; i < blades_.size(); ++i) {
       T h = blades_[i].acceleration(here(), v_.data(), a_.data());
-      for (int k = 0; k < f; ++k) h += blade_reduced_[i * static_cast<std::size_t>(f) + k] * alpha_[k];
+      const std::size_t all = independent_.size();
+      for (std::size_t k = 0; k < all; ++k) h += blade_reduced_[i * all + k] * alpha_[k];
       blade_multipliers_[i] = h;
     }
     solve_blades(blade_multipliers_.data());
@@ -256,7 +252,11 @@ void ReducedMotion<T>::respond(const T* slope, T* dw) const {
 // B alpha to the accelerations, and what belongs to it to forces.
 template <class T>
 void ReducedMotion<T>::add_accelerations(const T* alpha) {
-  for (int k = 0; k < freedoms(); ++k) {
+  for (int k = heavy_; k < freedoms(); ++k) {
+    a_[independent_[k]] += alpha[k];
+    full_force_[independent_[k]] += alpha[k] * inertia_.moment(independent_[k]);
+  }
+  for (int k = 0; k < heavy_; ++k) {
     const T* column = B(k);
     const T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
     const Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
@@ -331,7 +331,7 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
   }
   if (!jumps_) {
     mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq != nullptr ? dq : zero_.data(),
-                                     dv, force_.data(), input_forces_.laws());
+                                     dv, force_.data(), input_forces_.in_time());
   }
   if (direct != nullptr) {
     for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];

@@ -328,6 +328,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   dependent_.assign(columns.begin(), columns.begin() + rank);
   independent_.assign(columns.begin() + rank, columns.end());
   std::sort(independent_.begin(), independent_.end());
+  std::stable_partition(independent_.begin(), independent_.end(), [&](int i) { return !is_state(i); });
   std::sort(dependent_.begin(), dependent_.end());
   std::sort(used_rows_.begin(), used_rows_.end());
   make_room();
@@ -360,6 +361,8 @@ void ReducedMotion<T>::make_room() {
   const std::size_t n = static_cast<std::size_t>(n_);
   for (auto* columns_of : {&B_, &v_z_, &a_z_, &a_w_, &mass_columns_}) columns_of->assign(f * n, T(0));
   for (auto* square : {&alpha_z_, &alpha_w_, &mass_}) square->assign(f * f, T(0));
+  heavy_ =
+      static_cast<int>(std::count_if(independent_.begin(), independent_.end(), [&](int i) { return !is_state(i); }));
   weight_columns_.resize(f * n);
   for (auto* few : {&alpha_, &small_, &inverse_diagonal_}) few->assign(f, T(0));
 }
@@ -463,8 +466,12 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
     last = step;
   }
   if (!closed) return Status::open;
-  // B = [-Jd^-1 Ji; I]
+  // B = [-Jd^-1 Ji; I]; nothing follows from a state of a controller.
   for (int k = 0; k < freedoms(); ++k) {
+    if (k >= heavy_) {
+      B_[static_cast<std::size_t>(k) * n_ + independent_[k]] = T(1);
+      continue;
+    }
     for (int i = 0; i < rows_; ++i) rows_work_[i] = jacobian(i, independent_[k]);
     T* column = &B_[static_cast<std::size_t>(k) * n_];
     solve_rows(rows_work_.data(), column);
@@ -514,7 +521,8 @@ void ReducedMotion<T>::move(const T* w) {
     solve_rows(rows_work_.data(), drift_.data());
   }
   std::copy(drift_.begin(), drift_.end(), v_.begin());
-  for (int k = 0; k < freedoms(); ++k) {
+  for (int k = heavy_; k < freedoms(); ++k) v_[independent_[k]] += w[k];
+  for (int k = 0; k < heavy_; ++k) {
     const T* column = B(k);
     for (int i = 0; i < n_; ++i) v_[i] += w[k] * column[i];
   }
@@ -526,7 +534,8 @@ void ReducedMotion<T>::project(const T* full, T* reduced) const {
     for (int k = 0; k < freedoms(); ++k) reduced[k] = full[independent_[k]];
     return;
   }
-  for (int k = 0; k < freedoms(); ++k) {
+  for (int k = heavy_; k < freedoms(); ++k) reduced[k] = full[independent_[k]];
+  for (int k = 0; k < heavy_; ++k) {
     const T* column = B(k);
     T sum(0);
     for (int i = 0; i < n_; ++i) sum += column[i] * full[i];

@@ -18,6 +18,7 @@
 #include "motion/motion_writer.hpp"
 #include "motion/profile_borders.hpp"
 #include "motion/rolling_forces.hpp"
+#include "motion/samples.hpp"
 #include "motion/sensitivity_columns.hpp"
 #include "motion/simulation_words.hpp"
 #include "motion/singular_passage.hpp"
@@ -65,10 +66,11 @@ std::vector<int> coordinates_of_controlled(const MotionModel& model) {
   return out;
 }
 
-/// The times at which the formulas of loads and drives change.
+/// The times at which the formulas of loads and drives change, and at which controllers decide.
 class InputBreaks {
  public:
-  InputBreaks(const std::vector<MotionInput>& inputs, double duration) : duration_(duration) {
+  InputBreaks(const std::vector<MotionInput>& inputs, const Samples& samples, double duration)
+      : samples_(samples), duration_(duration) {
     for (const MotionInput& input : inputs) {
       const std::vector<double> breaks = input.breaks();
       all_.insert(all_.end(), breaks.begin(), breaks.end());
@@ -80,15 +82,20 @@ class InputBreaks {
   /// The end of the motion, or of the smooth part of its inputs, after t. Breaks so near to t that the integrator could
   /// not make a step to them are passed over.
   double next(double t) {
-    const double shortest = 1e-9 * duration_;
+    const double shortest = apart();
     while (next_ < all_.size() && all_[next_] <= t + shortest) ++next_;
-    return next_ < all_.size() && all_[next_] < duration_ - shortest ? all_[next_] : duration_;
+    const double in_list = next_ < all_.size() && all_[next_] < duration_ - shortest ? all_[next_] : duration_;
+    const double sample = samples_.next(t, shortest);
+    return sample < in_list - shortest ? sample : in_list;
   }
+  /// Times that are so near to each other are one.
+  double apart() const { return 1e-9 * duration_; }
 
   /// Whether a load or drive jumps at t.
   bool jumps(double t) const { return std::find(jumps_.begin(), jumps_.end(), t) != jumps_.end(); }
 
  private:
+  const Samples& samples_;
   double duration_;
   std::vector<double> all_;  // ascending
   std::vector<double> jumps_;
@@ -106,13 +113,15 @@ class Simulation {
         contacts_(model, options.variations),
         rolling_(model),
         borders_(model, options.variations, options.influences),
+        samples_(model, options.variations, options.influences),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
-        breaks_(inputs_, options.duration),
+        breaks_(inputs_, samples_, options.duration),
         q_start_(model.from_si(start.q)),
         columns_(model, options, first_choice()),
         step_(model, options, reduced_, columns_.count()),
         nodes_(model, options, columns_, q_start_, out_),
-        error_(reduced_, step_, nodes_, columns_, q_start_, !inputs_.empty() || friction_.acts()),
+        error_(reduced_, step_, nodes_, columns_, q_start_,
+               !inputs_.empty() || friction_.acts() || !controllers_of(model.scene()).empty()),
         ends_(reduced_, step_, friction_, contacts_, borders_) {
     out_.freedoms = columns_.freedoms();
     out_.independent = columns_.independent();
@@ -163,6 +172,7 @@ class Simulation {
 
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
+    refuse_periods();
     if (!options_.sensitivities || !friction_.acts()) return;
     const auto refuse = [&](const TimeFunction& function, int number, double) {
       if (function.is_smooth_in(number)) return;
@@ -175,6 +185,30 @@ class Simulation {
     for (const Influence& influence : options_.influences) {
       influence.for_each_function(model_.scene(), refuse);
       influence.for_each_function_of_drives(model_.scene(), refuse);
+    }
+  }
+
+  /// Throws InputError for derivatives by the period of a controller, with which the times of its samples move.
+  void refuse_periods() const {
+    const auto refuse = [&](std::size_t e) {
+      const Element& element = model_.scene().elements[e];
+      throw InputError(fmt::format(
+          "{}:{}: controller \"{}\".period: the derivative of a motion by it is not known; expected another number",
+          model_.scene().file, element.line, element.name));
+    };
+    for (const Influence& influence : options_.influences) {
+      const ForceNumber& number = influence.force;
+      if (influence.moves() || influence.body >= 0 || number.of != ForceNumber::Of::element) continue;
+      const auto e = static_cast<std::size_t>(number.item);
+      const Element& element = model_.scene().elements[e];
+      const std::span<const Number> all = numbers_of(element.law);
+      if (element.feedback && all[static_cast<std::size_t>(number.number)].key == "period") refuse(e);
+    }
+    for (const Variation& variation : options_.variations) {
+      for (const int e : controllers_of(model_.scene())) {
+        const auto& law = *controller_of(variation.compiled().mechanism().law_of(e));
+        if (law.values[Controller::period].v[0] != 0.0) refuse(static_cast<std::size_t>(e));
+      }
     }
   }
 
@@ -286,6 +320,7 @@ class Simulation {
     h = ahead_ = first_step();
     add_node(0.0);
     if (is_torn(0.0)) return false;
+    if (samples_.act() && !take_samples(0.0)) return false;
     const bool touches = contacts_.act() && contacts_.is_near();
     return (!friction_.acts() && !touches) || change_mode(0.0, {.hits = touches});
   }
@@ -518,12 +553,40 @@ class Simulation {
       give_up(t);
       return false;
     }
+    if (samples_.are_at(t, breaks_.apart()) && !take_samples(t)) return false;
     // What rests may begin to move where a drive or a load begins to change.
     if (can_switch()) return change_mode(t, {});
     if (!breaks_.jumps(t)) return true;
     if (columns_.count() > 0) {
       follow_jumps(t);
       step_.evaluate(t);
+    }
+    add_node(t);
+    nodes_.begin_piece();
+    return true;
+  }
+
+  /// Goes on from the last node, at t, with what controllers decide there, and hold until their next samples.
+  bool take_samples(double t) {
+    const auto set = [&](const std::vector<Samples::Held>& all, const auto& place_of) {
+      for (const Samples::Held& one : all) {
+        const auto k = std::find(reduced_.independent().begin(), reduced_.independent().end(), one.coordinate) -
+                       reduced_.independent().begin();
+        step_.y[place_of(reduced_.freedoms() + static_cast<int>(k))] = one.rate;
+      }
+    };
+    const std::vector<Samples::Held> held = samples_.take(reduced_, t, breaks_.apart());
+    std::vector<double> dq(q_start_.size()), dv(q_start_.size());
+    for (int c = 0; c < columns_.count(); ++c) {
+      nodes_.read_places_by(static_cast<std::size_t>(c), dq);
+      nodes_.read_rates_by(static_cast<std::size_t>(c), dv);
+      set(samples_.take_by(reduced_, t, breaks_.apart(), dq, dv, columns_.influence_of(c)),
+          [&](int row) { return step_.sensitivity(row, c); });
+    }
+    set(held, [](int row) { return static_cast<std::size_t>(row); });
+    if (!step_.evaluate(t)) {
+      give_up(t);
+      return false;
     }
     add_node(t);
     nodes_.begin_piece();
@@ -913,6 +976,7 @@ class Simulation {
   RollingForces rolling_;
   double rolling_margin_ = 0.0;  // at the last node
   ProfileBorders borders_;
+  Samples samples_;
   std::vector<MotionInput> inputs_;  // of the options and the scene
   InputBreaks breaks_;
   std::vector<double> q_start_;

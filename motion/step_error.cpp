@@ -81,11 +81,15 @@ double StepError::of_reading(double t, double h) const {
   const std::size_t n = q_start_.size();
   const std::size_t known = std::min<std::size_t>(3, nodes_.nodes() - nodes_.smooth_from());
   const std::size_t first = nodes_.nodes() - known;
-  double far = 0.0;
+  double far = 0.0, far_before = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     if (reduced_.is_state(static_cast<int>(i))) continue;
+    far_before = std::max(far_before, nodes_.reach(i));
     far = std::max({far, nodes_.reach(i), std::abs(reduced_.q()[i] - q_start_[i])});
   }
+  // What rests and is then moved by forces that begin at zero, smoothly, is as the fourth power of time or more: over
+  // the first step all of it is more than a polynomial knows.
+  const double least = far_before > 0.0 ? 0.0 : eps;
   // Rounding of the nodes, and of the loops that give the dependent coordinates.
   const double pivot = std::min(nodes_.pivots().back(), reduced_.pivot());
   const double loops = reduced_.rank() > 0 ? 2e3 * eps / (pivot + eps) + h * h * uncertain_acceleration() : 0.0;
@@ -95,7 +99,7 @@ double StepError::of_reading(double t, double h) const {
     for (std::size_t k = 0; k < known; ++k) nodes[k] = nodes_.at(first + k, i);
     nodes[known] = {t + h, reduced_.q()[i], reduced_.v()[i], reduced_.a()[i]};
     const double reach = std::max({nodes_.reach(i), std::abs(nodes[known].q - q_start_[i]), 1e-3 * far});
-    const double rounding = 1e4 * eps * std::abs(nodes[known].q) + loops;
+    const double rounding = 1e4 * eps * std::abs(nodes[known].q) + loops + least;
     const double error = reading_error({nodes.data(), known + 1}, t + h / 2);
     worst = std::max(worst, (error - rounding) / (reach + stepping::tiny));
   }

@@ -94,7 +94,7 @@ void VariationTerms::add_forces(VariedState& state) {
   } else {
     m.negative_force(state.q.data(), pose, g);
     input_forces_.set(state.t, state.near);
-    m.resist(pose, state.v.data(), state.sliding, resistances_.data(), input_forces_.laws());
+    m.resist(pose, state.v.data(), state.sliding, resistances_.data(), input_forces_.in_time());
     m.add_resistance(resistances_.data(), g);
     input_forces_.add(pose, g);
     const Configuration<Dual> here{m.phasors(), pose, pose + m.pose_size()};

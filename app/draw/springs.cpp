@@ -161,10 +161,13 @@ void draw_motor_of(Stage& stage, std::size_t i) {
   stage.label(motor.name, at, {-0.7, -0.7}, radius + 4, ink::drive);
 }
 
-/// A controller stands where it acts.
+/// A controller stands where it acts, one that acts on nothing where it reads, if it does.
 void draw_controller_of(Stage& stage, std::size_t i) {
   const Element& controller = stage.scene.elements[i];
-  const Measure& on = controller.on.kind == Measure::Kind::sum ? controller.feedback->reads : controller.on;
+  const Feedback& feedback = *controller.feedback;
+  if (!feedback.acts && feedback.source != Feedback::Source::measure) return;
+  const bool is_at_reading = !feedback.acts || controller.on.kind == Measure::Kind::sum;
+  const Measure& on = is_at_reading ? feedback.reads : controller.on;
   const auto place = [&]() -> Vec2 {
     switch (on.kind) {
       case Measure::Kind::angle:

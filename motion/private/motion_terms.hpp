@@ -129,7 +129,7 @@ class MotionTerms {
     std::vector<T> resisting(n, T(0));
     loads_.negative_force(q_.data(), loads_pose_.data(), resisting.data());
     std::vector<T> resistances(static_cast<std::size_t>(whole_.resistances_size()), T(0));
-    whole_.resist(pose_.data(), v, nullptr, resistances.data(), laws_.data());
+    whole_.resist(pose_.data(), v, nullptr, resistances.data(), {.laws = laws_.data()});
     whole_.add_resistance(resistances.data(), resisting.data());
     for (auto& [function, time_load] : time_loads_) {
       time_load.set_value(in_time(*function, t_, 0));

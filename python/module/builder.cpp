@@ -54,6 +54,19 @@ std::optional<Vec2> pair_in(const py::handle& value) {
 }
 
 /// Texts and numbers, as expressions, of which at least one is a text.
+/// One number or more.
+std::optional<std::vector<double>> numbers_in(const py::handle& value) {
+  const auto members = members_in(value);
+  if (!members || members->empty()) return std::nullopt;
+  std::vector<double> out;
+  for (const py::object& member : *members) {
+    const std::optional<double> number = py::isinstance<py::str>(member) ? std::nullopt : number_in(member);
+    if (!number) return std::nullopt;
+    out.push_back(*number);
+  }
+  return out;
+}
+
 std::optional<std::vector<std::string>> words_in(const py::handle& value) {
   const auto members = members_in(value);
   if (!members) return std::nullopt;
@@ -140,6 +153,8 @@ Keys keys_of(const NamedBuilder& self, const std::string& item, const py::dict& 
       Builder::Key::Tables all;
       for (const py::dict& one : *tables) all.push_back(keys_of(self, item, one));
       out.emplace_back(key, std::move(all));
+    } else if (const auto numbers = numbers_in(value)) {
+      out.emplace_back(key, *numbers);
     } else if (const auto words = words_in(value)) {
       out.emplace_back(key, *words);
     } else if (members_in(value)) {
@@ -210,6 +225,7 @@ void bind_measures(py::module_& m) {
       .def_static("travel", measures::travel)
       .def_static("x", measures::x)
       .def_static("y", measures::y)
+      .def_static("nothing", measures::nothing)
       .def_static("sum", [](const std::vector<std::pair<double, MeasureByName>>& terms) {
         std::vector<MeasureByName::Term> out;
         for (const auto& [factor, measure] : terms) out.push_back({factor, measure});

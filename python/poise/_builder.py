@@ -165,7 +165,7 @@ class SceneBuilder:
         """A force element with the keys of its table in docs/scene-files.md#force-elements: ``"spring"``,
         ``"torsion_spring"``, ``"cubic_spring"``, ``"constant_force"``, ``"damper"``, ``"torsion_damper"``,
         ``"friction"``, ``"bump_stop"``, ``"motor"``, ``"controller"``. Dampers may have a ``drag`` or, as springs,
-        a curve."""
+        a curve. A controller may act on ``measures.nothing()``; ``reads={"slide": "rail"}`` is what it reads."""
         return self._add("element", table, name, on, self._keys(keys))
 
     def drive(self, name: str, on: Measure, /, **keys: Any) -> SceneBuilder:

@@ -12,7 +12,7 @@ from . import _poise
 from ._poise import Measure
 from ._tables import refuse_mask
 
-__all__ = ["Measure", "angle", "distance", "sum", "travel", "x", "y"]
+__all__ = ["Measure", "angle", "distance", "nothing", "sum", "travel", "x", "y"]
 
 
 def _made(kind: str, maker: Callable[..., Measure], *given: object) -> Measure:
@@ -52,3 +52,8 @@ def y(point: str) -> Measure:
 def sum(terms: Iterable[tuple[SupportsFloat, Measure]]) -> Measure:
     """Sum of factor times measure, over pairs (factor, measure)."""
     return _made("sum", Measure.sum, terms)
+
+
+def nothing() -> Measure:
+    """No measure: of a controller that acts on nothing."""
+    return _made("nothing", Measure.nothing)

@@ -134,7 +134,7 @@ class Catalogue {
         add({.name = prefix + (own.empty() ? whole : own),
              .kind = kind,
              .item = static_cast<int>(e),
-             .dimension = dimension(of.on)},
+             .dimension = of.feedback ? of.feedback->output : dimension(of.on)},
             {prefix + whole});
       }
     };

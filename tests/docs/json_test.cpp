@@ -484,6 +484,7 @@ TEST(JsonDocs, Modes) {
   check_section("modes", {{{"modes", scene("lift")}},
                           {{"modes", scene("double_pendulum")}},
                           {{"modes", scene("toggle_clamp")}},
+                          {{"modes", scene("machines/deadbeat_table")}},
                           {{"modes", scene("machines/cart_pole")}, with_csv}});
 }
 

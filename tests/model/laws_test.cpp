@@ -114,40 +114,51 @@ TEST(Laws, ActAtRestOrResistMotion) {
   }
 }
 
-// A controller with all numbers that may be together, or with a transfer function.
-Controller whole_controller(int order, double max) {
+// A controller with all numbers that may be together, or with a transfer function; with a curve or without.
+Controller whole_controller(int order, double max, bool has_curve) {
   Controller controller;
   controller.order = order;
   controller.given = (1U << Controller::numerator) - 1;
   if (order > 0) controller.given = ((1U << Controller::count) - 1) & ~(1U << Controller::filter);
   if (order == 1) controller.given &= ~(1U << (Controller::numerator + 2) | 1U << (Controller::denominator + 2));
   controller.unit = 0.25;
+  controller.effort_unit = 8.0;
   double value = 0.75;
   for (double& one : controller.values) one = value += 0.375;
   controller.values[Controller::dead_band] = 0.125;
   controller.values[Controller::min] = -40;
   controller.values[Controller::max] = max;
-  controller.declare(true);
+  if (has_curve) {
+    controller.curve =
+        std::make_shared<const ForceCurve>(std::vector{-1.0, 0.0, 2.5, 4.0}, std::vector{-3.0, 0.5, 2.0, 2.25});
+    controller.numbered_points = true;
+  }
+  controller.declare(dimension::angle, true, dimension::torque);
   return controller;
 }
 
+// What it does, with a period by what it holds, and what it decides.
 TEST(Laws, ControllersKnowTheirDerivatives) {
   const Real h = Real(1e-18);
   using Signals = ControlSignals<Real>;
   const auto all = [](const ControlOutputs<Real>& of) {
-    return std::array<Real, 4>{of.effort, of.integral, of.filtered, of.unlimited};
+    return std::array<Real, 5>{of.effort, of.integral, of.filtered, of.unlimited, of.input};
   };
-  for (const int order : {0, 1, 2}) {
-    for (const double max : {1.0, 1e3}) {  // limited or not
-      const Controller controller = whole_controller(order, max);
-      const Signals at{Real(-0.7), Real(0.3), Real(0.4), Real(1.3), Real(-0.2)};
-      const Signals change{Real(0.5), Real(-0.4), Real(0.9), Real(0.3), Real(0.7)};
-      const auto moved = [&](const Real& by) {
-        return all(controller.respond(Signals{at.value + by * change.value, at.rate + by * change.rate,
-                                              at.integral + by * change.integral, at.place + by * change.place,
-                                              at.filtered + by * change.filtered}));
+  const Signals at{Real(-0.7), Real(0.3),  Real(0.25), Real(0.4), Real(1.3),
+                   Real(-0.2), Real(-1.1), Real(0.6),  Real(0.9)};
+  const Signals change{Real(0.5), Real(-0.4), Real(0.2), Real(0.9), Real(0.3),
+                       Real(0.7), Real(-0.8), Real(1.1), Real(0.15)};
+  for (const int variant : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) {
+    const Controller controller = whole_controller(variant % 3, variant % 2 == 0 ? 1.0 : 1e3, variant >= 6);
+    for (const bool decides : {false, true}) {
+      const auto does = [&](const Controller& law, const Signals& in) {
+        return all(decides ? law.decide(in) : law.respond(in));
       };
-      const auto up = moved(h), down = moved(-h), along = all(controller.respond_along(at, change));
+      const auto moved = [&](const Real& by) {
+        return does(controller, at.each<Real>([&](auto member) { return Real(at.*member + by * change.*member); }));
+      };
+      const auto up = moved(h), down = moved(-h),
+                 along = all(decides ? controller.decide_along(at, change) : controller.respond_along(at, change));
       for (std::size_t k = 0; k < along.size(); ++k) expect_same((up[k] - down[k]) / (2 * h), along[k], "along");
       const std::span<const Number> numbers = controller.all_numbers();
       for (std::size_t n = 0; n < numbers.size(); ++n) {
@@ -155,10 +166,11 @@ TEST(Laws, ControllersKnowTheirDerivatives) {
         const auto changed = [&](double by) {
           Controller other = controller;
           numbers[n].set(&other, numbers[n].get(&other).value() + by);
-          return all(other.respond(at));
+          return does(other, at);
         };
+        const auto number = static_cast<int>(n);
         const auto above = changed(step), below = changed(-step),
-                   by = all(controller.respond_by(static_cast<int>(n), at));
+                   by = all(decides ? controller.decide_by(number, at) : controller.respond_by(number, at));
         for (std::size_t k = 0; k < by.size(); ++k) {
           expect_same((above[k] - below[k]) / Real(2 * step), by[k], "by " + std::string(numbers[n].key));
         }

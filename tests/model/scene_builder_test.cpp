@@ -527,6 +527,57 @@ time = { sum = [{ function = "t" }, { ramp = { to = 1, end = 2 } }] }
   }
 }
 
+TEST(SceneBuilder, BuildsChainsOfControllers) {
+  const Scene read = parse_scene(R"toml(
+title = "axis"
+ground = { points = { O = [0, 0] } }
+[body.block]
+points = { c = [0, 0] }
+mass = 2
+[[slide]]
+name = "x"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[controller]]
+name = "place"
+reads = { slide = "x" }
+table = { curve = [[-1, -3], [0, 0], [1, 5]] }
+period = 0.1
+[[controller]]
+name = "rate"
+slide = "x"
+follows = "place"
+reads = { points = ["ground.O", "block.c"], axis = [1, 0] }
+reads_rate = true
+transfer = { numerator = [2], denominator = [1, 0.5, 0.25] }
+)toml",
+                                 "axis.toml");
+  SceneBuilder builder("axis");
+  builder.ground_point("O", {0, 0})
+      .body("block", {.points = {{"c", {0, 0}}}, .mass = 2})
+      .slide("ground.O", "block.c", {1, 0}, "x")
+      .element("controller", "place", measures::nothing(),
+               {{"reads.slide", "x"}, {"table.curve", {{-1, -3}, {0, 0}, {1, 5}}}, {"period", 0.1}})
+      .element("controller", "rate", measures::travel("x"),
+               {{"follows", "place"},
+                {"reads.points", std::vector<std::string>{"ground.O", "block.c"}},
+                {"reads.axis", Vec2{1, 0}},
+                {"reads_rate", true},
+                {"transfer.numerator", std::vector<double>{2}},
+                {"transfer.denominator", std::vector<double>{1, 0.5, 0.25}}});
+  for (const Scene& built : {builder.build(), parse_scene(builder.text(), "again.toml")}) {
+    expect_same_numbers(built, read);
+    ASSERT_EQ(built.elements.size(), 2U);
+    for (std::size_t e = 0; e < 2; ++e) {
+      EXPECT_EQ(built.elements[e].feedback->acts, e == 1);
+      EXPECT_EQ(built.elements[e].feedback->follows, e == 1 ? 0 : -1);
+      EXPECT_EQ(built.elements[e].feedback->reads.kind, read.elements[e].feedback->reads.kind);
+      EXPECT_EQ(built.elements[e].feedback->states().size(), read.elements[e].feedback->states().size());
+      EXPECT_EQ(built.elements[e].feedback->output, read.elements[e].feedback->output);
+    }
+  }
+}
+
 TEST(SceneBuilder, WritesTheFileOfWhatItBuilds) {
   expect_same_items(press_builder().build(), parse_scene(press_builder().text(), "press.toml"));
   expect_same_couplings(couplings_builder().build(), parse_scene(couplings_builder().text(), "couplings.toml"));

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "model/input_error.hpp"
 #include "model/parameters.hpp"
@@ -172,6 +173,265 @@ TEST(Control, ARateFollowsAReferenceThatSteps) {
   }
 }
 
+Scene with_value(Scene scene, const std::string& path, double value) {
+  set_value(scene, path, value);
+  return scene;
+}
+
+ControlLoop loop_of(const Scene& scene) {
+  const MotionModel model(scene);
+  return control_loop(model, model.from_si(start_motion(model, {}).q));
+}
+
+/// The poles of a loop in any order.
+void expect_poles(const std::vector<Complex>& found, const std::vector<Complex>& expected, double within) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (const Complex& one : expected) {
+    double nearest = 1.0;
+    for (const Complex& other : found) nearest = std::min(nearest, std::abs(one - other));
+    EXPECT_LT(nearest, within) << one;
+  }
+}
+
+/// A linear system x' = A x with a constant 1 as its last state: x at the times k step, by the exponential of its
+/// matrix.
+std::vector<Eigen::VectorXd> solved(const MatrixXd& a, const Eigen::VectorXd& start, double step, int count) {
+  const MatrixXd over = (a * step).exp();
+  std::vector<Eigen::VectorXd> out{start};
+  for (int k = 0; k < count; ++k) out.push_back(over * out.back());
+  return out;
+}
+
+// A controller of the place gives the rate that one of the rate follows: with x, v, s and 1,
+//   m v' = kv (kp (r - x) - v) + ki s,   s' = kp (r - x) - v.
+constexpr double place_gain = 3.0, rate_gain = 5.0, rate_integral = 4.0;
+std::string cascade(double reference = 0.0) {
+  return blocks(
+      fmt::format("follows = \"outer\"\nreads_rate = true\nproportional = {}\nintegral = {}\n"
+                  "[[controller]]\nname = \"outer\"\nreads = {{ slide = \"x\" }}\nproportional = {}\n"
+                  "reference = {}",
+                  rate_gain, rate_integral, place_gain, reference));
+}
+
+TEST(Control, ACascadeFollowsItsClosedForm) {
+  constexpr double r = 0.7;
+  MatrixXd a = MatrixXd::Zero(4, 4);
+  a.row(0) << 0, 1, 0, 0;
+  a.row(1) << -rate_gain * place_gain, -rate_gain, rate_integral, rate_gain * place_gain * r;
+  a.row(1) /= mass;
+  a.row(2) << -place_gain, -1, 0, place_gain * r;
+  const std::vector<double> times = instants(4.0, 16);
+  const Course found = course(cascade(r), times);
+  const auto exact = solved(a, Eigen::Vector4d(0, 0, 0, 1), 0.25, 16);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    EXPECT_NEAR(found.place(i), exact[i + 1][0], 1e-11);
+    EXPECT_NEAR(found.rate(i), exact[i + 1][1], 1e-11);
+  }
+  // Its poles are the roots of m p^3 + kv p^2 + (kv kp + ki) p + ki kp.
+  Scene scene = parse_scene(cascade(r), "blocks.toml");
+  const ControlLoop loop = loop_of(scene);
+  ASSERT_TRUE(loop.known) << loop.why;
+  int zeros = 0;
+  for (const Complex& p : loop.poles) {
+    const Complex at =
+        ((mass * p + rate_gain) * p + rate_gain * place_gain + rate_integral) * p + rate_integral * place_gain;
+    zeros += std::abs(at) < 1e-9 ? 1 : 0;
+  }
+  EXPECT_EQ(zeros, 3);
+  // The mechanism alone has no controller: its inputs are the efforts of what acts.
+  EXPECT_EQ(loop.open.inputs, (std::vector<std::string>{"C.effort"}));
+  EXPECT_LT(loop.open.a.cwiseAbs().maxCoeff(), 1.0 + 1e-14);
+  // References act through both.
+  EXPECT_EQ(loop.closed.inputs, (std::vector<std::string>{"C.reference", "outer.reference"}));
+  EXPECT_NEAR(loop.closed.d(3, 1), place_gain, 1e-12);
+  EXPECT_NEAR(loop.closed.d(2, 1), rate_gain * place_gain, 1e-12);
+}
+
+// Two integrators in a circle are no algebraic loop: u'' = a b (r - u), so that  u = r (1 - cos w t)  pushes the block:
+// x = (r/m) (t^2/2 - (1 - cos w t)/w^2).
+TEST(Control, IntegratorsThatReadEachOtherSwing) {
+  constexpr double a = 2.0, b = 3.0, r = 0.8;
+  const std::string text =
+      blocks(fmt::format("follows = \"first\"\nreads = \"nothing\"\nintegral = {}\n[[controller]]\nname = \"first\"\n"
+                         "reads = {{ controller = \"C\" }}\nintegral = {}\nreference = {}\n",
+                         b, a, r));
+  const double w = std::sqrt(a * b);
+  const std::vector<double> times = instants(5.0, 10);
+  const Course found = course(text, times);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double t = times[i];
+    EXPECT_NEAR(found.place(i), r / mass * (t * t / 2 - (1 - std::cos(w * t)) / (w * w)), 1e-10);
+  }
+}
+
+// A filter behind a filter: two of first order in series are one of second order.
+TEST(Control, TransferFunctionsInSeriesAreTheirProduct) {
+  const std::string product =
+      "reads = { slide = \"still\" }\nreference = 0.6\n"
+      "transfer = { numerator = [2, 0.8], denominator = [1, 0.7, 0.1] }\n";
+  const std::string series =
+      "follows = \"lead\"\nreads = \"nothing\"\ntransfer = { numerator = [2], denominator = [1, 0.2] }\n"
+      "[[controller]]\nname = \"lead\"\nreads = { slide = \"still\" }\nreference = 0.6\n"
+      "transfer = { numerator = [1, 0.4], denominator = [1, 0.5] }\n";
+  const std::vector<double> times = instants(4.0, 8);
+  const Course one = course(blocks(product), times), two = course(blocks(series), times);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(one.place(i), two.place(i), 1e-11);
+}
+
+// The points of a table are those of a spring with the curve T(x) = -F(-x), and of two points a gain.
+TEST(Control, ATableActsAsTheSpringWithItsCurve) {
+  const std::vector<double> times = instants(6.0, 12);
+  const test::Release release{.places = {{"x", 0.9}}};
+  const Course table =
+      course(blocks("table = { curve = [[-1, -4], [-0.25, -2.5], [0.125, 0], [0.5, 2], [1, 7]] }"), times, release);
+  std::string spring = blocks("proportional = 1");
+  const std::size_t at = spring.find("[[controller]]");
+  spring = spring.substr(0, at) +
+           "[[spring]]\nslide = \"x\"\nforce = { curve = [[-1, -7], [-0.5, -2], [-0.125, 0], [0.25, 2.5], [1, 4]] }\n";
+  const Course other = course(spring, times, release);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(table.place(i), other.place(i), 1e-10);
+  const Course line = course(blocks("table = { curve = [[-1, -8], [1, 8]] }"), times, release),
+               gain = course(blocks("proportional = 8"), times, release);
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(line.place(i), gain.place(i), 1e-11);
+  EXPECT_NEAR(gain.place(0), 0.9 * std::cos(2.0 * times[0]), 1e-11);
+}
+
+// Steps end at the points of a table, which the dead band moves outwards.
+TEST(Control, StepsEndAtThePointsOfATable) {
+  const Course found =
+      course(blocks("table = { curve = [[-1, -4], [-0.25, -2.5], [0.125, 0], [1, 7]] }\ndead_band = 0.1"), {3.0},
+             {.places = {{"x", 1.4}}});
+  const auto& q = found.motion.trajectory;
+  for (const double border : {0.35, -0.225}) {
+    const auto crossings = static_cast<int>(q.nodes());
+    bool is_there = false;
+    for (int k = 0; k < crossings; ++k) {
+      is_there = is_there ||
+                 std::abs(test::q_at(found.motion, static_cast<std::size_t>(k))[static_cast<std::size_t>(found.x)] -
+                          border) < 1e-11;
+    }
+    EXPECT_TRUE(is_there) << border;
+  }
+}
+
+/// The block under PID samples each T, of the states x, v and the sum s:  u = kp e + ki s - kd v with e = r - x, held;
+/// s grows by T e. The exact map from sample to sample, of x, v, s and 1.
+MatrixXd map_of_samples(double kp, double ki, double kd, double r, double T) {
+  MatrixXd out = MatrixXd::Identity(4, 4);
+  Eigen::RowVector4d u(-kp, -kd, ki, kp * r);
+  out.row(0) += Eigen::RowVector4d(0, T, 0, 0) + T * T / (2 * mass) * u;
+  out.row(1) += T / mass * u;
+  out.row(2) += Eigen::RowVector4d(-T, 0, 0, T * r);
+  return out;
+}
+
+TEST(Control, SamplesAreHeldUntilTheNextOne) {
+  constexpr double kp = 4.0, ki = 1.5, kd = 3.0, r = 0.6, T = 0.125;
+  const std::string text = blocks(
+      fmt::format("proportional = {}\nintegral = {}\nderivative = {}\nreference = {}\nperiod = {}", kp, ki, kd, r, T));
+  const std::vector<double> times = instants(4.0, 32);
+  const Course found = course(text, times, {.places = {{"x", -0.2}}, .rates = {{"x", 0.3}}});
+  const MatrixXd map = map_of_samples(kp, ki, kd, r, T);
+  Eigen::VectorXd state = Eigen::Vector4d(-0.2, 0.3, 0, 1);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    state = map * state;
+    EXPECT_NEAR(found.place(i), state[0], 1e-11);
+    EXPECT_NEAR(found.rate(i), state[1], 1e-11);
+  }
+  // Its poles z are those of the map, and at the stability limit one has the size 1.
+  const ControlLoop loop = loop_of(parse_scene(text, "blocks.toml"));
+  ASSERT_TRUE(loop.known) << loop.why;
+  EXPECT_EQ(loop.period, T);
+  EXPECT_EQ(loop.stability, ControlLoop::Stability::marginal);  // the other block stands where it is
+  EXPECT_EQ(loop.closed.states, (std::vector<std::string>{"x", "d(x)/dt", "still", "d(still)/dt", "C integral"}));
+  const Eigen::VectorXcd exact = MatrixXd(map.topLeftCorner(3, 3)).eigenvalues();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    double nearest = 1.0;
+    for (const Complex& z : loop.poles) nearest = std::min(nearest, std::abs(z - exact[k]));
+    EXPECT_LT(nearest, 1e-10) << exact[k];
+  }
+  for (const Eigen::Index row : {0, 1, 4}) {
+    const Eigen::Index own = row == 4 ? 2 : row;
+    EXPECT_NEAR(loop.closed.a(row, 0), map(own, 0), 1e-12);
+    EXPECT_NEAR(loop.closed.a(row, 1), map(own, 1), 1e-12);
+    EXPECT_NEAR(loop.closed.a(row, 4), map(own, 2), 1e-12);
+    EXPECT_NEAR(loop.closed.b(row, 0) * r, map(own, 3), 1e-12);
+  }
+}
+
+// A lag that samples: x' = (e_k - x)/T_1 with what it read held, u = k x of the sample: exact with exp(-T/T_1). The
+// outer controller of a cascade that samples, the inner one at all times, by the exponential of its matrix.
+TEST(Control, StatesBetweenSamplesAreThoseOfTheZeroOrderHold) {
+  constexpr double k = 3.0, lag = 0.3, T = 0.25, r = 0.5, kv = 4.0;
+  const std::string text = blocks(fmt::format(
+      "follows = \"outer\"\nreads_rate = true\nproportional = {}\n[[controller]]\nname = \"outer\"\n"
+      "reads = {{ slide = \"x\" }}\ntransfer = {{ numerator = [{}], denominator = [1, {}] }}\nreference = {}\n"
+      "period = {}\n",
+      kv, k, lag, r, T));
+  const std::vector<double> times = instants(3.0, 12);
+  const Course found = course(text, times);
+  // x, v, the state of the lag, and what is held: its output and its input.
+  MatrixXd a = MatrixXd::Zero(5, 5);
+  a.row(0) << 0, 1, 0, 0, 0;
+  a.row(1) << 0, -kv / mass, 0, kv / mass, 0;
+  a.row(2) << 0, 0, -1 / lag, 0, 1 / lag;
+  const MatrixXd over = (a * T).exp();
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(5);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    state[3] = k * state[2];
+    state[4] = r - state[0];
+    state = over * state;
+    EXPECT_NEAR(found.place(i), state[0], 1e-11);
+    EXPECT_NEAR(found.rate(i), state[1], 1e-11);
+  }
+  MatrixXd hold = MatrixXd::Identity(5, 3);
+  hold.row(3) << 0, 0, k;
+  hold.row(4) << -1, 0, 0;
+  const Eigen::VectorXcd exact = MatrixXd((over * hold).topRows(3)).eigenvalues();
+  const ControlLoop loop = loop_of(parse_scene(text, "blocks.toml"));
+  ASSERT_TRUE(loop.known) << loop.why;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    double nearest = 1.0;
+    for (const Complex& z : loop.poles) nearest = std::min(nearest, std::abs(z - exact[i]));
+    EXPECT_LT(nearest, 1e-10) << exact[i];
+  }
+}
+
+// K. J. Astrom, B. Wittenmark, Computer-Controlled Systems: a double integrator is at rest after two samples.
+TEST(Control, ADeadbeatControllerIsThereAfterTwoSamples) {
+  const Scene scene = read_scene(test::dataset("machines/deadbeat_table.toml"));
+  const MotionModel model(scene);
+  const Motion motion =
+      test::moved(model, test::released(model, {.places = {{"table", -0.3}}, .rates = {{"table", 2.0}}}), 0.5, 1e-12);
+  for (const test::Reading& there : test::read_at(motion, {0.2, 0.27, 0.3, 0.5})) {
+    const auto i = static_cast<std::size_t>(test::coordinate_of(model, "table"));
+    EXPECT_NEAR(there.q[i], 0.5, 1e-12);
+    EXPECT_NEAR(there.v[i], 0.0, 1e-11);
+  }
+  const ControlLoop loop = loop_of(scene);
+  ASSERT_TRUE(loop.known) << loop.why;
+  EXPECT_EQ(loop.stability, ControlLoop::Stability::stable);
+  // Of a double pole to the root of rounding.
+  for (const Complex& z : loop.poles) EXPECT_LT(std::abs(z), 1e-7);
+  EXPECT_LT((loop.closed.a * loop.closed.a).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+TEST(Control, TheCascadeOfAnAxisHasItsPoles) {
+  const Scene scene = read_scene(test::dataset("machines/cascade_axis.toml"));
+  const ControlLoop loop = loop_of(scene);
+  ASSERT_TRUE(loop.known) << loop.why;
+  expect_poles(loop.poles, {-2.0, -6.0, -12.0}, 1e-9);
+  // Its outer controller limits the rate: it never becomes more than about that.
+  const MotionModel model(scene);
+  const Motion motion = test::moved(model, test::released(model, {.places = {{"axis", 0.0}}}), 5.0, 1e-11);
+  const auto i = static_cast<std::size_t>(test::coordinate_of(model, "axis"));
+  double fastest = 0.0;
+  for (std::size_t k = 0; k < motion.trajectory.nodes(); ++k) fastest = std::max(fastest, test::v_at(motion, k)[i]);
+  EXPECT_GT(fastest, 0.38);
+  EXPECT_LT(fastest, 0.45);
+  EXPECT_NEAR(test::read_at(motion, {5.0})[0].q[i], 0.3, 1e-4);
+}
+
 /// The derivatives of a motion by numbers agree with differences of motions.
 void expect_derivatives(const std::string& text, const std::vector<std::string>& paths, double duration) {
   const Scene scene = parse_scene(text, "blocks.toml");
@@ -224,6 +484,25 @@ TEST(Control, DerivativesByNumbersAreThoseOfMotions) {
       3.0);
 }
 
+TEST(Control, DerivativesOfChainsTablesAndSamplesAreThoseOfMotions) {
+  expect_derivatives(cascade(0.7),
+                     {"controller.C.proportional", "controller.C.integral", "controller.outer.proportional",
+                      "controller.outer.reference"},
+                     2.0);
+  expect_derivatives(blocks("table = { curve = [[-1, -4], [-0.25, -2.5], [0.125, 0.1], [1, 7]] }\ndead_band = 0.05\n"
+                            "proportional = 1\nreference = 0.4"),
+                     {"controller.C.table.1", "controller.C.table.2", "controller.C.table.3", "controller.C.table.4",
+                      "controller.C.dead_band", "controller.C.reference"},
+                     3.0);
+  expect_derivatives(
+      blocks("follows = \"outer\"\nreads_rate = true\nproportional = 4\nintegral = 2\nmax = 3\nperiod = 0.25\n"
+             "[[controller]]\nname = \"outer\"\nreads = { slide = \"x\" }\nproportional = 2\nderivative = 0.3\n"
+             "filter = 0.2\nreference = 0.9\nperiod = 0.5\ntime = { reference = { step = { at = 1, to = 1.5 } } }"),
+      {"controller.C.proportional", "controller.C.integral", "controller.C.max", "controller.outer.proportional",
+       "controller.outer.derivative", "controller.outer.filter", "controller.outer.reference"},
+      2.1);
+}
+
 TEST(Control, AnUnstableLoopEndsWhereItRunsAway) {
   const MotionModel model(parse_scene(blocks("proportional = -50\nderivative = -30"), "blocks.toml"));
   MotionOptions options{.duration = 1e3};
@@ -232,16 +511,6 @@ TEST(Control, AnUnstableLoopEndsWhereItRunsAway) {
   EXPECT_NE(motion.why.find("\"x\" is faster than 100000 sizes of the mechanism per second"), std::string::npos)
       << motion.why;
   EXPECT_LT(motion.trajectory.t.back(), 2.0);
-}
-
-Scene with_value(Scene scene, const std::string& path, double value) {
-  set_value(scene, path, value);
-  return scene;
-}
-
-ControlLoop loop_of(const Scene& scene) {
-  const MotionModel model(scene);
-  return control_loop(model, model.from_si(start_motion(model, {}).q));
 }
 
 // ../shared/benchmarks.md 4.1: I phi'' + c phi' - G phi = -(kp phi + kd phi' + ki int phi).
@@ -284,16 +553,6 @@ void expect_near(const MatrixXd& found, const MatrixXd& expected, double within)
   ASSERT_EQ(found.rows(), expected.rows());
   ASSERT_EQ(found.cols(), expected.cols());
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), within) << found;
-}
-
-/// The poles of a loop in any order.
-void expect_poles(const std::vector<Complex>& found, const std::vector<Complex>& expected, double within) {
-  ASSERT_EQ(found.size(), expected.size());
-  for (const Complex& one : expected) {
-    double nearest = 1.0;
-    for (const Complex& other : found) nearest = std::min(nearest, std::abs(one - other));
-    EXPECT_LT(nearest, within) << one;
-  }
 }
 
 // ../shared/benchmarks.md 4.2: Control Tutorials for MATLAB and Simulink, inverted pendulum, x = (cart, cart', phi,
@@ -382,7 +641,7 @@ TEST(Control, BadInputIsNamed) {
     EXPECT_NE(said.find(words), std::string::npos) << said;
     EXPECT_NE(said.find("controller \"C\""), std::string::npos) << said;
   };
-  expect("", "expected one of the keys proportional, integral, derivative and transfer");
+  expect("", "expected one of the keys proportional, integral, derivative, transfer and table");
   expect("proportional = 1\nmin = 2\nmax = 1", "expected min < max");
   expect("proportional = 1\nderivative = 1\nfilter = -0.1", "expected a finite number > 0");
   expect("proportional = 1\nfilter = 0.1", "expected the key derivative beside it");
@@ -394,6 +653,29 @@ TEST(Control, BadInputIsNamed) {
   expect("transfer = { numerator = [1], denominator = [1, 0] }", "expected another highest coefficient than 0");
   expect("proportional = 1\ntime = { reference = { step = { at = 1, to = 1 } } }",
          "expected the key reference beside it");
+  const auto with_outer = [](const std::string& inner, const std::string& outer) {
+    return inner + "\n[[controller]]\nname = \"outer\"\n" + outer;
+  };
+  expect(with_outer("proportional = 1\nfollows = \"outer\"", "slide = \"x\"\nproportional = 1"),
+         "expected a controller that gives what this one reads, in m; \"outer\" gives N");
+  expect("proportional = 1\nfollows = \"C\"", "expected another controller, found its own name");
+  expect("proportional = 1\nfollows = \"D\"", "expected the name of another controller, found \"D\"");
+  expect("proportional = 1\nperiod = 0", "expected a finite number > 0");
+  expect("proportional = 1\nreads = \"nothing\"", "expected the key follows beside it");
+  expect("table = [[0, 1]]", "expected the table of a curve");
+  expect("table = { curve = [[0, 1]] }", "expected two points [error, output] or more");
+  const auto expect_of_outer = [&](const std::string& inner, const std::string& outer, const std::string& words) {
+    const std::string said = message(with_outer(inner, outer));
+    EXPECT_NE(said.find(words), std::string::npos) << said;
+  };
+  expect_of_outer("proportional = 1", "proportional = 1\nreads = { slide = \"still\" }",
+                  "expected what it acts on, or a controller with follows = \"outer\"");
+  expect_of_outer("proportional = 1\nreads = \"nothing\"\nfollows = \"outer\"",
+                  "proportional = 1\nreads = { controller = \"C\" }",
+                  "controllers \"C\", \"outer\" are an algebraic loop");
+  expect_of_outer("proportional = 1\nreads = \"nothing\"\nfollows = \"outer\"",
+                  "derivative = 1\nreads = { controller = \"C\" }",
+                  "expected the key filter beside it, because it reads what a controller gives");
 }
 
 }  // namespace

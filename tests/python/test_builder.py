@@ -177,6 +177,21 @@ def test_a_scene_that_is_built_is_pickled_and_saved(tmp_path):
     assert poise.load(tmp_path / "clamp.toml").numbers == scene.numbers
 
 
+def test_controllers_may_follow_each_other():
+    built = (
+        poise.SceneBuilder("axis")
+        .ground_point("O", (0, 0))
+        .body("block", {"c": (0, 0)}, mass=2)
+        .slide("ground.O", "block.c", (1, 0), "x")
+        .element("controller", "place", measures.nothing(), reads={"slide": "x"}, proportional=3, reference=0.25)
+        .element("controller", "lag", measures.nothing(), follows="place", reads="nothing",
+                 transfer={"numerator": [1], "denominator": [1, 0.01, 1e-5]})
+        .element("controller", "rate", measures.travel("x"), follows="lag", reads_rate=True, proportional=40)
+        .build()
+    )
+    assert built.motion(6, rate=1)["travel.x"][-1] == pytest.approx(0.25, abs=1e-6)
+
+
 @pytest.mark.parametrize("change, line", [
     (lambda b: b.pin("arm.Q", "link.B"),
      'pin 5.points: expected a point of "arm", found "arm.Q"; did you mean "arm.A"?'),

@@ -36,12 +36,15 @@ const char* name_of_stability(LoopStability stability) {
 
 Line verdict_on_loop(const ControlLoop& loop) {
   if (!loop.known) return bad("No equilibrium with its controllers: " + loop.why + ".");
-  const std::string slowest = significant(loop.poles.front().real(), 6);
+  const bool samples = loop.period > 0.0;
+  const double front = samples ? std::log(std::abs(loop.poles.front())) / loop.period : loop.poles.front().real();
+  const std::string slowest = significant(front, 6);
   switch (loop.stability) {
     case LoopStability::stable:
       return good(fmt::format("The closed loop is stable: what is slowest in it decays at {} 1/s.", slowest));
     case LoopStability::marginal:
-      return doubtful("The closed loop neither decays nor grows: some pole has no real part.");
+      return doubtful(samples ? "The closed loop neither decays nor grows: some pole z has the size 1."
+                              : "The closed loop neither decays nor grows: some pole has no real part.");
     case LoopStability::unstable:
       break;
   }
@@ -61,6 +64,18 @@ void add_poles(Group& group, const std::string& key, const std::string& title, c
       "", "damping ratio", "",
       each(poles, [&](const auto& p) { return std::abs(p) > no_part * largest ? -p.real() / std::abs(p) : NAN; }),
       {.style = Format::Style::significant});
+}
+
+/// Poles z of samples with a period.
+void add_poles_of_samples(Group& group, const Poles& poles, double period) {
+  const Format format{.style = Format::Style::significant, .digits = pole_digits, .zero_below = no_part};
+  const Format rounded{.style = Format::Style::significant, .zero_below = no_part};
+  Table& table = group.table("z_poles", "Poles z of the closed loop, from sample to sample", Rows::columns);
+  table.numbers("re", "real", "", each(poles, [](const auto& z) { return z.real(); }), format);
+  table.numbers("im", "imaginary", "", each(poles, [](const auto& z) { return z.imag(); }), format);
+  table.numbers("", "size", "", each(poles, [](const auto& z) { return std::abs(z); }), rounded);
+  table.numbers("", "growth", "1/s", each(poles, [&](const auto& z) { return std::log(std::abs(z)) / period; }),
+                {.style = Format::Style::significant});
 }
 
 /// [[a, ...], ...], row by row.
@@ -100,11 +115,8 @@ void add_controllers(Group& content, const MotionModel& model, const ControlLoop
   const auto element = [&](const ControlAtRest& one) -> const Element& {
     return model.scene().elements[static_cast<std::size_t>(one.element)];
   };
-  const auto read_dimension = [&](const ControlAtRest& one) {
-    const bool of_rate = controller_of(element(one).law)->of_rate;
-    return element(one).feedback->reads.dimension() * dimension::time.power(of_rate ? -1 : 0);
-  };
-  const auto effort_dimension = [&](const ControlAtRest& one) { return element(one).on.effort_dimension(); };
+  const auto read_dimension = [&](const ControlAtRest& one) { return element(one).feedback->signal; };
+  const auto effort_dimension = [&](const ControlAtRest& one) { return element(one).feedback->output; };
   const auto words = [](double value, const std::string& unit) {
     return fmt::format("{} {}", significant(value, 8), unit);
   };
@@ -166,7 +178,13 @@ Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
                            count(static_cast<int>(loop.closed.outputs.size()), "output", "outputs"),
                            fmt::join(loop.closed.states, ", ")));
   add_controllers(content, model, loop);
-  add_poles(content, "poles", "Poles of the closed loop", loop.poles);
+  if (loop.period > 0.0) {
+    content.fact("samples", fmt::format("each {} s", significant(loop.period, 8)));
+    content.data("period", loop.period);
+    add_poles_of_samples(content, loop.poles, loop.period);
+  } else {
+    add_poles(content, "poles", "Poles of the closed loop", loop.poles);
+  }
   add_poles(content, "open_poles", "Poles of the mechanism alone", loop.open_poles);
   add_system(content, "closed_loop", loop.closed);
   add_system(content, "open_loop", loop.open);

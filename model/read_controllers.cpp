@@ -1,0 +1,343 @@
+#include "model/read_controllers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "model/read_curve.hpp"
+#include "model/read_elements.hpp"
+
+namespace poise {
+namespace {
+
+/// Those of numbers first, in the order of Controller::Id.
+constexpr std::array<std::string_view, 15> own_keys_of_controller{
+    "proportional",  "integral", "derivative", "filter",     "reference", "dead_band", "min",  "max",
+    "tracking_time", "period",   "reads",      "reads_rate", "transfer",  "follows",   "table"};
+
+bool names_measure(const TomlTable& table) {
+  const MeasureKeys& keys = all_measures();
+  return std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return table.has(key); });
+}
+
+/// The measure of one that reads or acts on none.
+Measure no_measure() { return Measure::angle_between(0, 0); }
+
+/// What the keys of a table need beside them.
+void expect_beside(const TomlTable& table, const Controller& law, const Feedback& feedback) {
+  const auto expect = [&](std::string_view key, std::string_view other) {
+    if (table.has(key) && !table.has(other)) {
+      table.place_of(key).fail("expected the key " + std::string(other) + " beside it; add it");
+    }
+  };
+  expect("filter", "derivative");
+  expect("tracking_time", "integral");
+  if (table.has("tracking_time") && !table.has("min") && !table.has("max")) {
+    table.place_of("tracking_time").fail("expected the key min or max beside it, which limits the effort; add it");
+  }
+  constexpr std::array<std::string_view, 5> terms{"proportional", "integral", "derivative", "transfer", "table"};
+  if (std::none_of(terms.begin(), terms.end(), [&](std::string_view key) { return table.has(key); })) {
+    table.place().fail(
+        "expected one of the keys proportional, integral, derivative, transfer and table, by which it acts; add one");
+  }
+  if (table.has("derivative") && feedback.source == Feedback::Source::nothing) {
+    table.place_of("derivative").fail("expected something that it reads, of which the rate is taken; leave it out");
+  }
+  const bool reads_without_rate = law.of_rate || feedback.source == Feedback::Source::controller;
+  if (reads_without_rate && table.has("derivative") && !table.has("filter")) {
+    table.place_of("derivative")
+        .fail(std::string("expected the key filter beside it, because it reads ") +
+              (law.of_rate ? "a rate" : "what a controller gives") + "; add it");
+  }
+  if (feedback.source != Feedback::Source::measure) {
+    if (table.has("reads_rate")) {
+      table.place_of("reads_rate").fail("expected it beside a measure that is read; leave it out");
+    }
+  }
+  if (table.has("filter") && table.has("transfer")) {
+    table.place_of("filter").fail("expected filter or transfer, found both; make two controllers");
+  }
+  if (table.has("time") && table.holds_table("time") && table.find_table("time")->has("reference") &&
+      !table.has("reference")) {
+    table.place_of("time").fail(
+        "expected the key reference beside it, which time.reference multiplies; add "
+        "reference = 1");
+  }
+}
+
+/// The coefficients of a transfer function, ascending: first those of its numerator.
+std::array<std::vector<double>, 2> read_transfer(const TomlTable& table, Controller& law) {
+  if (!table.holds_table("transfer")) {
+    table.place_of("transfer")
+        .fail("expected the table of a transfer function, say transfer = { numerator = [2], denominator = [1, 0.1] }");
+  }
+  const TomlTable transfer = *table.find_table("transfer");
+  transfer.allow_keys({"numerator", "denominator"});
+  std::array<std::vector<double>, 2> out{transfer.numbers("numerator"), transfer.numbers("denominator")};
+  if (out[1].size() != 2 && out[1].size() != 3) {
+    transfer.place_of("denominator")
+        .fail("expected 2 or 3 coefficients, of a first or second order, ascending in powers of p, found " +
+              std::to_string(out[1].size()));
+  }
+  if (out[0].empty() || out[0].size() > out[1].size()) {
+    transfer.place_of("numerator")
+        .fail("expected at least 1 coefficient and at most those of the denominator, ascending in powers of p, found " +
+              std::to_string(out[0].size()));
+  }
+  law.order = static_cast<int>(out[1].size()) - 1;
+  for (std::size_t k = 0; k < out[0].size(); ++k) law.given |= 1U << (Controller::numerator + static_cast<int>(k));
+  for (std::size_t k = 0; k < out[1].size(); ++k) law.given |= 1U << (Controller::denominator + static_cast<int>(k));
+  return out;
+}
+
+void read_curve_of_controller(const TomlTable& table, Controller& law, double unit_error, double unit_output) {
+  if (!table.holds_table("table")) {
+    table.place_of("table").fail(
+        "expected the table of a curve, say table = { curve = [[-1, -5], [0, 0], [1, 5]] } of points [error, output]");
+  }
+  const TomlTable curve = *table.find_table("table");
+  CurvePoints points = read_table_of_controller(curve, unit_error, unit_output);
+  law.numbered_points = curve.has("curve");
+  law.curve = std::make_shared<const ForceCurve>(std::move(points.x), std::move(points.y));
+}
+
+}  // namespace
+
+Element read_what_controller_acts_on(const TomlTable& table, const MeasureReader& measures) {
+  std::vector<std::string_view> allowed{own_keys_of_controller.begin(), own_keys_of_controller.end()};
+  allowed.push_back("time");
+  Element element;
+  element.table = "controller";
+  element.law = Controller{};
+  element.feedback.emplace();
+  element.feedback->acts = names_measure(table) || (!table.has("reads") && !table.has("follows"));
+  if (element.feedback->acts) {
+    element.on = measures.read(table, all_measures(), allowed);
+  } else {
+    allowed.push_back("name");
+    const MeasureKeys& keys = all_measures();
+    allowed.insert(allowed.end(), keys.begin(), keys.end());
+    table.allow_keys(allowed);
+    element.on = no_measure();
+  }
+  return element;
+}
+
+void ControllerReader::read() {
+  const std::vector<TomlTable> tables = root_.tables("controller");
+  std::size_t next = 0;
+  for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+    if (scene_.elements[e].feedback) all_.push_back({static_cast<int>(e), tables[next++]});
+  }
+  for (const One& one : all_) read_sources(one);
+  refuse_idle();
+  find_dimensions();
+  for (const One& one : all_) read_law(one);
+  refuse_loops();
+  for (const One& one : all_) add_states(one);
+}
+
+/// The element of the controller of this name, another one than `one`.
+int ControllerReader::other(const One& one, const TomlText& name) const {
+  for (const One& candidate : all_) {
+    if (scene_.elements[static_cast<std::size_t>(candidate.element)].name != name.value) continue;
+    if (candidate.element == one.element) name.place.fail("expected another controller, found its own name");
+    return candidate.element;
+  }
+  std::vector<std::string> names;
+  for (const One& candidate : all_) {
+    if (candidate.element != one.element)
+      names.push_back(scene_.elements[static_cast<std::size_t>(candidate.element)].name);
+  }
+  name.place.fail(fmt::format("expected the name of another controller, found \"{}\"; they are {}", name.value,
+                              names.empty() ? "none" : fmt::format("\"{}\"", fmt::join(names, "\", \""))));
+}
+
+void ControllerReader::read_sources(const One& one) {
+  const TomlTable& table = one.table;
+  Element& own = element(one);
+  Feedback& feedback = *own.feedback;
+  if (table.has("follows")) feedback.follows = other(one, table.text("follows"));
+  feedback.reads = no_measure();
+  if (table.has("reads")) {
+    if (!table.holds_table("reads")) {
+      const std::optional<TomlText> word = table.find_text("reads");
+      if (!word || word->value != "nothing") {
+        table.place_of("reads").fail(
+            "expected the table of a measure, say reads = { bodies = [\"ground\", \"arm\"] }, one with the key "
+            "controller, or \"nothing\"");
+      }
+      feedback.source = Feedback::Source::nothing;
+    } else if (const TomlTable reads = *table.find_table("reads"); reads.has("controller")) {
+      reads.allow_keys({"controller"});
+      feedback.source = Feedback::Source::controller;
+      feedback.reads_from = other(one, reads.text("controller"));
+    } else {
+      MeasureKeys measures = all_measures();
+      std::erase(measures, "sum");
+      feedback.reads = measures_.read(reads, measures, {});
+    }
+  } else if (!feedback.acts) {
+    feedback.source = Feedback::Source::nothing;
+  } else if (own.on.kind == Measure::Kind::sum) {
+    table.place_of("sum").fail("expected the key reads beside it, the measure that is controlled; add it");
+  } else {
+    feedback.reads = own.on;
+  }
+  if (feedback.source == Feedback::Source::nothing && feedback.follows < 0) {
+    table.place_of("reads").fail("expected the key follows beside it, or something that it reads; add it");
+  }
+}
+
+/// Throws InputError for one that acts on nothing and that no other one follows or reads.
+void ControllerReader::refuse_idle() const {
+  for (const One& one : all_) {
+    const bool is_used = std::any_of(all_.begin(), all_.end(), [&](const One& user) {
+      const Feedback& feedback = *scene_.elements[static_cast<std::size_t>(user.element)].feedback;
+      return feedback.follows == one.element || feedback.reads_from == one.element;
+    });
+    const Element& own = scene_.elements[static_cast<std::size_t>(one.element)];
+    if (own.feedback->acts || is_used) continue;
+    one.table.place().fail(fmt::format(
+        "expected what it acts on, or a controller with follows = \"{}\": without either it does nothing", own.name));
+  }
+}
+
+/// Throws InputError for controllers that depend on each other at once, in a circle.
+void ControllerReader::refuse_loops() const {
+  const auto of = [&](int e) -> const Element& { return scene_.elements[static_cast<std::size_t>(e)]; };
+  std::vector<int> done, path;
+  const auto visit = [&](int e, const auto& self) -> void {
+    const auto begin = std::find(path.begin(), path.end(), e);
+    if (begin != path.end()) {
+      std::vector<std::string> names;
+      for (auto it = begin; it != path.end(); ++it) names.push_back(of(*it).name);
+      throw InputError(fmt::format(
+          "{}:{}: controllers \"{}\" are an algebraic loop: each depends at once on what the next one gives, "
+          "and the last on the first; give one of them only an integral, or a transfer function with fewer "
+          "coefficients above than below",
+          scene_.file, of(*begin).line, fmt::join(names, "\", \"")));
+    }
+    if (std::find(done.begin(), done.end(), e) != done.end()) return;
+    path.push_back(e);
+    const Feedback& feedback = *of(e).feedback;
+    if (std::get<Controller>(of(e).law).decides_at_once()) {
+      for (const int next : {feedback.follows, feedback.reads_from}) {
+        if (next >= 0) self(next, self);
+      }
+    }
+    path.pop_back();
+    done.push_back(e);
+  };
+  for (const One& one : all_) visit(one.element, visit);
+}
+
+/// What a controller gives has the dimension of what follows or reads it: of those that act, an effort.
+void ControllerReader::find_dimensions() {
+  const std::size_t count = scene_.elements.size();
+  std::vector<std::optional<Dimension>> signal(count), output(count);
+  for (const One& one : all_) {
+    const auto e = static_cast<std::size_t>(one.element);
+    const Feedback& feedback = *scene_.elements[e].feedback;
+    if (feedback.source == Feedback::Source::measure) {
+      signal[e] = feedback.reads.dimension() * dimension::time.power(one.table.flag("reads_rate", false) ? -1 : 0);
+    }
+    if (feedback.acts) output[e] = scene_.elements[e].on.effort_dimension();
+  }
+  for (bool again = true; again;) {
+    again = false;
+    for (const One& one : all_) {
+      const auto e = static_cast<std::size_t>(one.element);
+      const Feedback& feedback = *scene_.elements[e].feedback;
+      for (const int from : {feedback.follows, feedback.reads_from}) {
+        if (from < 0) continue;
+        std::optional<Dimension>& given = output[static_cast<std::size_t>(from)];
+        if (signal[e] && given && !(*signal[e] == *given)) {
+          const std::string &read = signal[e]->unit_name(scene_.units), &by = given->unit_name(scene_.units);
+          one.table.place_of(from == feedback.follows ? "follows" : "reads")
+              .fail(fmt::format("expected a controller that gives what this one reads, in {}; \"{}\" gives {}", read,
+                                scene_.elements[static_cast<std::size_t>(from)].name, by));
+        }
+        again = again || signal[e].has_value() != given.has_value();
+        if (!signal[e]) signal[e] = given;
+        if (!given) given = signal[e];
+      }
+    }
+  }
+  for (const One& one : all_) {
+    const auto e = static_cast<std::size_t>(one.element);
+    scene_.elements[e].feedback->signal = signal[e].value_or(dimension::none);
+    scene_.elements[e].feedback->output = output[e].value_or(dimension::none);
+  }
+}
+
+void ControllerReader::read_law(const One& one) {
+  const TomlTable& table = one.table;
+  Element& own = element(one);
+  const Feedback& feedback = *own.feedback;
+  Controller law;
+  law.of_rate = table.flag("reads_rate", false);
+  for (int id = 0; id < Controller::numerator; ++id) {
+    if (table.has(own_keys_of_controller[static_cast<std::size_t>(id)])) law.given |= 1U << id;
+  }
+  expect_beside(table, law, feedback);
+  std::array<std::vector<double>, 2> transfer;
+  if (table.has("transfer")) transfer = read_transfer(table, law);
+  if (table.has("table")) {
+    read_curve_of_controller(table, law, table.unit(feedback.signal), table.unit(feedback.output));
+  }
+  law.declare(feedback.signal, feedback.acts, feedback.output);
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  law.values[Controller::min] = -unlimited;
+  law.values[Controller::max] = unlimited;
+  const unsigned plain = law.given & ((1U << Controller::numerator) - 1U);
+  read_numbers(table, law.all_numbers().first(static_cast<std::size_t>(std::popcount(plain))), &law, &own.on);
+  for (const Number& number : law.all_numbers()) {
+    const bool is_above = number.key.starts_with("numerator.");
+    if (!is_above && !number.key.starts_with("denominator.")) continue;
+    const double value = transfer[is_above ? 0 : 1][static_cast<std::size_t>(number.key.back() - '0')];
+    located(table.place_of("transfer"), [&] { number.set(&law, value * table.unit(number.dimension_on(&own.on))); });
+  }
+  own.law = std::move(law);
+}
+
+/// The bodies whose rates are its states.
+void ControllerReader::add_states(const One& one) {
+  const Element own = element(one);
+  Feedback feedback = *own.feedback;
+  const auto add_state = [&](const char* what) {
+    const std::string name = own.name + " " + what;
+    for (const Body& body : scene_.bodies) {
+      if (body.name == name) {
+        throw InputError(scene_.file + ":" + std::to_string(own.line) + ": controller \"" + own.name +
+                         "\": expected another name, the body \"" + name + "\" of line " + std::to_string(body.line) +
+                         " has that of its state; rename one");
+      }
+    }
+    const int body = scene_.add_body(name);
+    scene_.bodies.back().inertia = Body::inertia_of_states;
+    scene_.bodies.back().line = own.line;
+    return body;
+  };
+  const Controller& law = std::get<Controller>(own.law);
+  const bool has_state = law.has(Controller::filter) || law.order > 0;
+  if (law.has(Controller::integral)) feedback.integral = add_state("integral");
+  if (has_state) feedback.filter = add_state("state");
+  if (law.has(Controller::period)) {
+    feedback.held[0] = add_state("held effort");
+    if (law.has(Controller::integral)) feedback.held[1] = add_state("held error");
+    if (has_state) feedback.held[2] = add_state("held input");
+  }
+  element(one).feedback = std::move(feedback);
+}
+
+}  // namespace poise
