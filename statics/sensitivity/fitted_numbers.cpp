@@ -65,6 +65,23 @@ MatrixXd root_of(const MatrixXd& v) {
   return sigma.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
+/// The least covariance that is at least both, along the axes of one relative to the other: with V = L L^T and V_runs =
+/// L B L^T, the eigenvalues of B below 1 become 1.
+MatrixXd envelope_of(const FittedNumbers& numbers) {
+  if (!numbers.by_runs) return numbers.covariance;
+  const MatrixXd root = root_of(numbers.covariance);
+  const solvers::LeastSquares<double> inverse(root, solvers::known_to::data);
+  const auto solved = [&](const MatrixXd& of) {
+    MatrixXd out(root.cols(), of.cols());
+    for (Index k = 0; k < of.cols(); ++k) out.col(k) = inverse.solve(VectorXd(of.col(k)));
+    return out;
+  };
+  const MatrixXd relative = solved(solved(*numbers.by_runs).transpose());
+  const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(0.5 * (relative + relative.transpose()));
+  const MatrixXd axes = root * eigen.vectors;
+  return axes * eigen.values.cwiseMax(1.0).asDiagonal() * axes.transpose();
+}
+
 double variance_of(const MatrixXd& v, const VectorXd& g) { return std::max(0.0, g.dot(v * g)); }
 
 /// The variances that count for a result, and Student's t of its interval.
@@ -185,12 +202,26 @@ void FittedNumbers::leave_out(std::size_t number) {
   std::erase_if(unknown, [](const Direction& one) { return one.part.isZero(0.0); });
 }
 
+Eigen::MatrixXd FittedNumbers::root() const { return root_of(with_held(envelope_of(*this), at_bounds(*this))); }
+
+Eigen::MatrixXd FittedNumbers::inwards() const {
+  const std::vector<Index> bounds = at_bounds(*this);
+  if (bounds.empty()) return MatrixXd(covariance.rows(), 0);
+  const MatrixXd v = envelope_of(*this);
+  MatrixXd out = following(v, bounds);
+  for (std::size_t k = 0; k < bounds.size(); ++k) {
+    const bool grows = numbers[static_cast<std::size_t>(bounds[k])].bound == Number::Bound::least;
+    out.col(static_cast<Index>(k)) *= (grows ? 1.0 : -1.0) * std::sqrt(v(bounds[k], bounds[k]));
+  }
+  return out;
+}
+
 std::vector<Eigen::VectorXd> FittedNumbers::moves() const {
-  const MatrixXd root = root_of(with_held(covariance, at_bounds(*this)));
+  const MatrixXd axes = root();
   std::vector<VectorXd> out;
-  for (Index k = 0; k < root.cols(); ++k) {
-    out.emplace_back(move_size * root.col(k));
-    out.emplace_back(-move_size * root.col(k));
+  for (Index k = 0; k < axes.cols(); ++k) {
+    out.emplace_back(move_size * axes.col(k));
+    out.emplace_back(-move_size * axes.col(k));
   }
   return out;
 }
@@ -233,15 +264,10 @@ PredictedResult predict(const FittedNumbers& numbers, const std::string& name, c
   // Each end is that of numbers at bounds which can move the result towards it.
   const std::vector<Index> bounds = at_bounds(numbers);
   std::vector<Index> upwards, downwards;
-  if (!bounds.empty()) {
-    const VectorXd along = following(v, bounds).transpose() * g;
-    for (std::size_t k = 0; k < bounds.size(); ++k) {
-      const bool grows =
-          numbers.numbers[static_cast<std::size_t>(bounds[k])].bound == FittedNumbers::Number::Bound::least;
-      const double moves = along[static_cast<Index>(k)] * (grows ? 1.0 : -1.0);
-      if (moves > 0) upwards.push_back(bounds[k]);
-      if (moves < 0) downwards.push_back(bounds[k]);
-    }
+  const VectorXd along = numbers.inwards().transpose() * g;
+  for (std::size_t k = 0; k < bounds.size(); ++k) {
+    if (along[static_cast<Index>(k)] > 0) upwards.push_back(bounds[k]);
+    if (along[static_cast<Index>(k)] < 0) downwards.push_back(bounds[k]);
   }
   out.is_one_sided = !upwards.empty() || !downwards.empty();
   out.first_low = out.value - u * std::sqrt(variance_of(with_held(v, upwards), g));
@@ -249,12 +275,12 @@ PredictedResult predict(const FittedNumbers& numbers, const std::string& name, c
   out.low = out.first_low;
   out.high = out.first_high;
 
-  const MatrixXd known = with_held(numbers.covariance, bounds);
+  const MatrixXd known = with_held(envelope_of(numbers), bounds);
   const MatrixXd root = root_of(known);
   const std::optional<MatrixXd> second = second_derivatives(moved, root);
   if (!second) return out;
   out.has_second = true;
-  // Of errors by runs the same directions, larger.
+  // The envelope may be wider than what counts for this result.
   const double own = variance_of(known, g);
   const double all = variance_of(with_held(v, bounds), g);
   const double larger = own > 0 ? all / own : 1.0;

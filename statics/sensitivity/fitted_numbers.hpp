@@ -47,6 +47,12 @@ struct FittedNumbers {
   void put_into(Scene& scene, const Eigen::VectorXd& moved = {}) const;
   /// Leaves out a number that has a value of another origin.
   void leave_out(std::size_t number);
+  /// L of V = L L^T, one column for each axis, in which numbers at bounds are held there; of V and by_runs the least
+  /// that is at least both.
+  Eigen::MatrixXd root() const;
+  /// One column for each number at a bound: by how much all numbers move, to the inner side, where it moves by its
+  /// standard deviation and the others follow.
+  Eigen::MatrixXd inwards() const;
   /// Numbers, moved by parts of a standard deviation to both sides along each axis of V, at which predict() needs the
   /// results for second order: none of numbers at bounds is moved.
   std::vector<Eigen::VectorXd> moves() const;
