@@ -172,6 +172,38 @@ std::vector<PredictedResult> predict_moved(const FittedNumbers& numbers, const S
 
 }  // namespace
 
+FittedNumbers FittedNumbers::of(const Scene& scene) const {
+  using Origin = Number::Origin;
+  FittedNumbers out = *this;
+  for (std::size_t i = out.numbers.size(); i-- > 0;) {
+    Number& number = out.numbers[i];
+    const std::optional<ParameterRow> row = find_parameter(scene, number.path);
+    const std::optional<double> value = row ? value_at(scene, row->place) : std::nullopt;
+    const bool is_another =
+        number.origin == Origin::taken && !(value && std::abs(*value - number.value) <= 1e-12 * std::abs(number.value));
+    if (number.origin == Origin::several) {
+      out.notes.insert(
+          out.notes.begin(),
+          fmt::format("{} keeps the scene's value, which counts as exact: the fit has one for each run.", number.name));
+    }
+    if (number.origin == Origin::sensor || number.origin == Origin::several || is_another) {
+      out.leave_out(i);
+      continue;
+    }
+    if (!row) {
+      try {
+        parameter(scene, number.path);
+      } catch (const InputError& error) {
+        throw InputError(
+            fmt::format("{}: {} has no number for its estimate {}: {}", file, scene.file, number.name, error.what()));
+      }
+    }
+    number.path = row->path.text();
+    number.dimension = row->dimension;
+  }
+  return out;
+}
+
 void FittedNumbers::put_into(Scene& scene, const Eigen::VectorXd& moved) const {
   // What follows from named numbers may have an estimate of its own.
   for (const bool named : {true, false}) {

@@ -19,11 +19,19 @@ struct FittedNumbers {
   struct Number {
     /// An estimate that ended at an end of its range: the truth lies there or on the inner side.
     enum class Bound { none, least, most };
+    enum class Origin {
+      estimated,
+      taken,   ///< as known by the fit, with an uncertainty
+      sensor,  ///< a number of a sensor: of no scene
+      several  ///< estimated with other values in other runs
+    };
     std::string name;  ///< as the fit calls it: "k"
     std::string path;  ///< of the scene: "spring.oil.stiffness"
     Dimension dimension{};
     double value = 0.0;
+    double unit = 1.0;  ///< SI value of the unit in which it is written
     Bound bound = Bound::none;
+    Origin origin = Origin::estimated;
   };
   /// A direction of the numbers along which the readings do not say where they are.
   struct Direction {
@@ -43,6 +51,9 @@ struct FittedNumbers {
   std::vector<Direction> unknown;
   std::vector<std::string> notes;  ///< what a reader must know of the fit, one sentence each
 
+  /// Those that a scene has. Left out are numbers of sensors, numbers that differ from run to run, and those that the
+  /// fit took as known where the scene has another value. Throws InputError where the scene lacks an estimated one.
+  FittedNumbers of(const Scene& scene) const;
   /// Puts the values into a scene, moved by so much, SI. Throws InputError where the scene lacks a number.
   void put_into(Scene& scene, const Eigen::VectorXd& moved = {}) const;
   /// Leaves out a number that has a value of another origin.

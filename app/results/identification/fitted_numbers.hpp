@@ -8,14 +8,11 @@
 
 namespace poise::app {
 
-/// What predictions need of a fit, as data: all unknowns with their values also where they are withheld, the covariance
-/// of their errors, and the directions that the readings leave open. None where the fit has no standard errors.
+/// What predictions need of a fit, carried_numbers(), as data; null where there are none.
 void add_fitted_numbers(Group& content, const FitProblem& problem, const Identification& answer);
 
-/// Reads it from what `poise identify --json FILE` wrote, for a scene, whose numbers keep their values. Left out are
-/// numbers of sensors, numbers that differ from run to run, and those which the fit took as known where the scene has
-/// other values. Throws InputError where the file is no such result, the fit did not converge, or the scene lacks a
-/// number.
+/// Reads it from what `poise identify --json FILE` wrote: the numbers that a scene has, as FittedNumbers::of(). Throws
+/// InputError where that does, where the file is no such result, and where the fit did not converge.
 FittedNumbers read_fitted_numbers(const std::string& file, const Scene& scene);
 
 }  // namespace poise::app

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include "identification/assessment/identify.hpp"
+#include "statics/sensitivity/fitted_numbers.hpp"
+
+namespace poise {
+
+/// What predictions need of a fit: all unknowns with their values also where they are withheld, the covariance of their
+/// errors with those of known numbers, and the directions that the readings leave open: nulls, and numbers that are
+/// withheld for other reasons. Errors of curved estimates are those of their profiles. Empty where the fit has no
+/// standard errors.
+std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Identification& answer);
+
+}  // namespace poise
