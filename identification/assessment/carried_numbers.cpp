@@ -77,7 +77,6 @@ std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Id
   }
   const bool scatters = fitted.errors.leading == StandardErrors::Kind::runs;
   const auto own = static_cast<Index>(fitted.estimates.size());
-  VectorXd scale(own);
   for (std::size_t p = 0; p < fitted.estimates.size(); ++p) {
     const Unknown& unknown = problem.unknown_of(p);
     FittedNumber& number = out.numbers.emplace_back();
@@ -92,7 +91,6 @@ std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Id
                                           : FittedNumber::Origin::several;
     const bool known = scatters && !std::isnan(fitted.errors.runs[p]);
     out.degrees_by_runs.push_back(known ? fitted.errors.runs_degrees[p] : not_a_number);
-    scale[static_cast<Index>(p)] = problem.scale_of(p, fitted.parameters[p] + unknown.includes).size_or(unknown.unit);
   }
   const std::vector<KnownOfScene> known = known_of_scene(problem, answer);
   for (const KnownOfScene& one : known) {
@@ -126,20 +124,34 @@ std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Id
   out.covariance = whole(fitted.errors.by_readings);
   if (scatters) out.by_runs = whole(fitted.errors.by_runs * fitted.errors.by_runs.transpose());
 
-  for (const Identifiability::Direction& direction : fitted.identifiability.null_directions) {
-    if (direction.error.empty()) continue;  // weak: its parameters are withheld below
-    FittedNumbers::Direction& one = out.unknown.emplace_back();
-    one.part = one.error = VectorXd::Zero(all);
-    one.part.head(own) = scale.cwiseProduct(Eigen::Map<const VectorXd>(direction.part.data(), own));
-    one.error.head(own) = scale.cwiseProduct(Eigen::Map<const VectorXd>(direction.error.data(), own));
-    one.words = direction.words;
+  out.unknown = nulls_of(problem, fitted.parameters, fitted.identifiability);
+  for (FittedNumbers::Direction& direction : out.unknown) {
+    direction.part.conservativeResizeLike(VectorXd::Zero(all));
+    direction.error.conservativeResizeLike(VectorXd::Zero(all));
   }
   for (Index i = 0; i < own; ++i) {
     const auto p = static_cast<std::size_t>(i);
     const Estimate& estimate = fitted.estimates[p];
     if (!estimate.withheld || estimate.at_bound || std::isinf(fitted.identifiability.standard_error[p])) continue;
-    out.unknown.push_back({scale[i] * VectorXd::Unit(all, i), VectorXd::Zero(all),
+    out.unknown.push_back({out.numbers[p].unit * VectorXd::Unit(all, i), VectorXd::Zero(all),
                            fmt::format("{} is withheld, {}", estimate.name, estimate.why)});
+  }
+  return out;
+}
+
+std::vector<FittedNumbers::Direction> nulls_of(const FitProblem& problem, const std::vector<double>& parameters,
+                                               const Identifiability& found) {
+  std::vector<FittedNumbers::Direction> out;
+  const auto count = static_cast<Index>(parameters.size());
+  VectorXd scale(count);
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const Unknown& unknown = problem.unknown_of(p);
+    scale[static_cast<Index>(p)] = problem.scale_of(p, parameters[p] + unknown.includes).size_or(unknown.unit);
+  }
+  for (const Identifiability::Direction& direction : found.null_directions) {
+    if (direction.error.empty()) continue;  // a direction with too little effect
+    out.push_back({scale.cwiseProduct(Eigen::Map<const VectorXd>(direction.part.data(), count)),
+                   scale.cwiseProduct(Eigen::Map<const VectorXd>(direction.error.data(), count)), direction.words});
   }
   return out;
 }

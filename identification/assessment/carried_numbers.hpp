@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "identification/assessment/identify.hpp"
 #include "statics/sensitivity/fitted_numbers.hpp"
@@ -12,5 +13,9 @@ namespace poise {
 /// withheld for other reasons. Errors of curved estimates are those of their profiles. Empty where the fit has no
 /// standard errors.
 std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Identification& answer);
+
+/// The nulls of an assessment at these values as directions of the parameters, SI.
+std::vector<FittedNumbers::Direction> nulls_of(const FitProblem& problem, const std::vector<double>& parameters,
+                                               const Identifiability& found);
 
 }  // namespace poise
