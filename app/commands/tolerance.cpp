@@ -38,7 +38,7 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   const StaticModel model(load_scene(request.common));
   const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
   if (request.tolerances.empty() && request.common.with.empty()) {
-    throw InputError("--tolerances: expected a file of them, or --with FIT, or both");
+    throw InputError("--tolerances is required, or --with FIT, or both");
   }
   std::vector<Tolerance> tolerances;
   if (!request.tolerances.empty()) tolerances = read_tolerances(request.tolerances, model.scene());
