@@ -145,7 +145,6 @@ bool add_predictions(Result& result, const FittedNumbers& numbers, const std::ve
   }
   Group& data = result.content.group("predictions", "", Verbosity::data);
   data.data("fit", numbers.file);
-  data.data("notes", numbers.notes);
   Branch& results = data.array("results");
   for (const PredictedResult& one : predictions) add_prediction_data(results, numbers, one, units);
   Table& table = result.content.table("", "With the errors of " + numbers.file, Rows::list);

@@ -73,7 +73,7 @@ std::optional<FittedNumbers> carried_numbers(const FitProblem& problem, const Id
   FittedNumbers out;
   out.degrees = fitted.errors.readings_degrees;
   if (fitted.status == FitStatus::misfit) {
-    out.notes.emplace_back("The fit has a misfit: intervals do not contain what its model lacks.");
+    out.notes.emplace_back(misfit_note);
   }
   const bool scatters = fitted.errors.leading == StandardErrors::Kind::runs;
   const auto own = static_cast<Index>(fitted.estimates.size());

@@ -8,6 +8,9 @@
 
 namespace poise {
 
+/// Of FittedNumbers::notes, where the residuals are larger than the noise.
+inline constexpr const char* misfit_note = "The fit has a misfit: intervals do not contain what its model lacks.";
+
 /// What predictions need of a fit: all unknowns with their values also where they are withheld, the covariance of their
 /// errors with those of known numbers, and the directions that the readings leave open: nulls, and numbers that are
 /// withheld for other reasons. Errors of curved estimates are those of their profiles. Empty where the fit has no

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/judge/prediction_campaign.hpp"
+#include "tests/support/toggle_rig.hpp"
 
 namespace poise::judge::carried_intervals_test {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 // Of 60 intervals of 95 % fewer than 51 or none beyond it by chance in 0.1 % each: P(misses >= 10) = 0.0006.
 TEST(CarriedIntervals, HoldTheSnapLoad) {
   constexpr int fits = 60;
-  const double truth = true_snap_load();
+  const double truth = test::rig_snap_load();
   int held = 0;
   double width = 0.0;
   for (int seed = 1; seed <= fits; ++seed) {

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "tests/judge/prediction_campaign.hpp"
+#include "tests/support/toggle_rig.hpp"
 
 int main(int count, char** words) {
   using namespace poise::judge;
@@ -22,7 +23,7 @@ int main(int count, char** words) {
       return 2;
     }
     const std::uint64_t first = std::stoull(words[1]), seeds = std::stoull(words[2]);
-    const double truth = true_snap_load();
+    const double truth = poise::test::rig_snap_load();
     std::uint64_t held = 0, held_first = 0, none = 0, bent = 0;
     double width = 0.0;
     for (std::uint64_t k = 0; k < seeds; ++k) {

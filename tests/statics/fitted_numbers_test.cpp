@@ -10,8 +10,8 @@
 
 #include "model/input_error.hpp"
 #include "model/scene.hpp"
-#include "tests/judge/prediction_campaign.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/toggle_rig.hpp"
 
 namespace poise::fitted_numbers_test {
 namespace {
@@ -136,7 +136,7 @@ TEST(FittedNumbers, TakeTheLargerOfErrorsByReadingsAndByRuns) {
 }
 
 TEST(FittedNumbers, LeaveOutWhatTheSceneHasNot) {
-  const Scene rig = parse_scene(judge::rig_scene(), "rig.toml");
+  const Scene rig = parse_scene(test::rig_scene(), "rig.toml");
   FittedNumbers numbers = two_numbers(0.1, 0.01, 1.0, 0.1, 0.0);
   numbers.file = "fit.json";
   numbers.numbers[0].path = "sensor.left.zero";
@@ -161,13 +161,13 @@ FittedNumbers rig_numbers(const Scene& rig) {
 // P = 2 k (l0 - 1 + 0.6 cos a) tan a is largest at a with cos^3 a = (1 - l0) / 0.6: dP/dk = P / k, dP/dl0 = 2 k tan a,
 // d2P/dl0 dk = 2 tan a, d2P/dl0^2 = 2 k (da/dl0) / cos^2 a with da/dl0 = 1 / (1.8 cos^2 a sin a).
 TEST(FittedNumbers, ReachTheFoldOfAToggle) {
-  const Scene rig = parse_scene(judge::rig_scene(), "rig.toml");
+  const Scene rig = parse_scene(test::rig_scene(), "rig.toml");
   const FittedNumbers numbers = rig_numbers(rig);
   const StaticModel model(rig);
   const PredictedResult found = predict(numbers, model, solve(model), {find_quantity(rig, "fold.load.P")}).front();
   ASSERT_TRUE(found.is_known()) << found.why << found.undetermined;
-  const double k = 10000.0, cosine = std::cbrt((1 - 0.412) / 0.6), a = std::acos(cosine);
-  EXPECT_NEAR(found.value, judge::true_snap_load(), 1e-9 * found.value);
+  const double k = 10000.0, cosine = std::cos(test::rig_fold_angle()), a = test::rig_fold_angle();
+  EXPECT_NEAR(found.value, test::rig_snap_load(), 1e-9 * found.value);
   const double by_k = found.value / k, by_l0 = 2 * k * std::tan(a);
   const double by_l0_twice = 2 * k / (cosine * cosine) / (1.8 * cosine * cosine * std::sin(a));
   const double kk = 4e4, ll = 4e-8, kl = 0.6 * 200 * 2e-4;
@@ -184,7 +184,7 @@ TEST(FittedNumbers, ReachTheFoldOfAToggle) {
 
 // In equilibrium the spring's force on the block is P / (2 tan a), whatever its stiffness: the angle moves.
 TEST(FittedNumbers, ReachTheQuantitiesOfAnEquilibrium) {
-  const Scene rig = parse_scene(judge::rig_scene(), "rig.toml");
+  const Scene rig = parse_scene(test::rig_scene(), "rig.toml");
   const FittedNumbers numbers = rig_numbers(rig);
   const StaticModel model(rig);
   const Equilibrium rests = solve(model);

@@ -67,7 +67,6 @@ FittedNumbers numbers_in(const json& found) {
     out.unknown.push_back({unit.cwiseProduct(vector_of(one.at("part"))), unit.cwiseProduct(vector_of(one.at("error"))),
                            one.at("words").get<std::string>()});
   }
-  for (const json& note : found.at("notes")) out.notes.push_back(note.get<std::string>());
   return out;
 }
 
@@ -86,7 +85,6 @@ void add_fitted_numbers(Group& content, const FitProblem& problem, const Identif
   };
   Group& group = content.group("fitted_numbers", "", Verbosity::data);
   group.data("degrees_of_freedom", found->degrees);
-  group.data("notes", found->notes);
   Branch& numbers = group.array("numbers");
   for (Index i = 0; i < per_unit.size(); ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -127,6 +125,7 @@ FittedNumbers read_fitted_numbers(const std::string& file, const Scene& scene) {
       throw InputError(file + expected + "FILE that has standard errors, found one without; see its warnings");
     }
     out = numbers_in(fit.at("fitted_numbers"));
+    if (status == "misfit") out.notes.emplace_back(misfit_note);
   } catch (const json::exception&) {
     throw InputError(file + expected + "FILE of this version, found one that lacks keys; fit again");
   }
