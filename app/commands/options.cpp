@@ -122,7 +122,7 @@ void add_seek_option(Command& command, std::string& seek) {
 
 void add_with_option(Command& command, Request& request) {
   command
-      .add({"--with", &request.with, "FIT",
+      .add({"--with", &request.with, "FILE",
             "Result of poise identify --json FIT: the scene takes its estimates, and\nevery result an interval from "
             "their errors (docs/predictions.md)"})
       .reads("json");
