@@ -299,7 +299,7 @@ std::map<std::size_t, SnapMotion> motions_of_snaps(const PathRequest& request, c
 /// Intervals of the values at which the curve folds, and of what is shown at the values asked for. Returns whether all
 /// have one.
 bool add_path_predictions(Result& result, const FittedNumbers& fit, const VariedScene& varied, const Path& found,
-                        const PathOptions& options, const std::vector<SoughtQuantity>& show) {
+                          const PathOptions& options, const std::vector<SoughtQuantity>& show) {
   const Units& units = varied.scene().units;
   std::vector<PredictedResult> predictions = predict_folds(fit, varied, found, options);
   for (std::size_t k = 0; k < predictions.size(); ++k) {
@@ -308,15 +308,15 @@ bool add_path_predictions(Result& result, const FittedNumbers& fit, const Varied
       result.content.fact(k == 0 ? "snaps" : "", "at " + varied.name() + " = " + prediction_in_words(fit, one, units));
     one.name = fmt::format("{} at fold {}", one.name, k + 1);
   }
-  for (const double value : options.at) {
-    for (const PathBranch& branch : found.branches) {
-      for (const PathPoint& point : branch.points) {
-        if (point.parameter != value || show.empty()) continue;
-        const std::unique_ptr<StaticModel> model = varied.model_at(value);
-        for (PredictedResult& one : predict_near(fit, *model, point.x, point.active_stops, show)) {
-          one.name = fmt::format("{} at {} = {:.6g}", one.name, varied.name(), value / varied.unit());
-          predictions.push_back(std::move(one));
-        }
+  for (const std::vector<PathPoint>& at : found.wanted) {
+    for (std::size_t k = 0; k < at.size() && !show.empty(); ++k) {
+      const std::unique_ptr<StaticModel> model = varied.model_at(at[k].parameter);
+      std::vector<int> active = at[k].active_stops;
+      if (varied.is_driven()) active.push_back(static_cast<int>(model->scene().stops.size()) - 1);
+      for (PredictedResult& one : predict_near(fit, *model, at[k].x, active, show)) {
+        one.name = fmt::format("{} at {} = {:.6g}{}", one.name, varied.name(), at[k].parameter / varied.unit(),
+                               at.size() > 1 ? fmt::format(", {}", k + 1) : "");
+        predictions.push_back(std::move(one));
       }
     }
   }

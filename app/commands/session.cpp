@@ -50,6 +50,8 @@ Scene load_moving_scene(const Request& request) {
   if (const std::optional<FittedNumbers> fit = load_fit(request, scene)) {
     for (const std::string& setting : request.settings) {
       for (const FittedNumbers::Number& number : fit->numbers) {
+        // A number that the fit took as known may have another value here; it is none of the fit's then.
+        if (number.origin != FittedNumbers::Number::Origin::estimated) continue;
         if (!setting.starts_with(number.path + "=")) continue;
         throw InputError(
             fmt::format("--set {}: --with {} has {} too; leave one of them out", setting, request.with, number.path));

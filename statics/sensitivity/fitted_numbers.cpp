@@ -59,6 +59,7 @@ MatrixXd with_held(const MatrixXd& v, const std::vector<Index>& held) {
 
 /// L of V = L L^T, one column for each axis of the correlations.
 MatrixXd root_of(const MatrixXd& v) {
+  if (v.size() == 0) return v;
   const VectorXd sigma = v.diagonal().cwiseMax(0.0).cwiseSqrt();
   const VectorXd over = (sigma.array() > 0).select(sigma.cwiseInverse(), 0.0);
   const solvers::SymmetricEigen eigen = solvers::symmetric_eigen(over.asDiagonal() * v * over.asDiagonal());
