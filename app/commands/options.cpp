@@ -123,8 +123,8 @@ void add_seek_option(Command& command, std::string& seek) {
 void add_with_option(Command& command, Request& request) {
   command
       .add({"--with", &request.with, "FILE",
-            "Result of poise identify --json FIT: the scene takes its estimates, and\nevery result an interval from "
-            "their errors (docs/predictions.md)"})
+            "Result of poise identify --json FILE: the scene takes its estimates, and\nevery result gets an interval "
+            "from their errors (docs/predictions.md)"})
       .reads("json");
 }
 
