@@ -25,6 +25,7 @@
 #include "statics/proof/certificate.hpp"
 #include "statics/proof/enclosed_values.hpp"
 #include "statics/quantities/quantities_at.hpp"
+#include "statics/sensitivity/fitted_numbers.hpp"
 #include "statics/sensitivity/sensitivity.hpp"
 #include "statics/sensitivity/tolerance.hpp"
 #include "statics/tracking/tracked_equilibrium.hpp"
@@ -55,6 +56,7 @@
 
 // Identification: parameters from measured or simulated motion, how well they are known, models compared, runs planned
 #include "identification/assessment/bootstrap.hpp"
+#include "identification/assessment/carried_numbers.hpp"
 #include "identification/assessment/compare_models.hpp"
 #include "identification/assessment/identify.hpp"
 #include "identification/assessment/input_readings.hpp"

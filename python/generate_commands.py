@@ -57,6 +57,8 @@ ALSO = {
     "--motion FILE": "or the motion itself",
     "EXPERIMENT ": "or an Experiment",
 }
+#: What may be given without its name although it may be left out.
+FIRST_BUT_OPTIONAL = ("--tolerances",)
 RANGED = ("NAME=FROM..TO", "NAME[=FROM..TO]", "NAME[=RANGE]")
 
 HEAD = '''"""The commands of ``poise --help`` as calls: written by python/generate_commands.py, not by hand.
@@ -123,17 +125,19 @@ class CommandCall:
 
     def is_first(self, option: _poise.Option) -> bool:
         """Whether an option may be given without its name: what is required, and words that have none."""
-        return (option["required"] or not option["name"].startswith("-")) and option is not self.ranged
+        is_first = option["required"] or not option["name"].startswith("-") or option["name"] in FIRST_BUT_OPTIONAL
+        return is_first and option is not self.ranged
 
     def signature(self) -> list[str]:
         first = ["self"] if self.reads_scene else []
         if self.ranged is not None:
             first += ["name: str | None = None", "low: float | None = None", "high: float | None = None"]
         rest = []
+        needs = self.ranged is None
         for name, option in self.parameters:
             hint = type_of(option)
             if self.is_first(option):
-                needed = option["required"] and self.ranged is None
+                needed = needs = needs and option["required"]
                 first.append(f"{name}: {hint}" if needed else f"{name}: {hint} | None = None")
             else:
                 rest.append(f"{name}: bool = False" if hint == "bool" else f"{name}: {hint} | None = None")

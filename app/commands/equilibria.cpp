@@ -17,6 +17,7 @@
 #include "app/draw/equilibria_picture.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/predictions.hpp"
 #include "statics/model/mobility.hpp"
 
 namespace poise::app {
@@ -151,6 +152,19 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
     answers.push_back(measure(model, equilibrium));
   }
   Result result = equilibria_result(model, set, answers, options, view, request.common.settings);
+  bool all_predicted = true;
+  if (const std::optional<FittedNumbers> fit = load_fit(request.common, model.scene())) {
+    progress.now("carrying the errors of the fit into the equilibria");
+    std::vector<PredictedResult> predictions;
+    const std::vector<SoughtQuantity> of = view.show.empty() ? predicted_by_default(model.scene()) : view.show;
+    for (std::size_t k = 0; k < set.equilibria.size(); ++k) {
+      for (PredictedResult& one : predict(*fit, model, set.equilibria[k], of)) {
+        one.name = fmt::format("{} in {}", one.name, k + 1);
+        predictions.push_back(std::move(one));
+      }
+    }
+    all_predicted = add_predictions(result, *fit, predictions, model.scene().units);
+  }
   if (files.wants_svg() && set.equilibria.empty()) {
     result.warnings.push_back(doubtful("No picture is written: there is nothing to draw."));
   }
@@ -165,7 +179,8 @@ int run_equilibria(const EquilibriaRequest& request, const Palette& palette) {
     pictures.figures = {equilibria_figure(model, set, captions_of(model, set, request.assemblies))};
   }
   const bool as_asked = complete || (options.seconds == 0.0 && !set.equilibria.empty());
-  return finish(request.common, result, &files, pictures, as_asked && !set.interrupted, progress, palette);
+  return finish(request.common, result, &files, pictures, as_asked && !set.interrupted && all_predicted, progress,
+                palette);
 }
 
 }  // namespace
@@ -174,6 +189,7 @@ Command equilibria_command() {
   const auto request = std::make_shared<EquilibriaRequest>();
   Command command{"equilibria", "Find all equilibria, and say whether they are proved to be all"};
   add_scene_options(command, request->common);
+  add_with_option(command, request->common);
   command.add({"--assemblies", &request->assemblies, "",
                "Positions alone: all ways in which the loops close, with the drives\nheld; nothing else may move"});
   command.add({"--drive", &request->drives, "NAME[=VALUE]",

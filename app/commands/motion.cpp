@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,11 +21,13 @@
 #include "app/draw/motion_pictures.hpp"
 #include "app/present/csv.hpp"
 #include "app/results/motion/contact_events.hpp"
+#include "app/results/predictions.hpp"
 #include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "model/named_number.hpp"
 #include "motion/forces_in_time.hpp"
 #include "motion/release.hpp"
+#include "statics/sensitivity/differences.hpp"
 
 namespace poise::app {
 namespace {
@@ -184,6 +187,73 @@ std::function<void(double)> progress_of(Progress& progress, const std::string& d
   };
 }
 
+/// What a fit says of a motion: of the least, the greatest and the mean value of each quantity that is shown, or of
+/// where the coordinates end.
+class PredictedMotion {
+ public:
+  PredictedMotion(const MotionRequest& request, const std::vector<SoughtQuantity>& shown, const MotionOptions& options)
+      : request_(request), shown_(shown), options_(options) {
+    options_.progress = nullptr;
+  }
+
+  /// `found` is the motion of the scene; its numbers are those of the fit. Returns whether all have an interval.
+  bool add(Result& result, const FittedNumbers& numbers, const Scene& scene, const MotionModel& model,
+           const ConfirmedMotion& found) {
+    std::vector<ComputedResult> results = results_of(scene, model, found.motion);
+    constexpr double rounding = 1e-9;
+    for (ComputedResult& one : results) one.error = std::max(rounding, found.error.value_or(1.0)) * std::abs(one.error);
+    const auto at = [&](const Scene& other) -> std::optional<std::vector<double>> {
+      try {
+        const MotionModel moved(resisted_by_joints(other));
+        const MotionOrigin origin = find_origin(request_, moved, request_.common.interrupt());
+        if (!origin.found()) return std::nullopt;
+        std::string words;
+        const Motion motion =
+            simulate(moved, release(moved, origin, read_displacements(request_, moved, words)), options_);
+        if (!motion.completed()) return std::nullopt;
+        return each(results_of(other, moved, motion), [](const ComputedResult& one) { return one.value; });
+      } catch (const InputError&) {  // the mechanism cannot be assembled so
+        return std::nullopt;
+      }
+    };
+    return add_predictions(result, numbers, predict_by_differences(numbers, scene, results, at), scene.units);
+  }
+
+ private:
+  /// In `error` the size to which an error is relative.
+  std::vector<ComputedResult> results_of(const Scene& scene, const MotionModel& model, const Motion& motion) const {
+    std::vector<ComputedResult> out;
+    if (shown_.empty()) {
+      const MotionRecord rec = record(model, motion, request_.rate, false);
+      for (std::size_t c = 0; c < rec.channels.size(); ++c) {
+        const auto [least, greatest] = std::minmax_element(rec.value[c].begin(), rec.value[c].end());
+        const Dimension dimension = rec.channels[c].quantity == Quantity::angle ? dimension::angle : dimension::length;
+        out.push_back({rec.channels[c].name + " at the end", dimension, rec.value[c].back(),
+                       std::max(std::abs(*least), std::abs(*greatest))});
+      }
+      return out;
+    }
+    QuantitiesAlong along(scene, model, motion);
+    const QuantitiesInTime found = quantities_in_time(shown_, {0.0, request_.duration}, along);
+    for (const QuantitiesInTime::Once& one : found.once) {
+      out.push_back({one.of.name, one.of.dimension, one.value, one.value});
+    }
+    for (std::size_t q = 0; q < found.of.size(); ++q) {
+      const QuantityRange& range = found.range[q];
+      const double size = std::max(std::abs(range.least.value), std::abs(range.greatest.value));
+      const auto& [name, dimension] = std::tie(found.of[q].name, found.of[q].dimension);
+      out.push_back({"least " + name, dimension, range.least.value, size});
+      out.push_back({"greatest " + name, dimension, range.greatest.value, size});
+      out.push_back({"mean " + name, dimension, range.mean, size});
+    }
+    return out;
+  }
+
+  const MotionRequest& request_;
+  const std::vector<SoughtQuantity>& shown_;
+  MotionOptions options_;
+};
+
 int run_motion(const MotionRequest& request, const Palette& palette) {
   check(request);
   if (!request.common.svg.empty()) expect_plotter();
@@ -242,7 +312,13 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   MotionRecord measured;
   if ((files.wants_csv() || answer.forces) && !asked) measured = answer.record;
   if (request.noise > 0) add_noise(measured, model.scene().units, request.noise, request.seed);
-  const Result result = motion_result(model, answer, measured, request.common.settings);
+  Result result = motion_result(model, answer, measured, request.common.settings);
+  bool all_predicted = true;
+  if (const std::optional<FittedNumbers> fit = load_fit(request.common, scene);
+      fit && answer.found.motion.completed()) {
+    progress.now("moving with other numbers of the fit");
+    all_predicted = PredictedMotion(request, shown, options).add(result, *fit, scene, model, answer.found);
+  }
   std::vector<Panel> panels =
       quantity_panels(answer.shown.of, answer.shown.value, scene.units, answer.shown.time, "time (s)");
   if (answer.forces) {
@@ -258,7 +334,8 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
                                       with_record(panels, scene, answer), answer.found.confirmed())};
   }
   const std::string events = csv_text(table_of_contact_events(model, answer.found.motion));
-  return finish(request.common, result, &files, pictures, answer.is_good(), progress, palette, "", {events});
+  return finish(request.common, result, &files, pictures, answer.is_good() && all_predicted, progress, palette, "",
+                {events});
 }
 
 }  // namespace
@@ -267,6 +344,7 @@ Command motion_command() {
   const auto request = std::make_shared<MotionRequest>();
   Command command{"motion", "Simulate free or driven motion, from equilibrium or from a displaced position"};
   add_scene_options(command, request->common);
+  add_with_option(command, request->common);
   command.add({"--duration", &request->duration, "S", "Duration of the motion, s", Presence::required});
   command.add({"--rate", &request->rate, "HZ", "Samples per second of the record (1000)"});
   const auto add_list = [&](const std::string& name, std::vector<std::string>& list, const std::string& text) {

@@ -120,6 +120,14 @@ void add_seek_option(Command& command, std::string& seek) {
       .choices = ways_to_seek;
 }
 
+void add_with_option(Command& command, Request& request) {
+  command
+      .add({"--with", &request.with, "FILE",
+            "Result of poise identify --json FILE: the scene takes its estimates, and\nevery result gets an interval "
+            "from their errors (docs/predictions.md)"})
+      .reads("json");
+}
+
 void add_quantities_option(Command& command, std::vector<std::string>& names) {
   command.add({"--of", &names, "NAMES",
                "What to look at, with commas between: angle.BODY, travel.JOINT,\nx.BODY.POINT, length.ELEMENT, "

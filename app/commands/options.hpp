@@ -27,6 +27,7 @@ struct Request {
   std::string scene;                           ///< file
   std::string kind = "scene";                  ///< what that file is
   std::vector<std::string> settings;           ///< "load.P=40"
+  std::string with;                            ///< result of identify whose estimates the scene takes; empty: none
   std::string json, svg, html, csv, markdown;  ///< files to write, empty for none
   std::string written_scene;                   ///< the same: the scene that was designed or fitted
   std::string experiment;                      ///< the same: the experiment that plan made
@@ -49,6 +50,8 @@ enum ExitCode : int {
 
 /// What every command that reads a scene takes: SCENE and --set. `request` must outlive the command.
 void add_scene_options(Command& command, Request& request);
+/// --with, the fit whose estimates a scene takes.
+void add_with_option(Command& command, Request& request);
 /// --set alone, for commands that read a scene through another file.
 void add_settings(Command& command, Request& request);
 

@@ -22,6 +22,7 @@
 #include "app/draw/chart/plot.hpp"
 #include "app/draw/path_picture.hpp"
 #include "app/result/numbers.hpp"
+#include "app/results/predictions.hpp"
 #include "app/results/statics/beside.hpp"
 #include "app/results/statics/fold_curve.hpp"
 #include "app/results/statics/path.hpp"
@@ -102,7 +103,14 @@ PathOptions read_options(const PathRequest& request) {
   return options;
 }
 
+/// Where intervals are not found, the estimates would be taken without a word on their errors.
+void refuse_with(const PathRequest& request, const std::string& option) {
+  if (request.common.with.empty()) return;
+  throw InputError("--with: not with " + option + ", whose results get no intervals; leave it out");
+}
+
 int run_fold_curve(const PathRequest& request, const Palette& palette) {
+  refuse_with(request, "--curve fold");
   FoldCurveOptions options;
   options.from = read_from(request.from);
   options.interrupt = &request.common.interrupt();
@@ -225,6 +233,7 @@ std::vector<SceneBeside> read_scenes(const PathRequest& request) {
 }
 
 int run_beside(const PathRequest& request, const Palette& palette) {
+  refuse_with(request, "--beside and --variant");
   PathOptions options = read_options(request);
   if (!request.common.svg.empty()) expect_plotter();
   Progress progress(request.common.listener());
@@ -287,6 +296,33 @@ std::map<std::size_t, SnapMotion> motions_of_snaps(const PathRequest& request, c
   return out;
 }
 
+/// Intervals of the values at which the curve folds, and of what is shown at the values asked for. Returns whether all
+/// have one.
+bool add_path_predictions(Result& result, const FittedNumbers& fit, const VariedScene& varied, const Path& found,
+                          const PathOptions& options, const std::vector<SoughtQuantity>& show) {
+  const Units& units = varied.scene().units;
+  std::vector<PredictedResult> predictions = predict_folds(fit, varied, found, options);
+  for (std::size_t k = 0; k < predictions.size(); ++k) {
+    PredictedResult& one = predictions[k];
+    if (one.is_known())
+      result.content.fact(k == 0 ? "snaps" : "", "at " + varied.name() + " = " + prediction_in_words(fit, one, units));
+    one.name = fmt::format("{} at fold {}", one.name, k + 1);
+  }
+  for (const std::vector<PathPoint>& at : found.wanted) {
+    for (std::size_t k = 0; k < at.size() && !show.empty(); ++k) {
+      const std::unique_ptr<StaticModel> model = varied.model_at(at[k].parameter);
+      std::vector<int> active = at[k].active_stops;
+      if (varied.is_driven()) active.push_back(static_cast<int>(model->scene().stops.size()) - 1);
+      for (PredictedResult& one : predict_near(fit, *model, at[k].x, active, show)) {
+        one.name = fmt::format("{} at {} = {:.6g}{}", one.name, varied.name(), at[k].parameter / varied.unit(),
+                               at.size() > 1 ? fmt::format(", {}", k + 1) : "");
+        predictions.push_back(std::move(one));
+      }
+    }
+  }
+  return add_predictions(result, fit, predictions, units);
+}
+
 int run_path(const PathRequest& request, const Palette& palette) {
   if (chosen("--curve", request.curve, path_curves) == 1) return run_fold_curve(request, palette);
   if (!request.beside.empty() || !request.variants.empty()) return run_beside(request, palette);
@@ -316,7 +352,12 @@ int run_path(const PathRequest& request, const Palette& palette) {
                                [](const PathBranch& branch) { return !branch.points.empty(); });
   const std::vector<SoughtQuantity> asked = view.measures;
   if (any && view.measures.empty() && !varied.is_driven()) view.measures = {most_changing(varied, found)};
-  const Result result = path_result(varied, found, view, request.common.settings);
+  Result result = path_result(varied, found, view, request.common.settings);
+  bool all_predicted = true;
+  if (const std::optional<FittedNumbers> fit = load_fit(request.common, varied.scene(), varied.name())) {
+    progress.now("carrying the errors of the fit into the path");
+    all_predicted = add_path_predictions(result, *fit, varied, found, options, asked);
+  }
   const bool proved = found.status == Path::Status::traced && found.unproved() == 0;
   Pictures pictures;
   if (files.wants_svg() && any) {
@@ -327,7 +368,7 @@ int run_path(const PathRequest& request, const Palette& palette) {
     progress.now("drawing");
     pictures.figures = {path_figure(varied, found, asked)};
   }
-  return finish(request.common, result, &files, pictures, proved, progress, palette);
+  return finish(request.common, result, &files, pictures, proved && all_predicted, progress, palette);
 }
 
 }  // namespace
@@ -336,6 +377,7 @@ Command path_command() {
   const auto request = std::make_shared<PathRequest>();
   Command command{"path", "Follow the equilibria as a load, a dimension or a driven measure changes"};
   add_scene_options(command, request->common);
+  add_with_option(command, request->common);
   command.add(
       {"--vary", &request->vary, "NAME=FROM..TO",
        "Vary a number of the scene, in its own units: load.P=0..5,\nspring.S.stiffness=1..3; loads=0..1 (a factor "

@@ -1,6 +1,7 @@
 #include "app/results/identification/plan.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -18,6 +19,7 @@ struct PlanRequest {
   ExperimentRequest experiment;
   std::uint64_t seed = 1;
   int jobs = 0;
+  std::string prediction, scene;
 };
 
 int run_plan(const PlanRequest& request, const Palette& palette) {
@@ -33,8 +35,19 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
   }
   const FitProblem problem(experiment);
   check_spans(problem);
+  if (request.prediction.empty() && !request.scene.empty()) {
+    throw InputError("--in: expected --for beside it, the result of that scene that is to be sharp");
+  }
+  if (!request.prediction.empty()) {
+    progress.now("differentiating " + request.prediction);
+    options.prediction =
+        planned_prediction(problem, request.scene.empty() ? experiment.scene : at_time(read_scene(request.scene), 0.0),
+                           request.prediction);
+  }
   const ExperimentText text(experiment, {request.experiment.data, common.settings});
-  OutputFiles files(common, files_read(experiment));
+  std::vector<std::string> read = files_read(experiment);
+  if (!request.scene.empty()) read.push_back(request.scene);
+  OutputFiles files(common, read);
   options.interrupt = &request.experiment.common.interrupt();
   options.progress = [&](const std::string& what) { progress.now_and_then([&] { return what; }); };
   const auto begin = std::chrono::steady_clock::now();
@@ -55,7 +68,8 @@ int run_plan(const PlanRequest& request, const Palette& palette) {
   const std::string written = files.write(result, pictures, planned);
   progress.done();
   print(common, result, written, palette);
-  return !plan.runs.empty() && !plan.interrupted && plan.steps.back().ok ? solved : not_solved;
+  const bool is_sharp = !options.prediction || (!plan.steps.empty() && std::isfinite(plan.steps.back().prediction));
+  return !plan.runs.empty() && !plan.interrupted && plan.steps.back().ok && is_sharp ? solved : not_solved;
 }
 
 }  // namespace
@@ -65,6 +79,11 @@ Command plan_command() {
   Command command{"plan", "Choose the runs of an experiment that determine its parameters best"};
   add_experiment_options(command, request->experiment);
   command.add({"--seed", &request->seed, "N", "Of the runs that are tried (1)"});
+  command.add({"--for", &request->prediction, "QUANTITY",
+               "Make the standard error of this result smallest: fold.load.P, force.S,\n... (docs/quantities.md), in "
+               "place of the criterion of [plan]"});
+  command.add({"--in", &request->scene, "SCENE", "The scene that --for is a result of; else that of the experiment"})
+      .reads("toml");
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores)");
   command
       .add({"--experiment", &request->experiment.common.experiment, "FILE",

@@ -14,6 +14,7 @@
 #include "app/present/json.hpp"
 #include "app/present/markdown.hpp"
 #include "app/present/text.hpp"
+#include "app/results/identification/fitted_numbers.hpp"
 #include "model/named_files.hpp"
 #include "model/one_line.hpp"
 #include "model/set_parameter.hpp"
@@ -46,8 +47,29 @@ Scene load_scene(const Request& request) { return at_time(load_moving_scene(requ
 Scene load_moving_scene(const Request& request) {
   const bool is_given = request.caller != nullptr && request.caller->scene != nullptr;
   Scene scene = is_given ? *request.caller->scene : read_scene(request.scene);
+  if (const std::optional<FittedNumbers> fit = load_fit(request, scene)) {
+    for (const std::string& setting : request.settings) {
+      for (const FittedNumbers::Number& number : fit->numbers) {
+        // A number that the fit took as known may have another value here; it is none of the fit's then.
+        if (number.origin != FittedNumbers::Number::Origin::estimated) continue;
+        if (!setting.starts_with(number.path + "=")) continue;
+        throw InputError(
+            fmt::format("--set {}: --with {} has {} too; leave one of them out", setting, request.with, number.path));
+      }
+    }
+    fit->put_into(scene);
+  }
   for (const std::string& setting : request.settings) set_parameter(scene, setting);
   return scene;
+}
+
+std::optional<FittedNumbers> load_fit(const Request& request, const Scene& scene, const std::string& varied) {
+  if (request.with.empty()) return std::nullopt;
+  FittedNumbers out = read_fitted_numbers(request.with, scene);
+  for (std::size_t i = out.numbers.size(); i-- > 0;) {
+    if (out.numbers[i].path == varied) out.leave_out(i);
+  }
+  return out;
 }
 
 OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>& read)
@@ -63,6 +85,7 @@ OutputFiles::OutputFiles(const Request& request, const std::vector<std::string>&
   add("--experiment", request.experiment);
   for (const auto& [option, path] : request.exported) add(option, path);
   std::vector<std::string> all_read = read;
+  if (!request.with.empty()) all_read.push_back(request.with);
   const bool writes =
       std::any_of(outputs_.begin(), outputs_.end(), [](const Output& one) { return !one.path.empty(); });
   if (writes) {

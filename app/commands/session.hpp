@@ -14,13 +14,18 @@
 #include "app/terminal/palette.hpp"
 #include "app/terminal/progress.hpp"
 #include "statics/equilibrium/answer.hpp"
+#include "statics/sensitivity/fitted_numbers.hpp"
 
 namespace poise::app {
 
-/// Reads the scene, or takes the caller's, and puts the settings into it. Throws InputError.
+/// Reads the scene, or takes the caller's, and puts the estimates of --with and the settings into it. Throws
+/// InputError, also where both set one number.
 Scene load_moving_scene(const Request& request);
 /// The same at the time t = 0, as at_time().
 Scene load_scene(const Request& request);
+/// What --with says of the numbers of that scene but for `varied`, which has a value of another origin; empty where it
+/// is not given. Throws InputError.
+std::optional<FittedNumbers> load_fit(const Request& request, const Scene& scene, const std::string& varied = "");
 
 /// Whether two paths name one file, of files that do not exist by their words.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

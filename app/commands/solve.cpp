@@ -12,6 +12,7 @@
 #include "app/commands/session.hpp"
 #include "app/commands/solve.hpp"
 #include "app/draw/equilibrium_figure.hpp"
+#include "app/results/predictions.hpp"
 
 namespace poise::app {
 namespace {
@@ -24,6 +25,17 @@ struct SolveRequest {
   std::optional<double> time;
   std::vector<std::string> show;
 };
+
+/// Intervals of what is shown of an equilibrium, and of the quantities asked for. Returns whether all have one.
+bool add_solve_predictions(Result& result, const FittedNumbers& fit, const StaticModel& model,
+                           const Equilibrium& equilibrium, const std::vector<SoughtQuantity>& show) {
+  std::vector<SoughtQuantity> of = show;
+  for (SoughtQuantity& one : predicted_by_default(model.scene())) {
+    const bool is_shown = std::any_of(of.begin(), of.end(), [&](const auto& other) { return other.name == one.name; });
+    if (!is_shown) of.push_back(std::move(one));
+  }
+  return add_predictions(result, fit, predict(fit, model, equilibrium, of), model.scene().units);
+}
 
 int run_solve(const SolveRequest& words, const Palette& palette) {
   const Request& request = words.common;
@@ -42,7 +54,11 @@ int run_solve(const SolveRequest& words, const Palette& palette) {
   options.interrupt = &words.common.interrupt();
   const Answer answer = search(model, options, progress);
 
-  const SolveOutcome found = outcome_of(model, answer, request.settings, show, files.wants_svg(), files.wants_html());
+  SolveOutcome found = outcome_of(model, answer, request.settings, show, files.wants_svg(), files.wants_html());
+  if (const std::optional<FittedNumbers> fit = load_fit(request, model.scene()); fit && found.is_solved) {
+    progress.now("carrying the errors of the fit into the results");
+    found.is_solved = add_solve_predictions(found.result, *fit, model, answer.equilibrium, show) && found.is_solved;
+  }
   const bool interrupted = answer.equilibrium.status == Status::interrupted;
   return finish(request, found.result, interrupted ? nullptr : &files, found.pictures, found.is_solved, progress,
                 palette);
@@ -79,6 +95,7 @@ Command solve_command() {
   const auto request = std::make_shared<SolveRequest>();
   Command command{"solve", "Find an equilibrium and the forces in it, by one method"};
   add_scene_options(command, request->common);
+  add_with_option(command, request->common);
   add_seek_option(command, request->seek);
   command.add({"--method", &request->method, "METHOD", "One of these, the first by default\n" + method_help()})
       .choices = method_names();

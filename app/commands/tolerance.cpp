@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,15 +37,26 @@ int run_tolerance(const ToleranceRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   const std::vector<SoughtQuantity> of = read_of_position("--of", request.of, model.scene());
-  const std::vector<Tolerance> tolerances = read_tolerances(request.tolerances, model.scene());
-  OutputFiles files(request.common, {request.common.scene, request.tolerances});
+  if (request.tolerances.empty() && request.common.with.empty()) {
+    throw InputError("--tolerances is required, or --with FIT, or both");
+  }
+  std::vector<Tolerance> tolerances;
+  if (!request.tolerances.empty()) tolerances = read_tolerances(request.tolerances, model.scene());
+  const std::optional<FittedNumbers> fit = load_fit(request.common, model.scene());
+  options.fitted = fit ? &*fit : nullptr;
+  std::vector<std::string> read = {request.common.scene};
+  if (!request.tolerances.empty()) read.push_back(request.tolerances);
+  OutputFiles files(request.common, read);
   options.solve.interrupt = &request.common.interrupt();
   options.progress = [&](std::size_t done) {
     progress.now_and_then([&] { return fmt::format("{} of {} samples", done, options.samples); });
   };
   progress.now("solving");
   const ToleranceStudy study = tolerance_study(model, tolerances, of, options);
-  const Result result = tolerance_result(model.scene(), study, request.common.settings);
+  Result result = tolerance_result(model.scene(), study, request.common.settings);
+  if (fit) {
+    for (const std::string& note : fit->notes) result.warnings.push_back(doubtful(note));
+  }
   Pictures pictures;
   std::vector<Panel> panels;
   if (files.wants_svg() || files.wants_html()) panels = histogram_panels(model.scene(), study);
@@ -67,8 +79,9 @@ Command tolerance_command() {
   add_scene_options(command, request->common);
   command
       .add({"--tolerances", &request->tolerances, "FILE",
-            "Half widths of numbers: [tolerances] with lines like \"point.*\" = 0.1", Presence::required})
+            "Half widths of numbers: [tolerances] with lines like \"point.*\" = 0.1"})
       .reads("toml");
+  add_with_option(command, request->common);
   add_quantities_option(command, request->of);
   command.add({"--samples", &request->samples, "N", "Draw N samples (100000); 0: first and second order only"});
   command.add({"--seed", &request->seed, "N", "Seed of the samples (1)"});

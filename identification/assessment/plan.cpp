@@ -8,11 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "identification/assessment/carried_numbers.hpp"
 #include "identification/fit/first_readings.hpp"
+#include "model/input_error.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/nlopt.hpp"
 #include "solvers/parallel.hpp"
 #include "solvers/random_stream.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
 
 namespace poise {
 namespace {
@@ -191,8 +194,9 @@ class Planner {
     if (options_.progress) options_.progress(what);
   }
 
-  /// To be made small: -log det M, log trace M^-1 or -log of the least eigenvalue.
+  /// To be made small: log c^T M^-1 c of a prediction; else -log det M, log trace M^-1 or -log of the least eigenvalue.
   double score(const Eigen::MatrixXd& information) const {
+    if (options_.prediction) return score_of_prediction(information);
     const Eigen::VectorXd found = solvers::symmetric_eigenvalues<double>(information);
     const double floor =
         std::pow(std::max(least_singular_value, least_relative * std::sqrt(std::max(0.0, found.maxCoeff()))), 2);
@@ -207,6 +211,17 @@ class Planner {
         return -std::log(values.minCoeff()) + part_of_determinant * determinant;
     }
     throw std::logic_error("an unknown criterion");
+  }
+
+  double score_of_prediction(const Eigen::MatrixXd& information) const {
+    const solvers::SymmetricEigen found = solvers::symmetric_eigen(information);
+    const double most = std::sqrt(std::max(0.0, found.values.maxCoeff()));
+    const double floor = std::pow(std::max(least_singular_value, least_relative * most), 2);
+    const Eigen::ArrayXd values = found.values.array().max(floor);
+    const Eigen::VectorXd scales =
+        Eigen::Map<const Eigen::VectorXd>(scales_.data(), static_cast<Eigen::Index>(scales_.size()));
+    const Eigen::ArrayXd parts = found.vectors.transpose() * scales.cwiseProduct(options_.prediction->by);
+    return std::log((parts.square() / values).sum()) - part_of_determinant * values.log().sum();
   }
 
   /// A_r^T A_r of run r of a problem, for the parameters of own_.
@@ -483,6 +498,28 @@ class Planner {
     return out;
   }
 
+  /// Of some runs; infinite where a null of theirs moves the result, or a parameter of no run.
+  double error_of_prediction(const FitProblem& problem, const Identifiability& found,
+                             const std::map<std::string, std::size_t>& there) const {
+    FittedNumbers numbers;
+    numbers.covariance = found.covariance;
+    numbers.numbers.resize(problem.parameters().size());
+    numbers.unknown = nulls_of(problem, problem.truths(), found);
+    const auto count = static_cast<Eigen::Index>(problem.parameters().size());
+    ResultGradient result{
+        .value = 0.0, .why = "", .by = Eigen::VectorXd::Zero(count), .rounding = Eigen::VectorXd::Zero(count)};
+    for (std::size_t i = 0; i < scales_.size(); ++i) {
+      const auto own = static_cast<Eigen::Index>(i);
+      const auto at = there.find(own_.parameters()[i].name);
+      if (at == there.end() && options_.prediction->by[own] != 0) return INFINITY;
+      if (at == there.end()) continue;
+      result.by[static_cast<Eigen::Index>(at->second)] = options_.prediction->by[own];
+      result.rounding[static_cast<Eigen::Index>(at->second)] = options_.prediction->rounding[own];
+    }
+    const PredictedResult predicted = predict(numbers, options_.prediction->name, {}, result);
+    return predicted.is_known() ? predicted.sigma : INFINITY;
+  }
+
   PlanStep step_of(const FitProblem& problem, const std::vector<Eigen::MatrixXd>& triangles) const {
     const Identifiability found =
         assess(problem, problem.truths(), nuisances_of(problem), triangles, problem.weighting());
@@ -501,6 +538,7 @@ class Planner {
       out.standard_error.push_back(is_known ? found.standard_error[at->second] : INFINITY);
       out.worst = std::max(out.worst, out.standard_error.back() / scales_[i]);
     }
+    if (options_.prediction) out.prediction = error_of_prediction(problem, found, there);
     return out;
   }
 
@@ -549,6 +587,47 @@ class Planner {
 };
 
 }  // namespace
+
+PlannedPrediction planned_prediction(const FitProblem& problem, Scene scene, const std::string& quantity) {
+  FittedNumbers numbers;
+  numbers.file = problem.experiment().file;
+  const auto count = static_cast<Eigen::Index>(problem.parameters().size());
+  numbers.covariance = Eigen::MatrixXd::Zero(count, count);
+  const std::vector<double> truths = problem.truths();
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    const Unknown& unknown = problem.unknown_of(i);
+    FittedNumbers::Number& number = numbers.numbers.emplace_back();
+    number.name = problem.parameters()[i].name;
+    number.path = unknown.path;
+    number.value = truths[i];
+    if (unknown.of_sensor) number.origin = FittedNumbers::Number::Origin::sensor;
+    if (unknown.per.empty() || unknown.of_sensor) continue;
+    throw InputError(
+        fmt::format("{}: {} has one value for each {}, and {} would not know which; take one value for all",
+                    numbers.file, unknown.name, unknown.per, quantity));
+  }
+  numbers = numbers.of(scene);
+  numbers.put_into(scene);
+  const SoughtQuantity of = find_quantity(scene, quantity);
+  const StaticModel model(std::move(scene));
+  const Sensitivities found = sensitivities(model, {of});
+  const ResultGradient gradient =
+      found.why.empty() ? gradient_by(numbers, found.of.front()) : ResultGradient{.why = found.why, .by = {}};
+  if (!gradient.why.empty()) {
+    throw InputError(fmt::format("{}: {} has no derivatives: {}", model.scene().file, quantity, gradient.why));
+  }
+  const double unit = of.dimension.unit(model.scene().units);
+  PlannedPrediction out{of.name, of.dimension.unit_name(model.scene().units), gradient.value / unit,
+                        Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
+  const std::map<std::string, std::size_t> places = places_of(problem);
+  for (std::size_t i = 0; i < numbers.numbers.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(places.at(numbers.numbers[i].name));
+    out.by[at] = gradient.by[static_cast<Eigen::Index>(i)] / unit;
+    out.rounding[at] = gradient.rounding[static_cast<Eigen::Index>(i)] / unit;
+  }
+  if (!out.by.isZero(0.0)) return out;
+  throw InputError(fmt::format("{}: no number that is to be identified moves {}", numbers.file, quantity));
+}
 
 Plan plan_runs(const FitProblem& own, const ExperimentText& text, const PlanOptions& options) {
   return Planner(own, text, options).plan();

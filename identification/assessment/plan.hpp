@@ -13,7 +13,22 @@
 
 namespace poise {
 
+/// A result that runs are to make sharp.
+struct PlannedPrediction {
+  std::string name;            ///< "fold.load.P"
+  std::string unit_name;       ///< of the scene that it is a result of
+  double value = 0.0;          ///< at the experiment's own values, in that unit
+  Eigen::VectorXd by;          ///< its derivatives by the parameters of the experiment, SI, per that unit
+  Eigen::VectorXd rounding{};  ///< of these
+};
+/// That of a quantity at the settled equilibrium of a scene, which has the experiment's values. Throws InputError where
+/// the scene lacks a number that is to be identified, where that has a value for each label, or where there are no
+/// derivatives.
+PlannedPrediction planned_prediction(const FitProblem& problem, Scene scene, const std::string& quantity);
+
 struct PlanOptions {
+  /// The criterion, in place of that of the limits: the variance c^T M^-1 c of this result.
+  std::optional<PlannedPrediction> prediction{};
   std::uint64_t seed = 1;  ///< of the candidates and of the starts of the exchange
   int jobs = 0;            ///< threads; 0: all cores
   const std::atomic<bool>* interrupt = nullptr;
@@ -28,6 +43,7 @@ struct PlanStep {
   std::vector<double> standard_error;
   /// The largest standard error over the parameter's value, or over its scale where the experiment gives one.
   double worst = std::numeric_limits<double>::infinity();
+  double prediction = 0.0;  ///< standard error of PlanOptions::prediction, in its unit; infinite where it is not known
   std::vector<double> singular_values;  ///< of all A_r and priors together, descending, see Plan
   std::vector<Identifiability::Direction> not_identifiable;
   std::vector<std::string> without_run;  ///< parameters of labels that no run has

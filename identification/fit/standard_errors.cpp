@@ -445,7 +445,7 @@ class Analysis {
       out_.leading = Kind::serial;
       out_.why = "the residuals are " + correlation + "; that is too few, and one run shows no more: add runs";
     }
-    double readings = 0.0;
+    double& readings = out_.readings_degrees;
     for (const auto& run : runs_) {
       for (std::size_t k = 0; k < sensors_; ++k) {
         readings += (static_cast<double>(run.first[k + 1] - run.first[k]) - run.leverage[k]) / spread_[k];

@@ -42,6 +42,7 @@ struct StandardErrors {
   double independent = 0.0;    ///< residuals that the series of a run is worth, the fewest
   std::vector<double> white, serial, runs;  ///< per parameter, SI; NaN where there is none
   std::vector<double> runs_degrees;         ///< degrees of freedom of the third, per parameter
+  double readings_degrees = 0.0;            ///< of the others: independent residuals that all readings are worth
   std::vector<double> error;                ///< the leading one; of `runs` the larger of that and `serial`
   /// Of the estimates, SI: the leading standard errors, correlated as by `white` or, where that does not lead,
   /// `serial`.

@@ -95,12 +95,14 @@ NullSpace other_nulls(const FitProblem& problem, const std::vector<double>& para
 struct NullDirections {
   std::vector<Index> free;
   MatrixXd directions;  ///< row by row of the parameters, one column per free one
+  MatrixXd errors;      ///< of these
 };
 
 NullDirections by_free_numbers(const NullSpace& nulls) {
   NullDirections out;
   const Index d = nulls.dimension();
   out.directions = nulls.basis;
+  out.errors = MatrixXd::Zero(nulls.basis.rows(), d);
   if (d == 0) return out;
   const std::vector<int> order =
       solvers::pivot_order<double>(nulls.basis.transpose(), solvers::known_to::rounding).columns;
@@ -118,11 +120,13 @@ NullDirections by_free_numbers(const NullSpace& nulls) {
     const double error = nulls.error[i] + out.directions.row(i).cwiseAbs() * of_free;
     for (Index k = 0; k < d; ++k) {
       double& part = out.directions(i, k);
-      if (std::abs(part) <= error * inverse.col(k).norm()) part = 0.0;
+      out.errors(i, k) = error * inverse.col(k).norm();
+      if (std::abs(part) <= out.errors(i, k)) part = 0.0;
     }
   }
   for (Index k = 0; k < d; ++k) {
     out.directions.row(out.free[static_cast<std::size_t>(k)]).setZero();
+    out.errors.row(out.free[static_cast<std::size_t>(k)]).setZero();
     out.directions(out.free[static_cast<std::size_t>(k)], k) = 1.0;
   }
   return out;
@@ -141,19 +145,25 @@ NullSpace without(const NullSpace& nulls, Index i) {
   return out;
 }
 
-/// If one of the nulls multiplies all numbers of forces and inertias by one factor: the changes of these, relative to
-/// `scale`, the largest 1. What is left of the nulls then is the part in which one of these numbers does not move, the
-/// one that leaves most others unmoved.
-std::optional<VectorXd> take_out_scale(const FitProblem& problem, const std::vector<double>& parameters,
-                                       const VectorXd& scale, NullSpace& nulls) {
+/// A direction of the parameters, relative to their scales, with bounds of its errors.
+struct ScaledDirection {
+  VectorXd part, error;
+};
+
+/// If one of the nulls multiplies all numbers of forces and inertias by one factor: the changes of these. What is left
+/// of the nulls then is the part in which one of these numbers does not move, the one that leaves most others unmoved.
+std::optional<ScaledDirection> take_out_scale(const FitProblem& problem, const std::vector<double>& parameters,
+                                              const VectorXd& scale, NullSpace& nulls) {
   VectorXd factor = VectorXd::Zero(scale.size());
   for (Index i = 0; i < scale.size(); ++i) {
     if (problem.scales_with_force(static_cast<int>(i))) factor[i] = parameters[static_cast<std::size_t>(i)] / scale[i];
   }
   const NullDirections all = by_free_numbers(nulls);
   VectorXd left = factor;
+  VectorXd error = VectorXd::Zero(scale.size());
   for (std::size_t k = 0; k < all.free.size(); ++k) {
     left -= factor[all.free[k]] * all.directions.col(static_cast<Index>(k));
+    error += std::abs(factor[all.free[k]]) * all.errors.col(static_cast<Index>(k));
   }
   if (factor.isZero(0.0) || left.norm() > 1e-6 * factor.norm()) return std::nullopt;
   std::optional<NullSpace> rest;
@@ -169,7 +179,7 @@ std::optional<VectorXd> take_out_scale(const FitProblem& problem, const std::vec
   }
   if (!rest) return std::nullopt;
   nulls = std::move(*rest);
-  return factor / factor.cwiseAbs().maxCoeff();
+  return ScaledDirection{factor, error};
 }
 
 class Assessment {
@@ -250,15 +260,15 @@ class Assessment {
     Identifiability::Direction direction;
     direction.exact = nulls.unclear == 0;
     direction.structural = structural;
-    if (const std::optional<VectorXd> factor = take_out_scale(problem_, parameters_, scale_, nulls)) {
+    if (const std::optional<ScaledDirection> factor = take_out_scale(problem_, parameters_, scale_, nulls)) {
       Identifiability::Direction common = direction;
       common.scale = true;
-      add(common, *factor);
+      add(common, factor->part, factor->error);
     }
     const NullDirections found = by_free_numbers(nulls);
     for (Index k = 0; k < found.directions.cols(); ++k) {
       Identifiability::Direction one = direction;
-      add(one, found.directions.col(k));
+      add(one, found.directions.col(k), found.errors.col(k));
     }
   }
 
@@ -280,10 +290,12 @@ class Assessment {
     }
   }
 
-  void add(Identifiability::Direction& direction, const VectorXd& parts) {
+  /// `errors` of a null; of another direction none.
+  void add(Identifiability::Direction& direction, const VectorXd& parts, const VectorXd& errors = {}) {
     Index largest = 0;
     parts.cwiseAbs().maxCoeff(&largest);
     for (Index i = 0; i < n_; ++i) direction.part.push_back(parts[i] / parts[largest]);
+    for (Index i = 0; i < errors.size(); ++i) direction.error.push_back(errors[i] / std::abs(parts[largest]));
     explain(problem_, parameters_, scale_, direction);
     out_.null_directions.push_back(std::move(direction));
   }

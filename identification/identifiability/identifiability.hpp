@@ -29,12 +29,13 @@ struct Identifiability {
   /// A direction of the parameters along which the readings do not change, or not measurably.
   struct Direction {
     double singular_value = 0.0;
-    bool exact = false;        ///< a null; else a direction with too little effect
-    bool structural = false;   ///< a null of the equations of motion; else of these runs
-    bool scale = false;        ///< mainly the common scale of masses, inertias, stiffnesses and damping
-    std::vector<double> part;  ///< change of every parameter relative to its scale, the largest 1; 0 has no part in it
-    std::string words;         ///< the direction and its effect, one sentence
-    std::string remedy;        ///< what would make it identifiable
+    bool exact = false;         ///< a null; else a direction with too little effect
+    bool structural = false;    ///< a null of the equations of motion; else of these runs
+    bool scale = false;         ///< mainly the common scale of masses, inertias, stiffnesses and damping
+    std::vector<double> part;   ///< change of every parameter relative to its scale, the largest 1; 0 has no part in it
+    std::vector<double> error;  ///< of a null: bounds of the errors of these parts; else empty
+    std::string words;          ///< the direction and its effect, one sentence
+    std::string remedy;         ///< what would make it identifiable
   };
   /// A function of parameters that no null changes:  sum of coefficient x parameter, or that sum over one more
   /// parameter where the sum alone is zero, because a null is a common factor of all.

@@ -47,6 +47,7 @@ class SceneCommands:
         self,
         *,
         set: Settings | None = None,
+        with_: Path | Found | None = None,
         assemblies: bool = False,
         drive: Ranges | None = None,
         seconds: float | None = None,
@@ -67,6 +68,9 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         assemblies: Positions alone: all ways in which the loops close, with the drives
             held; nothing else may move
         drive: crank=30: hold the angle of a body in the world, the travel of a joint
@@ -86,6 +90,7 @@ class SceneCommands:
         """
         return run(Equilibria, "equilibria", self._core, {
             "--set": set,
+            "--with": with_,
             "--assemblies": assemblies,
             "--drive": drive,
             "--seconds": seconds,
@@ -136,6 +141,7 @@ class SceneCommands:
         high: float | None = None,
         *,
         set: Settings | None = None,
+        with_: Path | Found | None = None,
         vary: Ranges | None = None,
         curve: str | None = None,
         from_: str | None = None,
@@ -162,6 +168,9 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         vary: Vary a number of the scene, in its own units: load.P=0..5,
             spring.S.stiffness=1..3; loads=0..1 (a factor of all loads);
             angle.BODY, length.SPRING, x.BODY.POINT, ...: what is driven, with the
@@ -195,6 +204,7 @@ class SceneCommands:
         """
         return run(Curve, "path", self._core, {
             "--set": set,
+            "--with": with_,
             "--vary": vary,
             "--curve": curve,
             "--from": from_,
@@ -295,10 +305,11 @@ class SceneCommands:
 
     def tolerance(
         self,
-        tolerances: Path | Mapping[str, Any],
-        of: Words,
+        tolerances: Path | Mapping[str, Any] | None = None,
+        of: Words | None = None,
         *,
         set: Settings | None = None,
+        with_: Path | Found | None = None,
         samples: int | None = None,
         seed: int | None = None,
         jobs: int | None = None,
@@ -317,6 +328,9 @@ class SceneCommands:
             or a dictionary, {PATH: NUMBER}
         tolerances: Half widths of numbers: [tolerances] with lines like "point.*" = 0.1;
             or a dictionary, {PATH: NUMBER}
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         of: What to look at, with commas between: angle.BODY, travel.JOINT,
             x.BODY.POINT, length.ELEMENT, force.ELEMENT, reaction.JOINT or its
             .x, .y, .moment, .axial; stop.NAME; energy; d(A)/d(B); fold.load.LOAD, the
@@ -328,6 +342,7 @@ class SceneCommands:
         return run(Tolerance, "tolerance", self._core, {
             "--set": set,
             "--tolerances": tolerances,
+            "--with": with_,
             "--of": of,
             "--samples": samples,
             "--seed": seed,
@@ -505,6 +520,7 @@ class SceneCommands:
         duration: float,
         *,
         set: Settings | None = None,
+        with_: Path | Found | None = None,
         rate: float | None = None,
         release: Settings | None = None,
         release_rate: Settings | None = None,
@@ -529,6 +545,9 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         duration: Duration of the motion, s
         rate: Samples per second of the record (1000)
         release: Start with this body turned, or joint moved, by so much from the
@@ -561,6 +580,7 @@ class SceneCommands:
         """
         return run(Motion, "motion", self._core, {
             "--set": set,
+            "--with": with_,
             "--duration": duration,
             "--rate": rate,
             "--release": release,
@@ -1009,6 +1029,8 @@ def plan(
     data: Path | None = None,
     set: Settings | None = None,
     seed: int | None = None,
+    for_: str | None = None,
+    in_: Path | None = None,
     jobs: int | None = None,
     experiment_: Path | None = None,
     progress: Progress | None = None,
@@ -1028,6 +1050,9 @@ def plan(
         can be given several times;
         or a dictionary, {PATH: NUMBER}
     seed: Of the runs that are tried (1)
+    for_: Make the standard error of this result smallest: fold.load.P, force.S,
+        ... (docs/quantities.md), in place of the criterion of [plan]
+    in_: The scene that --for is a result of; else that of the experiment
     jobs: Threads (0, the default: all cores)
     experiment_: Write the experiment with the planned runs to FILE
     """
@@ -1036,6 +1061,8 @@ def plan(
         "--data": data,
         "--set": set,
         "--seed": seed,
+        "--for": for_,
+        "--in": in_,
         "--jobs": jobs,
         "--experiment": experiment_,
     }, None, progress)

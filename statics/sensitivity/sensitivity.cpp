@@ -118,10 +118,15 @@ double factor(const Dimension& of, const Dimension& number, const Scales& scales
   return number.per_scale(scales) / of.per_scale(scales);
 }
 
-/// Fills in one row per column from  d quantity / d number = by(row), in scaled units.
-template <class By>
+/// Derivatives by all numbers, in scaled units, each known to within `rounding`.
+struct KnownDerivatives {
+  Eigen::VectorXd values, rounding;
+};
+
+/// Fills in one row per column from the derivatives; why(row) says why there is none by a number.
+template <class Why>
 void fill(QuantitySensitivity& out, const NumberedEquations& equations, const std::vector<Column>& columns,
-          const Scales& scales, By by) {
+          const Scales& scales, const KnownDerivatives& by, Why why) {
   for (const Column& column : columns) {
     const ParameterRow& row = equations.rows()[column.row];
     Sensitivity& s = out.by.emplace_back();
@@ -129,7 +134,11 @@ void fill(QuantitySensitivity& out, const NumberedEquations& equations, const st
     s.dimension = row.dimension;
     s.value = equations.numbers()[column.row] / row.dimension.per_scale(scales);
     s.why = column.why;
-    if (s.why.empty()) s.derivative = by(column.row, s.why) * factor(out.of.dimension, row.dimension, scales);
+    if (s.why.empty()) s.why = why(column.row);
+    if (!s.why.empty()) continue;
+    const double si = factor(out.of.dimension, row.dimension, scales);
+    s.derivative = by.values[column.row] * si;
+    s.rounding = by.rounding[column.row] * std::abs(si);
   }
 }
 
@@ -172,20 +181,20 @@ std::vector<Place> places_of(const LinearResponse& response) {
 /// Derivatives at the first place, by(place), in which those are 0 that are not told from 0: they are rounding of their
 /// terms, or differ by their own size at the other places.
 template <class By>
-Eigen::VectorXd known_derivatives(const std::vector<Place>& places, By by) {
+KnownDerivatives known_derivatives(const std::vector<Place>& places, By by) {
   constexpr double margin = 4.0;
   const SumsOfTerms at = by(places.front());
   Eigen::VectorXd rounding = sum_rounding * at.sizes;
   for (auto other = places.begin() + 1; other != places.end(); ++other) {
     rounding = rounding.cwiseMax(margin * (by(*other).sums - at.sums).cwiseAbs());
   }
-  return (at.sums.array().abs() > rounding.array()).select(at.sums, 0.0);
+  return {(at.sums.array().abs() > rounding.array()).select(at.sums, 0.0), rounding};
 }
 
 /// dm/dp of a quantity whose gradient at z is gradient(z), by the factors of (dR/dz)^T at the equilibrium.
 template <class Gradient>
-Eigen::VectorXd derivatives_of(const std::vector<Place>& places, const solvers::LeastSquares<double>& transposed,
-                               Gradient gradient) {
+KnownDerivatives derivatives_of(const std::vector<Place>& places, const solvers::LeastSquares<double>& transposed,
+                                Gradient gradient) {
   const Eigen::VectorXd mu = transposed.solve(gradient(places.front().z).by_unknowns);
   return known_derivatives(places, [&](const Place& place) {
     const QuantityGradient of = gradient(place.z);
@@ -239,19 +248,15 @@ class AtEquilibrium {
       out.why = "the equilibrium is neutral: how this changes depends on where on its curve of equilibria it stands";
       return out;
     }
-    const Eigen::VectorXd known = derivatives_of(places_, transposed_, [&](const std::vector<double>& z) {
+    const KnownDerivatives known = derivatives_of(places_, transposed_, [&](const std::vector<double>& z) {
       return gradient_of(quantity, response_.equations(), response_.equations().numbers(), z);
     });
-    fill(out, response_.equations(), columns_, scales_, [&](int row, std::string& why) {
-      if (left_null_.cols() > 0) {
-        const auto by_number = response_.by_numbers().col(row);
-        const double opens = (left_null_.transpose() * by_number).cwiseAbs().maxCoeff();
-        if (opens > nothing * std::max(1.0, by_number.norm())) {
-          why = "it cannot change alone: constraints that repeat others would contradict them, or the balance is lost";
-          return 0.0;
-        }
-      }
-      return known[row];
+    fill(out, response_.equations(), columns_, scales_, known, [&](int row) -> std::string {
+      if (left_null_.cols() == 0) return "";
+      const auto by_number = response_.by_numbers().col(row);
+      const double opens = (left_null_.transpose() * by_number).cwiseAbs().maxCoeff();
+      if (opens <= nothing * std::max(1.0, by_number.norm())) return "";
+      return "it cannot change alone: constraints that repeat others would contradict them, or the balance is lost";
     });
     return out;
   }
@@ -295,18 +300,72 @@ class AtEquilibrium {
   bool is_neutral_;
 };
 
+QuantitySensitivity at_first_fold(const StaticModel& model, const SoughtQuantity& quantity,
+                                  const std::atomic<bool>* interrupt) {
+  const FirstFold found = first_fold(model, quantity.load, interrupt);
+  QuantitySensitivity out;
+  if (found.why.empty())
+    out = sensitivity_of_fold(*found.varied, found.path, found.event);
+  else
+    out.why = found.why;
+  out.of = quantity;
+  return out;
+}
+
+/// Of a stress or a mode the value, with the reason that there is no derivative.
+QuantitySensitivity by_others(const StaticModel& model, const Equilibrium& equilibrium, const SoughtQuantity& quantity,
+                              const OtherQuantities& others) {
+  QuantitySensitivity out;
+  out.of = quantity;
+  const RestingPlace place = resting_place(model, equilibrium.x, equilibrium.certificate.active_stops, -1, others);
+  const QuantityValue found = quantity_values(place, {quantity}).front();
+  out.value = found.value;
+  const Units& units = model.scene().units;
+  out.why = found.why;
+  if (out.why.empty()) {
+    const std::string unit = quantity.dimension.unit_name(units);
+    out.why = fmt::format("its value is {:.6g}{}{}; derivatives of stresses and modes are not found",
+                          found.value / quantity.dimension.unit(units), unit.empty() ? "" : " ", unit);
+  }
+  return out;
+}
+
+/// The response in a scene whose numbers differ a little; empty where Newton's method does not converge to it.
+std::optional<LinearResponse> moved_to(const LinearResponse& from, const Scene& scene) {
+  constexpr int most_steps = 12;
+  constexpr double converged = 1e-10;
+  NumberedEquations equations(scene, from.equations().acting());
+  std::vector<double> z = from.z();
+  equations.count_turns(z.data());
+  for (int step = 0; step < most_steps; ++step) {
+    const ResidualDerivatives at = differentiate(equations, equations.numbers(), z, false);
+    const Eigen::VectorXd dz =
+        solvers::minimum_norm_solution<double>(at.by_unknowns, -at.residual, response_rank_tolerance);
+    if (!dz.allFinite()) return std::nullopt;
+    for (Eigen::Index i = 0; i < dz.size(); ++i) z[static_cast<std::size_t>(i)] += dz[i];
+    if (dz.size() > 0 && dz.cwiseAbs().maxCoeff() > converged) continue;
+    z.resize(static_cast<std::size_t>(equations.poses()));
+    return LinearResponse(std::move(equations), std::move(z), response_rank_tolerance);
+  }
+  return std::nullopt;
+}
+
+void expect_few_unknowns(const StaticModel& model) {
+  refuse_blades(model.scene(), "sensitivities of an equilibrium");
+  const Scene scene = model.scaled_scene();
+  const int unknowns = NumberedEquations(scene, {}).unknowns();
+  if (unknowns > most_dense_unknowns) {
+    throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}", scene.file,
+                                 most_dense_unknowns, unknowns));
+  }
+}
+
+}  // namespace
+
 // --- loads at folds -------------------------------------------------------------------------------------------------
 
-/// The first fold on the path on which a load grows.
-struct FoundFold {
-  std::unique_ptr<VariedScene> varied;
-  PathEvent fold;
-  int stop = -1, spring = -1;  // that come on or off at the fold
-  std::string why;             // there is none
-};
-
-FoundFold first_fold(const StaticModel& model, const std::string& load, const std::atomic<bool>* interrupt) {
-  FoundFold out;
+FirstFold first_fold(const StaticModel& model, const std::string& load, const std::atomic<bool>* interrupt) {
+  FirstFold out;
   const ParameterRow row = parameter(model.scene(), load);
   const double unit = row.dimension.unit(model.scene().units);
   const double from = get_value(model.scene(), load);
@@ -317,7 +376,7 @@ FoundFold first_fold(const StaticModel& model, const std::string& load, const st
     PathOptions options;
     options.certify = false;
     options.interrupt = interrupt;
-    Path found;
+    Path& found = out.path;
     try {
       out.varied =
           std::make_unique<VariedScene>(model.scene(), load, from, from + (from < 0.0 ? -times : times) * size);
@@ -344,13 +403,7 @@ FoundFold first_fold(const StaticModel& model, const std::string& load, const st
         return out;
       }
       if (event.kind != PathEvent::Kind::fold) continue;
-      out.fold = event;
-      for (const PathEvent& other : found.events) {
-        const double apart = std::abs(other.at.parameter - event.at.parameter);
-        if (apart > 1e-9 * std::abs(event.at.parameter)) continue;
-        if (other.kind == PathEvent::Kind::stop) out.stop = other.item;
-        if (other.kind == PathEvent::Kind::slack) out.spring = other.item;
-      }
+      out.event = static_cast<std::size_t>(e);
       return out;
     }
   }
@@ -359,49 +412,57 @@ FoundFold first_fold(const StaticModel& model, const std::string& load, const st
   return out;
 }
 
-QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quantity,
-                            const std::atomic<bool>* interrupt) {
+QuantitySensitivity sensitivity_of_fold(const VariedScene& varied, const Path& found, std::size_t event) {
   QuantitySensitivity out;
-  out.of = quantity;
-  const FoundFold found = first_fold(model, quantity.load, interrupt);
-  if (!found.why.empty()) {
-    out.why = found.why;
-    return out;
+  const PathEvent& fold = found.events[event];
+  out.of.name = varied.name();
+  out.of.kind = SoughtQuantity::Kind::load_at_fold;
+  out.of.load = varied.name();
+  out.value = fold.at.parameter;
+  int stop = -1, spring = -1;  // that come on or off at the fold
+  for (const PathEvent& other : found.events) {
+    const double apart = std::abs(other.at.parameter - fold.at.parameter);
+    if (apart > 1e-9 * std::abs(fold.at.parameter)) continue;
+    if (other.kind == PathEvent::Kind::stop) stop = other.item;
+    if (other.kind == PathEvent::Kind::slack) spring = other.item;
   }
-  out.value = found.fold.at.parameter;
-  const std::unique_ptr<StaticModel> there = found.varied->model_at(found.fold.at.parameter);
-  std::vector<int> active = found.fold.at.active_stops;
-  if (found.stop >= 0 && std::find(active.begin(), active.end(), found.stop) == active.end()) {
-    active.push_back(found.stop);
-  }
-  const bool turns = found.stop < 0 && found.spring < 0;  // not a corner
+  const std::unique_ptr<StaticModel> there = varied.model_at(fold.at.parameter);
+  std::vector<int> active = fold.at.active_stops;
+  if (stop >= 0 && std::find(active.begin(), active.end(), stop) == active.end()) active.push_back(stop);
+  const bool turns = stop < 0 && spring < 0;  // not a corner
   // Across the fold the matrix is singular, and Newton's steps along its null vector are rounding.
   const LinearResponse response =
-      response_at(*there, found.fold.at.x, active, turns ? solvers::known_to::path : response_rank_tolerance);
+      response_at(*there, fold.at.x, active, turns ? solvers::known_to::path : response_rank_tolerance);
   const NumberedEquations& equations = response.equations();
   out.why = response.why().empty() ? without_direction(equations, response.z()) : response.why();
   if (!out.why.empty()) return out;
   int load = -1, without = 0;
   for (std::size_t k = 0; k < equations.rows().size(); ++k) {
-    if (equations.rows()[k].path.is(quantity.load)) load = static_cast<int>(k);
+    if (equations.rows()[k].path.is(varied.name())) load = static_cast<int>(k);
   }
+  if (load < 0) {
+    out.why = "what is varied is no number of the scene, and has no derivative by one";
+    return out;
+  }
+  out.of.dimension = equations.rows()[static_cast<std::size_t>(load)].dimension;
   std::vector<Column> columns = columns_of(equations, response, without);
   for (Column& column : columns) {
     if (column.row == load) column.why = "it is the load itself";
   }
+  const auto none = [](int) { return std::string(); };
   if (!turns) {
     SoughtQuantity condition;
-    if (found.stop >= 0) {
+    if (stop >= 0) {
       condition.kind = SoughtQuantity::Kind::stop_reaction;
-      condition.item = found.stop;
+      condition.item = stop;
     } else {
-      condition.on = equations.scene().elements[found.spring].on;
+      condition.on = equations.scene().elements[spring].on;
     }
     const auto gradient = [&](const std::vector<double>& z) {
       QuantityGradient of = gradient_of(condition, response.equations(), response.equations().numbers(), z);
       for (std::size_t k = 0; k < equations.rows().size(); ++k) {
         const ParameterPlace& place = equations.rows()[k].place;
-        if (place.owner == Owner::element && place.item == found.spring && place.number == 1) {
+        if (place.owner == Owner::element && place.item == spring && place.number == 1) {
           of.by_numbers[static_cast<Eigen::Index>(k)] -= 1.0;
         }
       }
@@ -412,8 +473,10 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
       out.why = "redundant constraints leave the forces at the fold undetermined";
       return out;
     }
-    const Eigen::VectorXd by = derivatives_of(places_of(response), transposed, gradient);
-    fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return -by[row] / by[load]; });
+    KnownDerivatives by = derivatives_of(places_of(response), transposed, gradient);
+    const double by_load = by.values[load];
+    by = {by.values / -by_load, by.rounding / std::abs(by_load)};
+    fill(out, equations, columns, there->scales(), by, none);
     return out;
   }
   const solvers::SingularValues values = solvers::singular_value_decomposition(response.by_unknowns());
@@ -422,49 +485,31 @@ QuantitySensitivity at_fold(const StaticModel& model, const SoughtQuantity& quan
     out.why = "redundant constraints or neutral directions leave the fold undetermined";
     return out;
   }
-  const Eigen::VectorXd by = known_derivatives(places_of(response), [&](const Place& place) {
+  const KnownDerivatives by = known_derivatives(places_of(response), [&](const Place& place) {
     const ResidualDerivatives& residual = place.residual;
     const solvers::SingularValues parts = solvers::singular_value_decomposition(residual.by_unknowns);
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(residual.by_numbers.cols());
-    const SumsOfTerms moves = derivatives(none, parts.left.col(last), residual.by_numbers);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(residual.by_numbers.cols());
+    const SumsOfTerms moves = derivatives(zero, parts.left.col(last), residual.by_numbers);
     return SumsOfTerms{moves.sums / -moves.sums[load], moves.sizes / std::abs(moves.sums[load])};
   });
-  fill(out, equations, columns, there->scales(), [&](int row, std::string&) { return by[row]; });
+  fill(out, equations, columns, there->scales(), by, none);
   return out;
 }
 
-/// Of a stress or a mode the value, with the reason that there is no derivative.
-QuantitySensitivity by_others(const StaticModel& model, const Equilibrium& equilibrium, const SoughtQuantity& quantity,
-                              const OtherQuantities& others) {
-  QuantitySensitivity out;
-  out.of = quantity;
-  const RestingPlace place = resting_place(model, equilibrium.x, equilibrium.certificate.active_stops, -1, others);
-  const QuantityValue found = quantity_values(place, {quantity}).front();
-  out.value = found.value;
-  const Units& units = model.scene().units;
-  out.why = found.why;
-  if (out.why.empty()) {
-    const std::string unit = quantity.dimension.unit_name(units);
-    out.why = fmt::format("its value is {:.6g}{}{}; derivatives of stresses and modes are not found",
-                          found.value / quantity.dimension.unit(units), unit.empty() ? "" : " ", unit);
-  }
-  return out;
-}
-
-}  // namespace
+// --- quantities -----------------------------------------------------------------------------------------------------
 
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
                             const SensitivityOptions& options) {
-  refuse_blades(model.scene(), "sensitivities of an equilibrium");
-  const Scene scene = model.scaled_scene();
-  const int unknowns = NumberedEquations(scene, {}).unknowns();
-  if (unknowns > most_dense_unknowns) {
-    throw InputError(fmt::format("{}: expected a mechanism of at most {} places and joint forces, found {}", scene.file,
-                                 most_dense_unknowns, unknowns));
-  }
+  expect_few_unknowns(model);
+  return sensitivities(model, solve(model, options.solve), of, options);
+}
+
+Sensitivities sensitivities(const StaticModel& model, Equilibrium equilibrium, const std::vector<SoughtQuantity>& of,
+                            const SensitivityOptions& options) {
+  expect_few_unknowns(model);
   Sensitivities out;
   out.size = model.layout().size * model.scales().length;
-  out.equilibrium = solve(model, options.solve);
+  out.equilibrium = std::move(equilibrium);
   const Certificate& proof = out.equilibrium.certificate;
   if (!out.equilibrium.found()) {
     out.why = fmt::format("the equilibrium is {}: {}", to_string(out.equilibrium.status), out.equilibrium.why);
@@ -490,8 +535,34 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
       continue;
     }
     out.of.push_back(quantity.kind == SoughtQuantity::Kind::load_at_fold
-                         ? at_fold(model, quantity, options.solve.interrupt)
+                         ? at_first_fold(model, quantity, options.solve.interrupt)
                          : at.of(quantity));
+  }
+  return out;
+}
+
+std::vector<QuantitySensitivity> sensitivities_near(const StaticModel& model, const std::vector<double>& x,
+                                                    const std::vector<int>& active,
+                                                    const std::vector<SoughtQuantity>& of, const Scene* moved) {
+  std::vector<QuantitySensitivity> out;
+  std::optional<LinearResponse> response = response_at(model, x, active, response_rank_tolerance);
+  if (moved != nullptr && response->why().empty()) response = moved_to(*response, scaled(*moved, model.scales()));
+  std::string why =
+      !response ? "Newton's method does not lead to an equilibrium of the scene with other numbers" : response->why();
+  if (why.empty()) why = without_direction(response->equations(), response->z());
+  int without = 0;
+  std::optional<AtEquilibrium> at;
+  if (why.empty()) {
+    at.emplace(*response, model.scales(), columns_of(response->equations(), *response, without),
+               response_rank_tolerance, false);
+  }
+  for (const SoughtQuantity& quantity : of) {
+    const bool is_of_place = !is_found_by_others(quantity) && quantity.kind != SoughtQuantity::Kind::load_at_fold;
+    QuantitySensitivity& one = out.emplace_back();
+    if (at && is_of_place) one = at->of(quantity);
+    one.of = quantity;
+    if (!why.empty()) one.why = why;
+    if (!is_of_place) one.why = "derivatives of stresses, modes and loads at folds are not found here";
   }
   return out;
 }

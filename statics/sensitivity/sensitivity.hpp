@@ -1,6 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "model/measure.hpp"
 #include "model/scene.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
+#include "statics/paths/path.hpp"
 #include "statics/quantities/quantities_at.hpp"
 
 namespace poise {
@@ -18,6 +21,7 @@ struct Sensitivity {
   Dimension dimension{};    ///< of the number
   double value = 0.0;       ///< of the number, SI
   double derivative = 0.0;  ///< d quantity / d number, SI
+  double rounding = 0.0;    ///< the derivative is known to within so much, SI
   std::string why;          ///< one sentence; there is no derivative by this number
 };
 
@@ -58,5 +62,28 @@ struct Sensitivities {
 /// Throws InputError as solve() does, and for more than `most_unknowns`.
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
                             const SensitivityOptions& options = {});
+/// The same at an equilibrium of the model that is known, with its certificate.
+Sensitivities sensitivities(const StaticModel& model, Equilibrium equilibrium, const std::vector<SoughtQuantity>& of,
+                            const SensitivityOptions& options = {});
+
+/// The same at scaled coordinates x of a model that are in equilibrium with the stops `active` acting, a point of a
+/// path say; or, with `moved`, in the equilibrium to which Newton's method leads from there in that scene, whose
+/// numbers differ a little. Nothing is proved. None of loads at folds, stresses and modes.
+std::vector<QuantitySensitivity> sensitivities_near(const StaticModel& model, const std::vector<double>& x,
+                                                    const std::vector<int>& active,
+                                                    const std::vector<SoughtQuantity>& of,
+                                                    const Scene* moved = nullptr);
+
+/// Derivatives of the varied number where a path folds, `event` of Path::events, by all other numbers: dP/dp as above.
+/// The quantity has the name of the varied number.
+QuantitySensitivity sensitivity_of_fold(const VariedScene& varied, const Path& found, std::size_t event);
+/// The first fold on the path on which a load grows from the scene's own value, with the path that found it.
+struct FirstFold {
+  std::unique_ptr<VariedScene> varied;
+  Path path;
+  std::size_t event = 0;
+  std::string why;  ///< one sentence; there is none
+};
+FirstFold first_fold(const StaticModel& model, const std::string& load, const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace poise

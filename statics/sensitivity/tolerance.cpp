@@ -248,6 +248,7 @@ class Sampler {
       const std::vector<int>& leaders = equations().list()->leaders();
       leaders_vary_ = leaders_vary_ || std::find(leaders.begin(), leaders.end(), rows_.back()) != leaders.end();
     }
+    find_axes();
     if (!regular_) return;
     moves_.resize(n, static_cast<Eigen::Index>(rows_.size()));
     for (std::size_t t = 0; t < rows_.size(); ++t) {
@@ -330,17 +331,31 @@ class Sampler {
   /// Draws the numbers of sample k into work.by, scaled.
   void draw(std::size_t k, Work& work) const {
     solvers::RandomStream random(options_.seed, 0, k);
-    for (std::size_t t = 0; t < rows_.size(); ++t) {
+    const auto normal = [&] {
+      double out = random.normal();
+      while (std::abs(out) > farthest_normal) out = random.normal();
+      return out;
+    };
+    for (std::size_t t = 0; t < own(); ++t) {
       const Tolerance& of = tolerances_[t];
       double& by = work.by[static_cast<Eigen::Index>(t)];
-      if (of.distribution == Tolerance::Distribution::uniform) {
-        by = (2 * random.uniform() - 1) * half_width(t);
-        continue;
-      }
-      double normal = random.normal();
-      while (std::abs(normal) > farthest_normal) normal = random.normal();
-      by = of.sigma * per_[t] * normal;
+      by = of.distribution == Tolerance::Distribution::uniform ? (2 * random.uniform() - 1) * half_width(t)
+                                                               : of.sigma * per_[t] * normal();
     }
+    if (options_.fitted == nullptr) return;
+    const Eigen::Index fitted = inwards_.rows();
+    work.by.tail(fitted).setZero();
+    for (Eigen::Index a = 0; a < fitted; ++a)
+      work.by.tail(fitted) += normal() * axes_.col(axes_.cols() - fitted + a).tail(fitted);
+    for (Eigen::Index a = 0; a < inwards_.cols(); ++a) work.by.tail(fitted) += std::abs(normal()) * inwards_.col(a);
+  }
+
+  /// Of the changes of the numbers, one standard deviation along each of their independent axes, scaled: a number each
+  /// of tolerances, the axes of the covariance of fitted ones.
+  const Eigen::MatrixXd& axes() const { return axes_; }
+  /// The tolerances alone, which are the first axes.
+  std::size_t own() const {
+    return options_.fitted == nullptr ? rows_.size() : rows_.size() - options_.fitted->numbers.size();
   }
 
   Sample sample(std::size_t k, Work& work, double* values) const {
@@ -413,6 +428,20 @@ class Sampler {
   }
 
  private:
+  void find_axes() {
+    const auto all = static_cast<Eigen::Index>(rows_.size());
+    const auto alone = static_cast<Eigen::Index>(own());
+    axes_ = Eigen::MatrixXd::Zero(all, all);
+    for (Eigen::Index t = 0; t < alone; ++t) {
+      const auto at = static_cast<std::size_t>(t);
+      axes_(t, t) = tolerances_[at].sigma * per_[at];
+    }
+    if (options_.fitted == nullptr) return;
+    const Eigen::VectorXd per = Eigen::Map<const Eigen::VectorXd>(per_.data(), all).tail(all - alone);
+    axes_.bottomRightCorner(all - alone, all - alone) = per.asDiagonal() * options_.fitted->root();
+    inwards_ = per.asDiagonal() * options_.fitted->inwards();
+  }
+
   // The equilibrium, and all quantities that are sampled, for many samples at once.
   void compile_for_lanes() {
     if (!(rounding_ < decided_within)) return;
@@ -536,6 +565,7 @@ class Sampler {
   int sign_ = 1;
   double rounding_ = 0.0;            // moves the nominal solution by so much
   Eigen::MatrixXd inverse_, moves_;  // A^-1, dz/dp
+  Eigen::MatrixXd axes_, inwards_;   // see axes(); FittedNumbers::inwards(), scaled
   std::vector<int> rows_;
   std::vector<double> per_;
   bool leaders_vary_ = false;
@@ -578,13 +608,15 @@ std::vector<std::size_t> histogram_of(const std::vector<double>& values, const S
   return out;
 }
 
-/// First order from exact derivatives.
-void add_first_order(ToleranceBand& band, const QuantitySensitivity& from, const std::vector<Tolerance>& tolerances) {
+/// First order from exact derivatives; the fitted numbers are the last of the tolerances.
+void add_first_order(ToleranceBand& band, const QuantitySensitivity& from, const std::vector<Tolerance>& tolerances,
+                     const FittedNumbers* fitted) {
   band.why = from.why;
   band.nominal = from.value;
   if (!band.why.empty()) return;
   double variance = 0.0;
   for (const Tolerance& tolerance : tolerances) {
+    if (tolerance.distribution == Tolerance::Distribution::fitted) continue;
     const auto found = std::find_if(from.by.begin(), from.by.end(),
                                     [&](const Sensitivity& one) { return one.number == tolerance.number; });
     if (found == from.by.end() || !found->why.empty()) {
@@ -593,54 +625,82 @@ void add_first_order(ToleranceBand& band, const QuantitySensitivity& from, const
       return;
     }
     band.slopes.push_back(found->derivative);
-    variance += std::pow(found->derivative * tolerance.sigma, 2);
+    band.shares.push_back(std::pow(found->derivative * tolerance.sigma, 2));
+    variance += band.shares.back();
     band.worst += std::abs(found->derivative) * tolerance.half_width;
   }
+  if (fitted != nullptr) {
+    const ResultGradient gradient = gradient_by(*fitted, from);
+    const PredictedResult predicted = predict(*fitted, from.of.name, from.of.dimension, gradient);
+    band.why =
+        predicted.undetermined.empty() ? predicted.why : "it is not determined by the fit: " + predicted.undetermined;
+    if (!band.why.empty()) return;
+    band.slopes.insert(band.slopes.end(), gradient.by.begin(), gradient.by.end());
+    const std::size_t own = band.shares.size();
+    band.shares.resize(tolerances.size(), 0.0);
+    for (const PredictedResult::Share& share : predicted.shares) {
+      band.shares[own + share.number] = share.share * predicted.sigma * predicted.sigma;
+    }
+    variance += predicted.sigma * predicted.sigma;
+  }
   band.sigma = std::sqrt(variance);
+  for (double& share : band.shares) share = variance > 0.0 ? share / variance : 0.0;
 }
 
-/// Second derivatives from differences of first ones, which are exact.
+/// Second derivatives along the axes of the numbers from differences of first ones, which are exact.
 void add_second_order(const Sampler& sampler, const std::vector<Tolerance>& tolerances, const Scales& scales,
                       std::vector<ToleranceBand*>& bands) {
   constexpr double part = 0.01;  // of the half width
-  const std::size_t n = sampler.tolerances();
-  std::vector<Eigen::MatrixXd> second(bands.size(),
-                                      Eigen::MatrixXd(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n)));
+  const Eigen::MatrixXd& axes = sampler.axes();
+  const Eigen::Index n = axes.cols();
+  std::vector<Eigen::MatrixXd> second(bands.size(), Eigen::MatrixXd(n, n));
   Sampler::Work work = sampler.work();
-  for (std::size_t t = 0; t < n; ++t) {
-    const auto at = static_cast<Eigen::Index>(t);
-    const double width = sampler.half_width(t) > 0.0 ? sampler.half_width(t)
-                                                     : tolerances[t].sigma * tolerances[t].dimension.per_scale(scales);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    const auto t = static_cast<std::size_t>(a);
+    const double step = part * (sampler.half_width(t) > 0.0 ? sampler.half_width(t) / axes(a, a) : 1.0);
     std::array<Eigen::MatrixXd, 2> slopes;
     for (const int side : {0, 1}) {
-      work.by.setZero();
-      work.by[at] = (side == 0 ? -part : part) * width;
+      work.by = (side == 0 ? -step : step) * axes.col(a);
       std::optional<Eigen::MatrixXd> found = sampler.slopes(work);
       if (!found) return;
       slopes[static_cast<std::size_t>(side)] = std::move(*found);
     }
-    const Eigen::MatrixXd change = (slopes[1] - slopes[0]) / (2 * part * width);
-    for (std::size_t q = 0; q < bands.size(); ++q) second[q].col(at) = change.row(static_cast<Eigen::Index>(q));
+    const Eigen::MatrixXd change = (slopes[1] - slopes[0]) / (2 * step) * axes;
+    for (std::size_t q = 0; q < bands.size(); ++q) second[q].col(a) = change.row(static_cast<Eigen::Index>(q));
   }
   for (std::size_t q = 0; q < bands.size(); ++q) {
     ToleranceBand& band = *bands[q];
     double variance = band.sigma * band.sigma;
-    const auto h = [&](std::size_t i, std::size_t j) {
-      const double mean = 0.5 * (second[q](static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +
-                                 second[q](static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)));
-      return mean * tolerances[i].dimension.per_scale(scales) * tolerances[j].dimension.per_scale(scales) /
-             band.of.dimension.per_scale(scales);
-    };
-    for (std::size_t i = 0; i < n; ++i) {
-      const double own = std::pow(tolerances[i].sigma, 2);
-      const double fourth = (tolerances[i].distribution == Tolerance::Distribution::normal ? 3.0 : 1.8) * own * own;
-      band.shift += 0.5 * h(i, i) * own;
-      variance += 0.25 * std::pow(h(i, i), 2) * (fourth - own * own);
-      for (std::size_t j = i + 1; j < n; ++j) variance += std::pow(h(i, j) * tolerances[j].sigma, 2) * own;
+    const double per = band.of.dimension.per_scale(scales);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const bool is_uniform = tolerances[static_cast<std::size_t>(i)].distribution == Tolerance::Distribution::uniform;
+      const double own = second[q](i, i) / per;
+      band.shift += 0.5 * own;
+      variance += 0.25 * own * own * (is_uniform ? 0.8 : 2.0);  // fourth moment over sigma^4, less 1
+      for (Eigen::Index j = i + 1; j < n; ++j) {
+        variance += std::pow(0.5 * (second[q](i, j) + second[q](j, i)) / per, 2);
+      }
     }
     band.second_sigma = std::sqrt(variance);
     band.has_second = true;
   }
+}
+
+/// The numbers of a fit behind the tolerances.
+std::vector<Tolerance> with_fitted(std::vector<Tolerance> out, const FittedNumbers* fitted) {
+  if (fitted == nullptr) return out;
+  for (std::size_t i = 0; i < fitted->numbers.size(); ++i) {
+    const FittedNumbers::Number& number = fitted->numbers[i];
+    for (const Tolerance& other : out) {
+      if (other.number != number.path) continue;
+      throw InputError(fmt::format("{}: has both a tolerance and an estimate of {}; give it the tolerance 0",
+                                   number.path, fitted->file));
+    }
+    const auto at = static_cast<Eigen::Index>(i);
+    out.push_back(
+        {number.path, number.dimension, 0.0, Tolerance::Distribution::fitted, std::sqrt(fitted->covariance(at, at))});
+  }
+  return out;
 }
 
 /// At the ends of all tolerances that first order says are worst.
@@ -677,10 +737,11 @@ bool is_linear(const ToleranceBand& band, const ToleranceStudy& study, double ro
 
 }  // namespace
 
-ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Tolerance>& tolerances,
+ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Tolerance>& of_numbers,
                                const std::vector<SoughtQuantity>& of, const ToleranceOptions& options) {
   ToleranceStudy out;
-  out.tolerances = tolerances;
+  out.tolerances = with_fitted(of_numbers, options.fitted);
+  const std::vector<Tolerance>& tolerances = out.tolerances;
   out.asked = options.samples;
   const Sensitivities first = sensitivities(model, of, {options.solve});
   out.equilibrium = first.equilibrium;
@@ -700,7 +761,7 @@ ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Toler
   for (std::size_t q = 0; q < of.size(); ++q) {
     ToleranceBand& band = out.of.emplace_back();
     band.of = of[q];
-    add_first_order(band, first.of[q], tolerances);
+    add_first_order(band, first.of[q], tolerances, options.fitted);
     if (!band.why.empty() || of[q].kind == SoughtQuantity::Kind::load_at_fold) continue;
     sampled.push_back(of[q]);
     places.push_back(q);

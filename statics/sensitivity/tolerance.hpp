@@ -9,13 +9,15 @@
 #include <string_view>
 #include <vector>
 
+#include "statics/sensitivity/fitted_numbers.hpp"
 #include "statics/sensitivity/sensitivity.hpp"
 
 namespace poise {
 
 /// By how much a number of a scene may differ from its value.
 struct Tolerance {
-  enum class Distribution { uniform, normal };
+  /// Of a fitted number: normal, with the covariance that it has with the others of FittedNumbers.
+  enum class Distribution { uniform, normal, fitted };
 
   std::string number;  ///< its path
   Dimension dimension{};
@@ -35,6 +37,9 @@ struct ToleranceOptions {
   std::uint64_t seed = 1;
   int jobs = 0;  ///< threads; 0: as many as there are cores
   SolveOptions solve{};
+  /// Estimates that the scene has, whose errors count beside the tolerances, all without one: in draws a number at its
+  /// bound lies beyond it by the size of a normal number, and the others follow it.
+  const FittedNumbers* fitted = nullptr;
   std::function<void(std::size_t done)> progress{};  ///< samples; by one thread at a time
 };
 
@@ -50,14 +55,16 @@ struct ToleranceBand {
   SoughtQuantity of;
   std::string why;  ///< one sentence; nothing could be computed
   double nominal = 0.0;
-  // First order, with s the derivatives: sigma^2 = sum s^2 sigma_i^2, worst = sum |s| half_width.
+  // First order, with s the derivatives: sigma^2 = sum s^2 sigma_i^2, of fitted numbers s^T V s, and worst = sum |s|
+  // half_width, in which those do not count.
   std::vector<double> slopes;  ///< one per tolerance
+  std::vector<double> shares;  ///< of sigma^2, one per tolerance; of fitted numbers s_i (V s)_i
   double sigma = 0.0, worst = 0.0;
   /// The quantity where all numbers are at the ends that first order says are worst; empty where the equilibrium does
   /// not continue to there.
   std::optional<double> at_least, at_most;
-  // Second order, with h the second derivatives: shift = 1/2 sum h_ii sigma_i^2, and
-  // sigma^2 + 1/4 sum h_ii^2 (mu4_i - sigma_i^4) + sum_{i<j} h_ij^2 sigma_i^2 sigma_j^2, mu4 the fourth moment.
+  // Second order, with h the second derivatives, of fitted numbers along the axes of V: shift = 1/2 sum h_ii sigma_i^2,
+  // and sigma^2 + 1/4 sum h_ii^2 (mu4_i - sigma_i^4) + sum_{i<j} h_ij^2 sigma_i^2 sigma_j^2, mu4 the fourth moment.
   bool has_second = false;
   double shift = 0.0, second_sigma = 0.0;
   // Samples. Those that continue, and all that have a value.
@@ -72,8 +79,8 @@ struct ToleranceBand {
 
 struct ToleranceStudy {
   Equilibrium equilibrium;
-  std::string why;  ///< one sentence; there is no regular equilibrium
-  std::vector<Tolerance> tolerances;
+  std::string why;                    ///< one sentence; there is no regular equilibrium
+  std::vector<Tolerance> tolerances;  ///< behind them the fitted numbers
   std::vector<ToleranceBand> of;
   std::size_t asked = 0, samples = 0;        ///< fewer samples than asked for where it was interrupted
   std::size_t continued = 0;                 ///< the nominal equilibrium continues to them
@@ -98,7 +105,7 @@ struct ToleranceStudy {
 /// followed too.
 ///
 /// Sample k depends on the seed and k alone. Loads at folds have first order only. Throws InputError as
-/// sensitivities() does.
+/// sensitivities() does, and where a number has both a tolerance and an estimate.
 ToleranceStudy tolerance_study(const StaticModel& model, const std::vector<Tolerance>& tolerances,
                                const std::vector<SoughtQuantity>& of, const ToleranceOptions& options = {});
 

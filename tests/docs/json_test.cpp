@@ -13,6 +13,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/docs/page.hpp"
 #include "tests/support/page_document.hpp"
+#include "tests/support/toggle_rig.hpp"
 
 namespace poise::docs_tests::json_test {
 namespace {
@@ -307,8 +308,19 @@ spring = [{ name = "s", points = ["ground.H", "lever.B"], stiffness = 2, free_le
 stop = [{ name = "travel", bodies = ["ground", "lever"], min = -0.3, max = 0.3 }]
 )";
 
+/// A fit of the toggle rig, which is in the folder.
+std::string fitted_rig(const TempFolder& folder) {
+  folder.write("rig.toml", test::rig_scene());
+  const std::string file = folder.path("fit.json").string();
+  const app_tests::ProgramRun run =
+      run_poise({"identify", folder.write("swing.toml", test::rig_experiment(1)), "--json", file});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return file;
+}
+
 TEST(JsonDocs, Solve) {
   const TempFolder folder;
+  const std::string fit = fitted_rig(folder);
   check_section("solve",
                 {{{"solve", scene("toggle_clamp"), "--set", "load.P=30"}},
                  {{"solve", scene("toggle_clamp"), "--show", "force.rubber,d(angle.arm)/d(angle.handle)"}},
@@ -323,6 +335,7 @@ TEST(JsonDocs, Solve) {
                  {{"solve", scene("hard/taut")}},
                  {{"solve", scene("friction/drawer")}},
                  {{"solve", folder.write("plate.toml", plate)}},
+                 {{"solve", folder.path("rig.toml").string(), "--with", fit}},
                  {{"solve", folder.write("rocker.toml", rocker)}}},
                 Shared::all);
 }
@@ -387,6 +400,7 @@ TEST(JsonDocs, Equilibria) {
 
 TEST(JsonDocs, Path) {
   const TempFolder folder;
+  const std::string fit = fitted_rig(folder);
   check_section("path",
                 {{{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--at", "30"}, with_csv},
                  {{"path", scene("von_mises_toggle"), "--vary", "load.P=0..60", "--follow", "jump"}},
@@ -398,6 +412,7 @@ TEST(JsonDocs, Path) {
                  {{"path", folder.write("toggle.toml", free_toggle), "--vary", "load.load=0..60", "--at", "10", "--set",
                    "spring.left.stiffness=1000"}},
                  {{"path", scene("hard/follower_four_bar"), "--vary", "loads=0.5..1"}},
+                 {{"path", folder.path("rig.toml").string(), "--vary", "load.P=0..40", "--with", fit}},
                  {{"path", scene("forced_machine"), "--vary", "body.machine.mass=20..30"}}},
                 Shared::all);
 }

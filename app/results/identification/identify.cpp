@@ -7,6 +7,7 @@
 
 #include "app/result/numbers.hpp"
 #include "app/results/identification/experiment.hpp"
+#include "app/results/identification/fitted_numbers.hpp"
 #include "app/results/parts.hpp"
 #include "identification/assessment/residuals.hpp"
 #include "model/one_line.hpp"
@@ -724,6 +725,7 @@ Result identify_result(const FitProblem& problem, const Identification& answer,
   add_mobilities(content, problem);
   add_estimates(content, problem, fitted);
   add_covariance(content, fitted);
+  add_fitted_numbers(content, problem, answer);
   add_standard_errors(content, fitted);
   add_traces(content, problem, fitted);
   add_known(content, problem, answer);

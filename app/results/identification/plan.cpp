@@ -27,13 +27,30 @@ std::vector<std::string> not_identifiable(const FitProblem& problem, const PlanS
   return out;
 }
 
-Line verdict(const FitProblem& problem, const Plan& plan) {
+/// "fold.load.P = 37.1 N to ± 0.4 N (standard error)".
+std::string prediction_with_error(const PlannedPrediction& of, const PlanStep& step) {
+  const std::string unit = of.unit_name.empty() ? "" : " " + of.unit_name;
+  return fmt::format("{} = {}{} with a standard error of {}{}", of.name, rounded_to(of.value, step.prediction), unit,
+                     significant(step.prediction, 2), unit);
+}
+
+Line plan_verdict(const FitProblem& problem, const Plan& plan, const std::optional<PlannedPrediction>& prediction) {
   if (plan.runs.empty()) return bad("No plan: " + plan.why + ".");
   const std::string interrupted = plan.interrupted ? "Interrupted; the best plan so far: " : "";
   const std::string runs =
       interrupted + count(static_cast<int>(plan.runs.size()), "run", "runs") + (plan.interrupted ? "" : " planned");
   const PlanStep& last = plan.steps.back();
   if (!last.ok) return bad(runs + ", but what they determine is not known: " + last.why + ".");
+  if (prediction && std::isfinite(last.prediction)) {
+    std::string text = fmt::format("{}: {}", runs, prediction_with_error(*prediction, last));
+    if (plan.own.ok && std::isfinite(plan.own.prediction)) {
+      text += fmt::format("; with the {} of the file {} times as much",
+                          count(static_cast<int>(problem.runs()), "run", "runs"),
+                          significant(plan.own.prediction / last.prediction, 3));
+    }
+    return {.text = text + ".", .tone = plan.interrupted ? Tone::doubtful : Tone::good};
+  }
+  if (prediction) return bad(fmt::format("{}; {} is not determined by them.", runs, prediction->name));
   if (!std::isfinite(last.worst)) {
     return bad(runs + "; not identifiable from them: " + listed(not_identifiable(problem, last)) + ".");
   }
@@ -48,7 +65,8 @@ Line verdict(const FitProblem& problem, const Plan& plan) {
   return {.text = text + ".", .tone = plan.interrupted ? Tone::doubtful : Tone::good};
 }
 
-void add_runs(Group& content, const FitProblem& problem, const ExperimentText& text, const Plan& plan) {
+void add_runs(Group& content, const FitProblem& problem, const ExperimentText& text, const Plan& plan,
+              const std::optional<PlannedPrediction>& prediction) {
   const std::vector<PlanChoice>& vary = limits_of(problem).vary;
   const std::vector<std::size_t> rows = places(plan.runs.size());
   Table& table = content.table("", "Planned runs, the most useful first", Rows::list);
@@ -65,6 +83,13 @@ void add_runs(Group& content, const FitProblem& problem, const ExperimentText& t
     const PlanStep& step = plan.steps[r];
     return step.ok && std::isfinite(step.worst) ? significant(100 * step.worst, 2) : "not identifiable";
   });
+  if (prediction) {
+    table.numbers("", "standard error of " + prediction->name, prediction->unit_name, {}).texts =
+        each(rows, [&](std::size_t r) -> std::string {
+          const PlanStep& step = plan.steps[r];
+          return step.ok && std::isfinite(step.prediction) ? significant(step.prediction, 2) : "not determined";
+        });
+  }
   table.footnotes = {"errors: after this run and those above; other columns: in the units of the file"};
 
   Branch& planned = content.array("planned");
@@ -115,11 +140,13 @@ void add_not_identifiable(Group& content, const PlanStep& last) {
   section.note("    remedy: allow more runs");
 }
 
-void add_step_data(Group& out, const FitProblem& problem, const PlanStep& step, std::size_t runs) {
+void add_step_data(Group& out, const FitProblem& problem, const PlanStep& step, std::size_t runs,
+                   bool is_for_prediction) {
   out.data("runs", runs);
   out.data("ok", step.ok);
   out.data("why", step.why);
   out.data("worst", step.worst);
+  out.data("prediction", is_for_prediction ? Value(step.prediction) : Value());
   out.data("singular_values", step.singular_values);
   Group& errors = out.group("standard_error", "", Verbosity::data);
   for (std::size_t i = 0; i < step.standard_error.size(); ++i) {
@@ -137,12 +164,15 @@ Result plan_result(const FitProblem& problem, const ExperimentText& text, const 
                    double microseconds, const std::vector<std::string>& settings) {
   const PlanLimits& limits = limits_of(problem);
   Result out = experiment_result(problem, settings);
-  out.verdict = verdict(problem, plan);
+  out.verdict = plan_verdict(problem, plan, options.prediction);
   Group& content = out.content;
   const char* const criterion = limits.criterion == PlanCriterion::determinant ? "D"
                                 : limits.criterion == PlanCriterion::trace     ? "A"
                                                                                : "E";
-  content.data("criterion", criterion);
+  content.data("criterion", options.prediction ? "C" : criterion);
+  content.data("for", options.prediction ? Value(options.prediction->name) : Value());
+  content.data("for_unit", options.prediction ? Value(options.prediction->unit_name) : Value());
+  content.data("for_value", options.prediction ? Value(options.prediction->value) : Value());
   content.data("time", limits.time);
   content.data("seed", options.seed);
   content.data("interrupted", plan.interrupted);
@@ -153,20 +183,22 @@ Result plan_result(const FitProblem& problem, const ExperimentText& text, const 
   content.data("evaluations", plan.evaluations);
   content.data("seconds", microseconds / 1e6);
   if (!plan.runs.empty()) {
-    add_runs(content, problem, text, plan);
+    add_runs(content, problem, text, plan, options.prediction);
     add_errors(content, problem, plan);
     add_not_identifiable(content, plan.steps.back());
   }
-  add_step_data(content.group("own", "", Verbosity::data), problem, plan.own, problem.runs());
+  add_step_data(content.group("own", "", Verbosity::data), problem, plan.own, problem.runs(),
+                options.prediction.has_value());
   Branch& steps = content.array("steps");
   for (std::size_t k = 0; k < plan.steps.size(); ++k) {
-    add_step_data(steps.parts.emplace_back(), problem, plan.steps[k], k + 1);
+    add_step_data(steps.parts.emplace_back(), problem, plan.steps[k], k + 1, options.prediction.has_value());
   }
   Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   numerics.fact("criterion",
-                limits.criterion == PlanCriterion::determinant ? "D: the determinant of the relative covariance"
-                : limits.criterion == PlanCriterion::trace     ? "A: the sum of the squared relative standard errors"
+                options.prediction                               ? "C: the variance of " + options.prediction->name
+                : limits.criterion == PlanCriterion::determinant ? "D: the determinant of the relative covariance"
+                : limits.criterion == PlanCriterion::trace       ? "A: the sum of the squared relative standard errors"
                                                            : "E: the largest eigenvalue of the relative covariance");
   std::string candidates = count(static_cast<int>(plan.candidates), "candidate", "candidates");
   if (plan.skipped > 0) {

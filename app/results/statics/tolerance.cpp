@@ -93,12 +93,17 @@ struct Share {
 std::vector<Share> shares_of(const ToleranceBand& band, const std::vector<Tolerance>& tolerances) {
   std::vector<Share> out;
   for (std::size_t t = 0; t < band.slopes.size(); ++t) {
-    const double own = band.slopes[t] * tolerances[t].sigma;
-    out.push_back({&tolerances[t], band.sigma > 0.0 ? own * own / (band.sigma * band.sigma) : 0.0, band.slopes[t]});
+    out.push_back({&tolerances[t], band.shares[t], band.slopes[t]});
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const Share& a, const Share& b) { return to_rank(a.share) > to_rank(b.share); });
   return out;
+}
+
+/// The half width of a tolerance, that of the 95 % interval of a fitted number.
+double reach_of(const Tolerance& of) {
+  constexpr double normal = 1.96;
+  return of.distribution == Tolerance::Distribution::fitted ? normal * of.sigma : of.half_width;
 }
 
 void add_shares(Group& group, const View& view, const ToleranceStudy& study, const Units& units) {
@@ -110,13 +115,17 @@ void add_shares(Group& group, const View& view, const ToleranceStudy& study, con
   table.words("", "number", each(shares, [](const Share& share) { return share.of->number; }));
   table.words("", "tolerance", each(shares, [&](const Share& share) {
                 const Dimension& dimension = share.of->dimension;
-                const bool is_normal = share.of->distribution == Tolerance::Distribution::normal;
-                return fmt::format("+-{} {}{}", significant(share.of->half_width / dimension.unit(units), 4),
-                                   dimension.unit_name(units), is_normal ? ", normal" : "");
+                using Distribution = Tolerance::Distribution;
+                const Distribution is = share.of->distribution;
+                return fmt::format("+-{} {}{}", significant(reach_of(*share.of) / dimension.unit(units), 4),
+                                   dimension.unit_name(units),
+                                   is == Distribution::normal   ? ", normal"
+                                   : is == Distribution::fitted ? ", fit"
+                                                                : "");
               }));
   table.numbers("", "share", "%", each(shares, [](const Share& share) { return 100 * share.share; }), {.digits = 3});
   table.words("", "", each(shares, [&](const Share& share) {
-                return "moves it by +-" + view.with_unit(std::abs(share.slope) * share.of->half_width);
+                return "moves it by +-" + view.with_unit(std::abs(share.slope) * reach_of(*share.of));
               }));
   if (all > shares.size()) {
     const double rest = std::accumulate(shares.begin(), shares.end(), 1.0,
@@ -199,7 +208,9 @@ void add_data(Branch& quantities, const View& view, const ToleranceStudy& study,
   for (const Share& share : shares_of(band, study.tolerances)) {
     Group& one = shares.parts.emplace_back();
     one.data("number", share.of->number);
-    one.data("half_width", share.of->half_width / share.of->dimension.unit(units));
+    const bool is_fitted = share.of->distribution == Tolerance::Distribution::fitted;
+    one.data("half_width", is_fitted ? Value() : Value(share.of->half_width / share.of->dimension.unit(units)));
+    one.data("standard_error", is_fitted ? Value(share.of->sigma / share.of->dimension.unit(units)) : Value());
     one.data("unit", share.of->dimension.unit_name(units));
     one.data("derivative", share.slope * share.of->dimension.unit(units) / view.unit);
     one.data("share", share.share);
@@ -235,7 +246,13 @@ Line verdict(const ToleranceStudy& study) {
   if (without == static_cast<std::ptrdiff_t>(study.of.size())) {
     return bad(fmt::format("No bands; {}: {}.", study.of.front().of.name, study.of.front().why));
   }
-  const std::string numbers = count(static_cast<int>(study.tolerances.size()), "tolerance", "tolerances");
+  const auto fitted =
+      static_cast<int>(std::count_if(study.tolerances.begin(), study.tolerances.end(), [](const Tolerance& one) {
+        return one.distribution == Tolerance::Distribution::fitted;
+      }));
+  const int own = static_cast<int>(study.tolerances.size()) - fitted;
+  std::string numbers = own > 0 || fitted == 0 ? count(own, "tolerance", "tolerances") : "";
+  if (fitted > 0) numbers += (own > 0 ? " and " : "") + count(fitted, "estimate", "estimates");
   if (study.samples == 0 && study.interrupted) {
     return doubtful(fmt::format("{}, first order; interrupted before the first sample.", numbers));
   }
