@@ -464,7 +464,7 @@ Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQu
   }
   Sensitivities out;
   out.size = model.layout().size * model.scales().length;
-  out.equilibrium = solve(model, options.solve);
+  out.equilibrium = options.start ? solve(model, *options.start, options.solve) : solve(model, options.solve);
   const Certificate& proof = out.equilibrium.certificate;
   if (!out.equilibrium.found()) {
     out.why = fmt::format("the equilibrium is {}: {}", to_string(out.equilibrium.status), out.equilibrium.why);

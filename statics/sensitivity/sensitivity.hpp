@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct QuantitySensitivity {
 
 struct SensitivityOptions {
   SolveOptions solve{};
+  std::optional<std::vector<double>> start{};  ///< scaled coordinates from which it settles; the scene's if not given
   OtherQuantities others{};  ///< stresses and modes have values, but no derivatives
 };
 
