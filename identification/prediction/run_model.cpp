@@ -188,7 +188,7 @@ void RunModel::take_times(std::size_t run) {
     } else if (run_.is_simulated()) {
       times_.push_back(simulated_times(experiment_, run_, k));
       const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
-      if (run_.reads(k)) left_out_ += count - times_[k].size();
+      if (run_.reads(k) && !is_at_rest()) left_out_ += count - times_[k].size();
     } else {
       times_.push_back(experiment_.records[run].sensors[k].time);
     }
