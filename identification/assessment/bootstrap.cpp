@@ -32,7 +32,10 @@ class Resampling {
     enlarged_ = std::sqrt(readings / std::max(1.0, readings - values));
     const double independent = fitted.errors.independent;
     double longest = 0.0;
-    for (std::size_t r = 0; r < problem.runs(); ++r) longest = std::max(longest, problem.run(r).span());
+    for (std::size_t r = 0; r < problem.runs(); ++r) {
+      if (!problem.run(r).is_at_rest()) longest = std::max(longest, problem.run(r).span());
+    }
+    if (longest == 0.0) return;
     block_ = independent > block_holds ? longest * block_holds / independent : INFINITY;
     if (!(2 * block_ < longest)) block_ = INFINITY;
   }
@@ -45,6 +48,10 @@ class Resampling {
       const double span = problem_.run(r).span();
       const double block = std::min(block_, span);
       for (std::size_t k = 0; k < out[r].sensors.size(); ++k) out[r].sensors[k].value = fits_[r].prediction[k];
+      if (problem_.run(r).is_at_rest()) {
+        for (std::size_t k = 0; k < out[r].sensors.size(); ++k) add_row_by_row(r, k, random, out[r]);
+        continue;
+      }
       // Blocks of all sensors at once; a random sign makes their mean vanish, as that of the noise does.
       for (double begin = 0.0; begin <= span; begin += std::max(block, 1e-12)) {
         const std::vector<std::size_t>& sources = sources_[r];
@@ -61,12 +68,25 @@ class Resampling {
   }
 
  private:
-  // Whether run `from` has residuals of every sensor that is read in run r.
+  // Whether run `from`, at rest or in motion as run r, has residuals of every sensor that is read in that.
   bool reads_all(std::size_t from, std::size_t r) const {
+    if (problem_.run(from).is_at_rest() != problem_.run(r).is_at_rest()) return false;
     for (std::size_t k = 0; k < records_[r].sensors.size(); ++k) {
       if (!problem_.run(r).times()[k].empty() && problem_.run(from).times()[k].empty()) return false;
     }
     return true;
+  }
+
+  // Adds to each reading of sensor k in a run at rest, where readings are independent, some residual of one of its
+  // sources.
+  void add_row_by_row(std::size_t r, std::size_t k, solvers::RandomStream& random, Record& out) const {
+    const auto any_of = [&](std::size_t count) {
+      return std::min(count - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(count)));
+    };
+    for (double& value : out.sensors[k].value) {
+      const std::vector<double>& e = fits_[sources_[r][any_of(sources_[r].size())]].residual[k];
+      value += (random.uniform() < 0.5 ? -enlarged_ : enlarged_) * e[any_of(e.size())];
+    }
   }
 
   // Adds to the readings of sensor k in run r at begin .. begin + block the residuals of run `from` at `at` and later.
@@ -91,7 +111,7 @@ class Resampling {
   const std::vector<Record>& records_;
   std::vector<RunResiduals> fits_;
   std::vector<std::vector<std::size_t>> sources_;  // per run: those whose residuals it may be given
-  double enlarged_ = 1.0, block_ = INFINITY;
+  double enlarged_ = 1.0, block_ = INFINITY;       // of motions
 };
 
 double percentile(const std::vector<double>& ascending, double part) {

@@ -32,8 +32,8 @@ struct BootstrapOptions {
 /// The moving-block bootstrap of residuals: every run's prediction plus blocks of residuals, all sensors of a run at
 /// the same times, drawn with replacement from the runs; times sqrt(readings / (readings - values estimated)). Blocks
 /// are as long as the residuals of 20 independent readings, at most a run: then whole runs are drawn, each with a
-/// random sign. Source: H. R. Kunsch, The jackknife and the bootstrap for general stationary observations, 1989. The
-/// fit must be usable.
+/// random sign. Readings at rest are independent: each is given the residual of one of them. Source: H. R. Kunsch, The
+/// jackknife and the bootstrap for general stationary observations, 1989. The fit must be usable.
 Bootstrap bootstrap(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
                     const BootstrapOptions& options);
 

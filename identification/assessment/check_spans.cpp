@@ -44,7 +44,7 @@ void check_spans(const FitProblem& problem) {
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& model = problem.run(r);
     const Run& run = model.run();
-    if (run.is_simulated() || run.states_time_factor) continue;
+    if (run.is_simulated() || run.is_at_rest() || run.states_time_factor) continue;
     std::vector<double> all = frequencies(problem, r);
     const auto restores = [](double f) { return f > 0; };
     if (std::none_of(all.begin(), all.end(), restores)) {

@@ -130,10 +130,11 @@ MonteCarlo monte_carlo(const FitProblem& problem, const MonteCarloOptions& optio
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const Run& run = problem.run(r).run();
     if (!run.is_simulated()) {
-      throw InputError(
-          fmt::format("{}:{}: run \"{}\": expected simulated runs only, this one is measured; give it a "
-                      "duration and a rate in place of data",
-                      problem.experiment().file, run.line, run.name));
+      throw InputError(fmt::format(
+          "{}:{}: run \"{}\": expected simulated runs only, this one is measured; give it {} "
+          "in place of {}",
+          problem.experiment().file, run.line, run.name, run.is_at_rest() ? "inputs as lists" : "a duration and a rate",
+          run.is_at_rest() ? "readings" : "data"));
     }
     ideal.push_back(problem.ideal_record(r));
     nuisances.push_back(problem.run(r).released());

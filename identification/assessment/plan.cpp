@@ -564,7 +564,8 @@ class Planner {
       const std::vector<PlannedRun> first(out_.runs.begin(), out_.runs.begin() + static_cast<std::ptrdiff_t>(count));
       const Experiment experiment = parse_experiment(text_.with(first, true, folder_), own_.experiment().file);
       const FitProblem problem(experiment);
-      if (triangles.empty()) triangles = triangles_of(problem);
+      // Runs at rest are behind those in motion, whichever were planned first.
+      if (triangles.empty() || problem.any_at_rest()) triangles = triangles_of(problem);
       triangles.resize(problem.runs());
       PlanStep step = step_of(problem, triangles);
       Eigen::MatrixXd sum = made_;

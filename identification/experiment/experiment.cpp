@@ -49,6 +49,7 @@ bool is_held(const Experiment& experiment, const Run& run) {
 }
 
 TimeRange compared_times(const Experiment& experiment, const Run& run, std::size_t k, double end) {
+  if (run.is_at_rest()) return {-INFINITY, INFINITY};
   const Sensor& sensor = experiment.sensors[k];
   return {is_held(experiment, run) ? 0.0 : std::max(0.0, sensor.most_delay),
           run.inputs.empty() ? INFINITY : end + std::min(0.0, sensor.least_delay)};
@@ -66,6 +67,8 @@ std::size_t leave_out(const TimeRange& compared, Series& series) {
 std::vector<double> simulated_times(const Experiment& experiment, const Run& run, std::size_t k) {
   std::vector<double> out;
   if (!run.reads(k) || experiment.sensors[k].reads_impacts()) return out;
+  for (std::size_t row = 1; row <= run.rows; ++row) out.push_back(static_cast<double>(row));
+  if (run.is_at_rest()) return out;
   const auto count = static_cast<std::size_t>(std::llround(run.duration * run.sample_rate));
   const TimeRange compared = compared_times(experiment, run, k, run.duration);
   for (std::size_t i = 0; i < count; ++i) {

@@ -16,6 +16,7 @@
 #include "model/parameter_change.hpp"
 #include "model/scene.hpp"
 #include "motion/motion_input.hpp"
+#include "statics/quantities/quantity.hpp"
 
 namespace poise {
 
@@ -26,13 +27,17 @@ struct SensorNumber {
   Of of = Of::zero;
 };
 
-/// A sensor reads a measure of the pose, or the force of an element of the scene; values SI. At time t its column has
+/// A sensor reads a measure of the pose, the force of an element of the scene, or a quantity that a mechanism has at
+/// rest; values SI. At time t its column has
 ///   (g(t - delay) - zero) / unit,  g the quantity.
+/// A delay means nothing at rest.
 /// One of impacts reads the times T_1 < T_2 < ... of those at some limits of stops:  (T_i - zero) / unit.
 struct Sensor {
   Measure on;                ///< body_a is the ground for an absolute angle
   int element = -1;          ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::vector<int> stops{};  ///< indices into Scene::stops whose impacts it reads the times of; else none
+  std::optional<SoughtQuantity>
+      at_rest{};  ///< what else it reads of a mechanism at rest: such a sensor reads no motion
   std::string name;
   std::string column;  ///< of a data file
   bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
@@ -50,7 +55,10 @@ struct Sensor {
   bool reads_force() const { return element >= 0; }
   bool reads_impacts() const { return !stops.empty(); }
   /// Whether it reads its measure itself, or the rate of that.
-  bool reads_measure() const { return !reads_force() && !reads_impacts(); }
+  bool reads_measure() const { return !reads_force() && !reads_impacts() && !at_rest; }
+  /// Whether a mechanism at rest has what it reads, and whether one that moves has.
+  bool is_of_rest() const { return !reads_impacts() && !rate; }
+  bool is_of_motion() const { return !at_rest; }
   /// Whether it reads an angle itself, not its rate or an effort.
   bool reads_angle() const { return on.is_angle() && !rate && reads_measure(); }
   /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
@@ -60,6 +68,7 @@ struct Sensor {
   /// Of a reading.
   Dimension dimension() const {
     if (reads_impacts()) return dimension::time;
+    if (at_rest) return at_rest->dimension;
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
     return rate ? read * dimension::time.power(-1) : read;
   }
@@ -133,7 +142,15 @@ struct RunInput {
   int line = 0;
 };
 
-/// One motion, free or driven: simulated, or measured.
+/// A number of the scene, or what a drive of it holds, in the rows of a run at rest.
+struct RowInput {
+  std::string path;            ///< as for set_value(): "load.W"; or "drive.crank"
+  int drive = -1;              ///< index into Scene::drives whose measure is held; else -1
+  std::vector<double> values;  ///< one for each row, in the scene's units
+  int line = 0;
+};
+
+/// One motion, free or driven, or readings at rest: simulated, or measured.
 struct Run {
   std::string name;
   std::vector<ParameterChange> changes;                     ///< of the scene, known: a payload, say
@@ -145,16 +162,19 @@ struct Run {
   std::vector<RunInput> inputs;
   bool unknown_start = true;                ///< initial coordinates and rates are nuisance parameters
   std::uint64_t seed = 0;                   ///< of the noise of a simulated run
-  std::vector<std::filesystem::path> data;  ///< files of its readings; empty: simulated
+  std::vector<std::filesystem::path> data;  ///< files of its readings, which may be the experiment's; empty: simulated
   std::string time_column;                  ///< of the first of them
   bool states_time_factor = false;          ///< seconds per unit of these columns; else 1, which check_spans() checks
   std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
   std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
   std::size_t left_out = 0;                 ///< readings of the files that compared_times() leaves out
+  std::size_t rows = 0;                     ///< at rest: how often it is read, at the "times" 1, 2, ...; else 0
+  std::vector<RowInput> row_inputs;         ///< of these
   std::size_t part = 0;                     ///< of the experiment
   int line = 0;
 
   bool is_simulated() const { return data.empty(); }
+  bool is_at_rest() const { return rows > 0; }
   /// Whether sensor k is read in it.
   bool reads(std::size_t k) const {
     return sensors.empty() || std::find(sensors.begin(), sensors.end(), k) != sensors.end();

@@ -22,8 +22,13 @@ toml::table& table_in(toml::table& owner, const std::string& key) {
   return *owner.get_as<toml::table>(key);
 }
 
+/// Inputs of readings at rest have a list with a number for each row: a planned one has a single row.
 void put(toml::table& owner, const std::string& table, const std::string& key, double value) {
-  (table.empty() ? owner : table_in(owner, table)).insert_or_assign(key, value);
+  toml::table& to = table.empty() ? owner : table_in(owner, table);
+  if (table == "inputs")
+    to.insert_or_assign(key, toml::array{value});
+  else
+    to.insert_or_assign(key, value);
 }
 
 void take_out(toml::table& owner, const std::string& table, const std::string& key) {
@@ -57,6 +62,28 @@ toml::table bare(toml::table run, const Experiment& experiment) {
     for (const std::string& label : unused) take_out(run, "labels", label);
   }
   return run;
+}
+
+/// Names the sensors that a run reads where it does not, and not all are read in it.
+void name_sensors(toml::table& table, const std::string& name, const Experiment& experiment) {
+  const auto run =
+      std::find_if(experiment.runs.begin(), experiment.runs.end(), [&](const Run& r) { return r.name == name; });
+  if (run == experiment.runs.end() || run->sensors.empty() || table.contains("sensors")) return;
+  if (run->sensors.size() == experiment.sensors.size()) return;
+  toml::array names;
+  for (const std::size_t k : run->sensors) names.push_back(experiment.sensors[k].name);
+  table.insert_or_assign("sensors", std::move(names));
+}
+
+/// Visits the tables of a list, each with its name or the one that it has by default.
+template <class Visit>
+void for_each_table(const toml::table& root, const std::string& key, Visit visit) {
+  const toml::array* const tables = root.get_as<toml::array>(key);
+  if (tables == nullptr) return;
+  for (std::size_t i = 0; i < tables->size(); ++i) {
+    const toml::table& table = *tables->at(i).as_table();
+    visit(table, table["name"].value_or(key + " " + std::to_string(i + 1)));
+  }
 }
 
 /// Takes out sensors that none of the runs reads, and unknown and known numbers that are of these.
@@ -110,7 +137,9 @@ class TomlWriter {
   static std::vector<const toml::key*> keys_of(const toml::table& table) {
     std::vector<const toml::key*> keys;
     for (const auto& [key, node] : table) keys.push_back(&key);
-    const auto place = [](const toml::key& key) { return key == "name" || key == "title" ? 0 : key == "run" ? 2 : 1; };
+    const auto place = [](const toml::key& key) {
+      return key == "name" || key == "title" ? 0 : key == "run" || key == "static" ? 2 : 1;
+    };
     std::stable_sort(keys.begin(), keys.end(), [&](auto* a, auto* b) { return place(*a) < place(*b); });
     return keys;
   }
@@ -162,7 +191,8 @@ class TomlWriter {
 
 struct ExperimentText::Tables {
   toml::table root;  // without runs and plan
-  std::vector<toml::table> measured, templates;
+  std::vector<toml::table> measured, measured_at_rest, templates;
+  std::string kind = "run";  // of the templates: or "static"
   fs::path folder;
 };
 
@@ -179,22 +209,33 @@ ExperimentText::ExperimentText(const Experiment& experiment, const ExperimentOpt
     toml::table& sensor = *tables.root.get_as<toml::array>("sensor")->at(k).as_table();
     sensor.insert_or_assign("name", experiment.sensors[k].name);
   }
-  std::size_t number = 0;
-  for (const toml::node& node : *tables.root.get_as<toml::array>("run")) {
-    toml::table run = *node.as_table();
-    ++number;
+  const auto add_template = [&](toml::table run, const std::string& name, const std::string& kind) {
+    name_sensors(run, name, experiment);
+    run = bare(std::move(run), experiment);
+    if (toml::table* const inputs = kind == "static" ? run.get_as<toml::table>("inputs") : nullptr) {
+      for (auto&& [path, rows] : *inputs) rows.as_array()->resize(1, 0.0);
+    }
+    if (std::find(tables.templates.begin(), tables.templates.end(), run) != tables.templates.end()) return;
+    tables.templates.push_back(std::move(run));
+    tables.kind = kind;
+    names_.push_back(name);
+  };
+  for_each_table(tables.root, "run", [&](toml::table run, const std::string& name) {
     if (run.contains("data")) {
       if (!options.data.empty()) run.insert_or_assign("data", fs::absolute(options.data).string());
       tables.measured.push_back(std::move(run));
-      continue;
+    } else {
+      add_template(std::move(run), name, "run");
     }
-    const std::string name = run["name"].value_or("run " + std::to_string(number));
-    run = bare(std::move(run), experiment);
-    if (std::find(tables.templates.begin(), tables.templates.end(), run) != tables.templates.end()) continue;
-    tables.templates.push_back(std::move(run));
-    names_.push_back(name);
-  }
+  });
+  for_each_table(tables.root, "static", [&](toml::table run, const std::string& name) {
+    if (run.contains("data") || run.contains("readings"))
+      tables.measured_at_rest.push_back(std::move(run));
+    else
+      add_template(std::move(run), name, "static");
+  });
   tables.root.erase("run");
+  tables.root.erase("static");
   tables.root.erase("plan");
   const auto is_taken = [&](const Run& run) { return !run.is_simulated() && run.name.starts_with(prefix_); };
   while (std::any_of(experiment.runs.begin(), experiment.runs.end(), is_taken)) prefix_ = "newly " + prefix_;
@@ -235,11 +276,15 @@ std::string ExperimentText::with(const std::vector<PlannedRun>& runs, bool measu
     }
   };
   move_paths(root, "scene");
-  toml::array list;
+  toml::array in_motion, at_rest;
   if (measured) {
     for (toml::table run : tables_->measured) {
       move_data(run);
-      list.push_back(std::move(run));
+      in_motion.push_back(std::move(run));
+    }
+    for (toml::table run : tables_->measured_at_rest) {
+      move_data(run);
+      at_rest.push_back(std::move(run));
     }
   }
   for (const PlannedRun& planned : runs) {
@@ -252,10 +297,13 @@ std::string ExperimentText::with(const std::vector<PlannedRun>& runs, bool measu
       const PlanChoice& choice = limits_.vary[c];
       put(choice.common ? root : run, choice.table, choice.key, planned.values[c]);
     }
-    list.push_back(std::move(run));
+    (tables_->kind == "run" ? in_motion : at_rest).push_back(std::move(run));
   }
-  leave_out_unread(root, list);
-  root.insert_or_assign("run", std::move(list));
+  toml::array all = in_motion;
+  for (const toml::node& run : at_rest) all.push_back(*run.as_table());
+  leave_out_unread(root, all);
+  if (!in_motion.empty()) root.insert_or_assign("run", std::move(in_motion));
+  if (!at_rest.empty()) root.insert_or_assign("static", std::move(at_rest));
   return TomlWriter().text(root);
 }
 

@@ -11,6 +11,7 @@
 #include "identification/experiment/private/join_experiments.hpp"
 #include "identification/experiment/private/read_plan.hpp"
 #include "identification/experiment/private/read_runs.hpp"
+#include "identification/experiment/private/read_static_runs.hpp"
 #include "identification/experiment/scene_parameter.hpp"
 #include "model/dependent_number.hpp"
 #include "model/joint_friction.hpp"
@@ -50,7 +51,8 @@ class ExperimentReader {
       root_.place_of("body").fail(
           "expected an experiment, found a scene; give a file that names it with scene = \"...\"");
     }
-    root_.allow_keys({"title", "source", "scene", "set", "loss", "sensor", "unknown", "known", "run", "plan"});
+    root_.allow_keys(
+        {"title", "source", "scene", "set", "loss", "sensor", "unknown", "known", "run", "static", "plan"});
     if (const auto title = root_.find_text("title")) experiment_.title = title->value;
     if (const auto source = root_.find_text("source")) experiment_.source = source->value;
     read_its_scene(options);
@@ -60,6 +62,7 @@ class ExperimentReader {
     read_unknowns();
     read_known();
     read_runs(root_, names, file_.parent_path(), options.data, experiment_);
+    read_static_runs(root_, file_.parent_path(), experiment_);
     for (const Unknown& unknown : experiment_.unknowns) check_against_runs(unknown);
     for (const KnownNumber& known : experiment_.known) {
       check_label(fmt::format("known \"{}\"", known.path), known.line, known.per);
@@ -223,15 +226,11 @@ class ExperimentReader {
     return units.length;
   }
 
-  /// read = "length.strut", a quantity of the scene: a measure, its rate or the force of a spring.
+  /// read = "length.strut", a quantity of the scene: a measure, its rate or the force of a spring; or any other that a
+  /// mechanism has at rest.
   double read_by_name(const TomlText& name, Sensor& sensor) const {
     const Scene& scene = experiment_.scene;
-    SoughtQuantity found;
-    try {
-      found = find_quantity(scene, name.value, AskedOf::motion);
-    } catch (const InputError& error) {
-      name.place.fail(error.what());
-    }
+    SoughtQuantity found = located(name.place, [&] { return find_quantity(scene, name.value, AskedOf::motion); });
     const double unit = found.dimension.unit(scene.units);
     if (found.kind == SoughtQuantity::Kind::by_time) {
       sensor.rate = true;
@@ -249,13 +248,34 @@ class ExperimentReader {
     const bool is_measure =
         found.kind == SoughtQuantity::Kind::measure &&
         std::find(read_as_they_are.begin(), read_as_they_are.end(), found.on.kind) != read_as_they_are.end();
-    if (!is_measure) {
+    if (!is_measure) sensor.at_rest = read_at_rest(name);
+    return unit;
+  }
+
+  /// A quantity that equilibria have, with derivatives.
+  SoughtQuantity read_at_rest(const TomlText& name) const {
+    const auto fail = [&] {
       name.place.fail(
           fmt::format("sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT "
-                      "between two points or bodies, d(A)/dt of these, or force.SPRING; found {}",
+                      "between two points or bodies, d(A)/dt of these, or force.SPRING, and at rest all quantities but "
+                      "stresses, modes and those over a path; found {}",
                       name.value));
+    };
+    using Kind = SoughtQuantity::Kind;
+    std::optional<SoughtQuantity> out;
+    try {
+      out = find_quantity(experiment_.scene, name.value, AskedOf::rest);
+    } catch (const InputError&) {
+      fail();
     }
-    return unit;
+    constexpr std::array without_derivatives = {Kind::stress, Kind::frequency, Kind::damping};
+    // At a fold a quantity is the load itself: expressions of it have no derivatives.
+    const bool mixes_fold = out->kind != Kind::load_at_fold && out->has(Kind::load_at_fold);
+    if (out->is_over_path() || mixes_fold ||
+        std::any_of(without_derivatives.begin(), without_derivatives.end(), [&](Kind k) { return out->has(k); })) {
+      fail();
+    }
+    return *out;
   }
 
   /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.
@@ -548,6 +568,13 @@ class ExperimentReader {
                          input.motion.of == MotionInput::Of::drive
                              ? ""
                              : ", or let the input multiply it with multiplies = true"));
+      }
+      for (const RowInput& input : run.row_inputs) {
+        if (unknown.path != input.path && !(input.drive >= 0 && unknown.path.starts_with(input.path + "."))) continue;
+        fail("path",
+             fmt::format("expected a number that no input takes the place of, static run \"{}\" has \"{}\" as an "
+                         "input in line {}; take one of the two out",
+                         run.name, input.path, input.line));
       }
       if (run.equilibrium && run.equilibrium->by == unknown.path) {
         fail("path",

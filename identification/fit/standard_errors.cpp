@@ -54,6 +54,15 @@ std::vector<std::pair<std::size_t, std::size_t>> even_pieces(const std::vector<d
   return out;
 }
 
+/// Of the readings of sensor k in a run, within which noise may be correlated: those at rest are independent.
+std::vector<std::pair<std::size_t, std::size_t>> pieces_of(const RunModel& run, std::size_t k) {
+  const std::vector<double>& times = run.times()[k];
+  if (!run.is_at_rest()) return even_pieces(times);
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  for (std::size_t i = 0; i < times.size(); ++i) out.emplace_back(i, i + 1);
+  return out;
+}
+
 class Analysis {
  public:
   Analysis(const FitProblem& problem, const Eigen::MatrixXd& covariance, const std::vector<LinearRun>& runs,
@@ -142,21 +151,25 @@ class Analysis {
       std::vector<Eigen::MatrixXd> columns;  // per piece
       double readings = 0.0;
       double squares = 0.0;
+      double in_motion = 0.0, pieces_in_motion = 0.0;
       for (std::size_t r = 0; r < runs_.size(); ++r) {
         const Scores& run = runs_[r];
         const Eigen::MatrixXd b = taken(r, k);
-        for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
+        for (const auto& [first, last] : pieces_of(problem_.run(r), k)) {
           const double* const u = run.u.data() + run.first[k];
           pieces.emplace_back(u + first, u + last);
           const auto at = static_cast<Eigen::Index>(first);
           columns.emplace_back(b.middleRows(at, static_cast<Eigen::Index>(last) - at));
           readings += static_cast<double>(last - first);
+          if (problem_.run(r).is_at_rest()) continue;
+          in_motion += static_cast<double>(last - first);
+          pieces_in_motion += 1.0;
         }
         squares += run.u.segment(run.first[k], run.first[k + 1] - run.first[k]).squaredNorm();
       }
       series_.push_back(corrected(pieces, columns, readings, squares));
       spread_.push_back(series_.back().spread());
-      even_ = even_ && (pieces.empty() || readings / static_cast<double>(pieces.size()) > 8);
+      even_ = even_ && (pieces_in_motion == 0.0 || in_motion > 8 * pieces_in_motion);
     }
   }
 
@@ -206,7 +219,7 @@ class Analysis {
     all.middleCols(nuisances, a.cols()) = a;
     all.rightCols(1) = left;
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(all.cols(), all.cols());
-    for (const auto& [first, last] : even_pieces(problem_.run(r).times()[k])) {
+    for (const auto& [first, last] : pieces_of(problem_.run(r), k)) {
       sum += series_[k].weighted_square(
           all.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)));
     }

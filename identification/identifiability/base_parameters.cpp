@@ -60,6 +60,7 @@ BaseParameters base_parameters(const Scene& scene) {
   if (bodies.empty()) return out;
   const MotionModel model(scene);
   Eigen::MatrixXd Y = regressor(model, bodies, 8 * out.parameters);
+  if (Y.rows() == 0) return out;  // drives leave no freedom
   const auto name = [&](Eigen::Index column) {
     return scene.bodies[static_cast<std::size_t>(bodies[static_cast<std::size_t>(column / 4)])].name + "." +
            part_names[column % 4];

@@ -423,8 +423,8 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     if (triangles[r].size() > 0) continue;
     const std::string why = problem.why_no_motion(r, parameters, nuisances[r]);
-    out.why = fmt::format("the motion of run \"{}\" could not be computed{}{}", problem.run(r).run().name,
-                          why.empty() ? "" : ": ", why);
+    out.why = fmt::format("{} of run \"{}\" could not be computed{}{}", problem.run(r).computed(),
+                          problem.run(r).run().name, why.empty() ? "" : ": ", why);
     return out;
   }
   return Assessment(problem, parameters).run(nuisances, triangles, weighting);

@@ -133,6 +133,14 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
   }
 }
 
+bool FitProblem::any_at_rest() const {
+  return std::any_of(models_.begin(), models_.end(), [](const RunModel& run) { return run.is_at_rest(); });
+}
+
+bool FitProblem::all_at_rest() const {
+  return std::all_of(models_.begin(), models_.end(), [](const RunModel& run) { return run.is_at_rest(); });
+}
+
 std::vector<double> FitProblem::unknowns_of(std::size_t r, const std::vector<double>& parameters) const {
   std::vector<double> out;
   for (const int p : used_[r]) out.push_back(parameters[static_cast<std::size_t>(p)]);

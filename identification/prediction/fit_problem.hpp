@@ -49,6 +49,9 @@ class FitProblem {
   const Experiment& experiment() const { return experiment_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
   std::size_t runs() const { return models_.size(); }
+  /// Whether some run is at rest, or all are.
+  bool any_at_rest() const;
+  bool all_at_rest() const;
   const RunModel& run(std::size_t r) const { return models_[r]; }
   /// Parameters that run r depends on, in the order of its unknowns.
   const std::vector<int>& parameters_of(std::size_t r) const { return used_[r]; }

@@ -35,4 +35,16 @@ void visit_random_states(ReducedMotion<double>& reduced, const std::vector<doubl
   }
 }
 
+Scene disturbed(Scene scene) {
+  solvers::RandomStream random(3);
+  for (const ParameterRow& row : parameter_table(scene)) {
+    if (row.place.owner == Owner::start || row.place.owner == Owner::stop) continue;
+    const double value = value_at(scene, row.place).value_or(0.0);
+    if (value != 0) set_value_at(scene, row.place, value * (1 + random.uniform(-disturbance, disturbance)));
+  }
+  for (Joint& joint : scene.joints)
+    joint.axis = joint.axis + random.uniform(-disturbance, disturbance) * quarter_turn(joint.axis);
+  return scene;
+}
+
 }  // namespace poise

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "motion/reduced_motion.hpp"
@@ -19,5 +20,10 @@ struct RandomState {
 /// call. Coordinates must have been chosen.
 void visit_random_states(ReducedMotion<double>& reduced, const std::vector<double>& x, int states, double duration,
                          const std::function<void(const RandomState&)>& visit);
+
+/// Relative change of the scene's numbers that shows what their rounding, and that of all computation, may do.
+inline constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
+/// A scene in which every number that a motion depends on is changed at random by a relative `disturbance` at most.
+Scene disturbed(Scene scene);
 
 }  // namespace poise

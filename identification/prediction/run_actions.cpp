@@ -14,8 +14,6 @@ namespace {
 
 using Reduced = ReducedMotion<double>;
 
-/// Relative change of the scene's numbers that shows what their rounding, and that of all computation, may do.
-constexpr double disturbance = 4 * std::numeric_limits<double>::epsilon();
 /// A sum that is smaller than its terms by this is rounding of them and of the pose.
 constexpr double lost_in_terms = 0x1p12 * std::numeric_limits<double>::epsilon();
 /// What a change of a number by 100 % changes by this part of the acceleration at most is rounding of that.
@@ -26,19 +24,6 @@ constexpr std::size_t states_of_motion = 20;
 constexpr double least_pivot = 1e-3;
 /// Further impacts at the same limit tell the same.
 constexpr std::ptrdiff_t most_impacts_of_side = 2;
-
-/// Every number that a motion depends on changed at random by a relative `disturbance` at most.
-Scene disturbed(Scene scene) {
-  solvers::RandomStream random(3);
-  for (const ParameterRow& row : parameter_table(scene)) {
-    if (row.place.owner == Owner::start || row.place.owner == Owner::stop) continue;
-    const double value = value_at(scene, row.place).value_or(0.0);
-    if (value != 0) set_value_at(scene, row.place, value * (1 + random.uniform(-disturbance, disturbance)));
-  }
-  for (Joint& joint : scene.joints)
-    joint.axis = joint.axis + random.uniform(-disturbance, disturbance) * quarter_turn(joint.axis);
-  return scene;
-}
 
 /// An unknown number of a sensor that is read.
 struct ReadNumber {
@@ -494,6 +479,7 @@ class RunModel::ActionRows {
 };
 
 RunModel::Actions RunModel::actions(const double* unknowns, const double* nuisances, int states) const {
+  if (is_at_rest()) return actions_at_rest(unknowns, states);
   Actions none;
   const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), true);
   if (!built.model) return none;

@@ -33,6 +33,17 @@ auto start_at(const std::string& place, Make make) {
   }
 }
 
+void expect_sensors_of_motion(const Experiment& experiment, const Run& run) {
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    if (sensor.is_of_motion() || !run.reads(k)) continue;
+    throw InputError(at_line(experiment.file_of(run.part), run.line) +
+                     fmt::format("run \"{}\": expected sensors that read motions, \"{}\" reads {}, which a run at rest "
+                                 "alone has",
+                                 run.name, sensor.name, sensor.at_rest->name));
+  }
+}
+
 }  // namespace
 
 RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<SceneParameter> numbers,
@@ -44,6 +55,11 @@ RunModel::RunModel(const Experiment& experiment, std::size_t run, std::vector<Sc
       sensor_numbers_(std::move(sensor_numbers)),
       held_(is_held(experiment, run_)) {
   for (const ParameterChange& change : run_.changes) set_value(scene_, change.path, change.value);
+  if (run_.is_at_rest()) {
+    rest(experiment, run);
+    return;
+  }
+  expect_sensors_of_motion(experiment, run_);
   scene_ = resisted_by_joints(std::move(scene_));
   take_inputs();
   start_unknown_ = run_.unknown_start;
@@ -183,7 +199,7 @@ void RunModel::take_times(std::size_t run) {
     } else if (run_.is_simulated()) {
       times_.push_back(simulated_times(experiment_, run_, k));
       const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
-      if (run_.reads(k)) left_out_ += count - times_[k].size();
+      if (run_.reads(k) && !is_at_rest()) left_out_ += count - times_[k].size();
     } else {
       times_.push_back(experiment_.records[run].sensors[k].time);
     }
@@ -313,6 +329,7 @@ std::vector<double> RunModel::released() const {
 }
 
 std::vector<double> RunModel::start_of_run(const std::vector<double>& nuisances) const {
+  if (is_at_rest()) return {};
   if (!start_unknown_) return {released_.begin(), released_.begin() + freedoms_};
   const auto first = nuisances.begin() + (equilibrium_unknown_ ? 1 : 0);
   return {first, first + freedoms_};
@@ -497,6 +514,11 @@ Motion RunModel::move(const Built& built, const double* nuisances, double durati
 
 Motion RunModel::move(const double* unknowns, const double* nuisances, double duration, double accuracy,
                       bool sensitivities) const {
+  if (is_at_rest()) {
+    Motion none;
+    none.why = "it is at rest";
+    return none;
+  }
   const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), sensitivities);
   if (!built.model) {
     Motion none;
@@ -508,6 +530,7 @@ Motion RunModel::move(const double* unknowns, const double* nuisances, double du
 
 RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilibrium) const {
   Oscillator out;
+  if (is_at_rest()) return out;
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return out;
   const MotionModel& model = *built.model;
@@ -544,6 +567,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
 
 std::vector<double> RunModel::natural_frequencies(const double* unknowns, double equilibrium,
                                                   const std::vector<double>& pose) const {
+  if (is_at_rest()) return {};
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return {};
   const MotionModel& model = *built.model;

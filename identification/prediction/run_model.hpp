@@ -9,6 +9,7 @@
 
 #include "identification/experiment/experiment.hpp"
 #include "identification/experiment/scene_parameter.hpp"
+#include "identification/prediction/static_run.hpp"
 #include "motion/simulate.hpp"
 #include "statics/model/mobility.hpp"
 
@@ -41,6 +42,9 @@ struct Prediction {
 ///
 /// The i-th reading of a sensor of impacts is the time of the i-th of the motion, which may go on beyond the run's end
 /// for it; a motion without it has no prediction.
+///
+/// A run at rest (StaticRun) has no nuisances and no motion: what is said of that below is none, empty or zero. Its
+/// rows take the place of times.
 class RunModel {
  public:
   /// `numbers`: those of the scene that are unknown in this run, `sensor_numbers`: those of its sensors. Throws
@@ -56,6 +60,9 @@ class RunModel {
   /// That the closures leave where the run starts, without its drives.
   const Freedoms& mobility() const { return mobility_; }
   const Run& run() const { return run_; }
+  bool is_at_rest() const { return at_rest_ != nullptr; }
+  /// "the motion", "the equilibria", for messages.
+  const char* computed() const { return is_at_rest() ? "the equilibria" : "the motion"; }
   /// The first unknowns.
   const std::vector<SceneParameter>& numbers() const { return numbers_; }
   /// The ones after these.
@@ -105,6 +112,7 @@ class RunModel {
   /// exact to rounding. Where a direction of the unknowns is in the null space of the rows of all states, it changes no
   /// motion and no reading of this run. (A number that an equilibrium sets follows the unknowns.)
   /// A time at which a load jumps has further rows: by how much d w/d(time) jumps there.
+  /// A run at rest has rows of its sensors at its own inputs and at random ones, and no states.
   struct Actions {
     int rows_per_state = 0;  ///< degrees of freedom, then the sensors that are read
     Eigen::MatrixXd rows;    ///< per unknown, SI, alpha in the units of the scaled scene; none where there is no motion
@@ -185,6 +193,10 @@ class RunModel {
   void vary_start(const MotionModel& model, const std::vector<double>& assembled, Built& out) const;
   void refuse_what_opens_loops(const MotionModel& model, const Built& built) const;
   void refuse_start_across_blades() const;
+  void rest(const Experiment& experiment, std::size_t run);
+  void predict_at_rest(const double* unknowns, double until, bool jacobian, Prediction& out,
+                       const std::atomic<bool>* interrupt) const;
+  Actions actions_at_rest(const double* unknowns, int loads) const;
   void take_inputs();
   VaryingNumbers varying_numbers() const;
   std::unique_ptr<const MotionModel> assemble();
@@ -261,8 +273,9 @@ class RunModel {
   bool delayed_ = false;  // the delay of a sensor is unknown or not zero
   bool held_ = false;     // until time 0
   std::vector<double> released_;
-  std::vector<StartValue> completed_;       // what the start leaves open
-  const Record* first_readings_ = nullptr;  // of a known start of measured data
+  std::vector<StartValue> completed_;         // what the start leaves open
+  const Record* first_readings_ = nullptr;    // of a known start of measured data
+  std::shared_ptr<const StaticRun> at_rest_;  // of a run at rest
 };
 
 }  // namespace poise

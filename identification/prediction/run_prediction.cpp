@@ -170,15 +170,16 @@ class RunModel::Readings {
 void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,
                        Prediction& out, const std::atomic<bool>* interrupt) const {
   out.ok = false;
-  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
-  if (!built.model) {
-    out.why = built.why;
-    return;
-  }
   const std::vector<Scaling> scaling = scalings(unknowns);
   for (const SensorNumber& number : sensor_numbers_) {
     if (scaling[number.sensor].factor != 0) continue;
     out.why = fmt::format("the factor of sensor \"{}\" is 0", experiment_.sensors[number.sensor].name);
+    return;
+  }
+  if (is_at_rest()) return predict_at_rest(unknowns, until, jacobian, out, interrupt);
+  const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), jacobian);
+  if (!built.model) {
+    out.why = built.why;
     return;
   }
   const std::vector<Reading> due = this->due(scaling, until);

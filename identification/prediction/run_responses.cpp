@@ -8,6 +8,7 @@ namespace poise {
 
 std::vector<RunModel::State> RunModel::states(const double* unknowns, const double* nuisances, std::size_t most) const {
   std::vector<State> out;
+  if (is_at_rest()) return out;
   const Built built = build(unknowns, equilibrium_unknown_ ? nuisances[0] : equilibrium_at(), false);
   if (!built.model) return out;
   const Trajectory path = move(built, nuisances, std::max(span(), 1e-9), 1e-6, false, nullptr).trajectory;
@@ -25,6 +26,7 @@ std::vector<RunModel::State> RunModel::states(const double* unknowns, const doub
 
 Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
                                     const std::vector<State>& states) const {
+  if (is_at_rest()) return {};
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return {};
   const MotionModel& model = *built.model;

@@ -39,7 +39,9 @@ class Experiment:
 
     ``Experiment(scene, sensors=..., unknowns=...)`` is written in Python altogether, with the keys of experiment files:
     sensors and unknowns by name and path, ``sensors={"angle": {"read": "angle.obd", "noise": 1e-4}}``,
-    ``unknowns={"body.lump.mass": {"start": 40}}``, ``known`` likewise; ``runs`` are dictionaries of keys.
+    ``unknowns={"body.lump.mass": {"start": 40}}``, ``known`` likewise; ``runs`` are dictionaries of keys, and so are
+    ``statics``, readings at rest: ``statics=[{"inputs": {"load.W": w}, "readings": {"angle": y}}]`` with lists or
+    arrays. Without ``runs`` and arrays these are all that is read.
 
     >>> import numpy as np, poise
     >>> scene = poise.load("datasets/lift.toml")
@@ -60,13 +62,18 @@ class Experiment:
                  readings: Mapping[str, Any] | None = None, inputs: Mapping[str, Any] | None = None,
                  sensors: Mapping[str, Any] | None = None, unknowns: Mapping[str, Any] | Sequence[Any] | None = None,
                  known: Mapping[str, Any] | None = None, runs: Sequence[Mapping[str, Any]] | None = None,
-                 title: str | None = None, loss: str | None = None) -> None:
+                 statics: Sequence[Mapping[str, Any]] | None = None, title: str | None = None, loss: str | None = None) -> None:
         self._file: str | None = None
         self._texts: dict[str, str] = {}
-        built = {"sensors": sensors, "unknowns": unknowns, "known": known, "runs": runs, "title": title, "loss": loss}
+        built = {"sensors": sensors, "unknowns": unknowns, "known": known, "runs": runs, "statics": statics,
+                 "title": title, "loss": loss}
         if isinstance(source, Scene):
             self._name = "experiment.toml"
-            document = self._built(source, sensors or {}, unknowns or {}, known or {}, runs, title, loss)
+            document = self._built(source, sensors or {}, unknowns or {}, known or {}, title, loss)
+            if statics is not None:
+                document["static"] = [_at_rest(_dictionary("statics", one)) for one in statics]
+            if runs is not None or statics is None or time is not None:
+                document["run"] = [{}] if runs is None else [dict(_dictionary("runs", run)) for run in runs]
         else:
             given = [name for name, value in built.items() if value is not None]
             if given:
@@ -85,8 +92,7 @@ class Experiment:
     # How it is written.
 
     def _built(self, scene: Scene, sensors: Mapping[str, Any], unknowns: Mapping[str, Any] | Sequence[Any],
-               known: Mapping[str, Any], runs: Sequence[Mapping[str, Any]] | None, title: str | None,
-               loss: str | None) -> dict[str, Any]:
+               known: Mapping[str, Any], title: str | None, loss: str | None) -> dict[str, Any]:
         document: dict[str, Any] = {"title": scene.title if title is None else title}
         if loss is not None:
             document["loss"] = loss
@@ -106,7 +112,6 @@ class Experiment:
         if known:
             document["known"] = [{"path": path, **_keys("known", path, keys, "deviation")}
                                  for path, keys in _dictionary("known", known).items()]
-        document["run"] = [{}] if runs is None else [dict(_dictionary("runs", run)) for run in runs]
         return document
 
     def _measured(self, document: Mapping[str, Any], time: Any, readings: Any, inputs: Any) -> list[dict[str, Any]]:
@@ -117,7 +122,10 @@ class Experiment:
         columns = _columns_of(document)
         _check_names("readings", _dictionary("readings", readings), list(columns))
         times = list(time) if _is_several(time) else [time]
-        runs = [dict(run) for run in document["run"]]
+        runs = [dict(run) for run in document.get("run", [])]
+        if not runs:
+            raise _poise.InputError(f"time: expected an experiment with a run in motion, {self._name} has readings at "
+                                    "rest alone; give them by statics")
         if len(runs) == 1 and len(times) > 1:
             begin = runs[0].get("name", "run")
             runs = [{**runs[0], "name": f"{begin} {k + 1}"} for k in range(len(times))]
@@ -295,6 +303,25 @@ def _is_as_read(core: _poise.Scene) -> bool:
 def _columns_of(document: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     """The sensors by name."""
     return {str(sensor.get("name", f"sensor {k + 1}")): sensor for k, sensor in enumerate(document["sensor"])}
+
+
+def _at_rest(keys: Mapping[str, Any]) -> dict[str, Any]:
+    """A table [[static]] whose inputs and readings may be arrays."""
+    out = dict(keys)
+    for name in ("inputs", "readings"):
+        if name in out:
+            out[name] = {key: _numbers_or_column(f"statics.{name}.{key}", column)
+                         for key, column in _dictionary(f"statics.{name}", out[name]).items()}
+    return out
+
+
+def _numbers_or_column(place: str, given: Any) -> Any:
+    if isinstance(given, str):
+        return given
+    try:
+        return np.atleast_1d(np.asarray(given, dtype=np.float64)).tolist()
+    except (TypeError, ValueError):
+        raise _poise.InputError(f"{place}: expected numbers, or the name of a column, found {shown(given)}") from None
 
 
 def _dictionary(place: str, given: Any) -> Mapping[str, Any]:

@@ -501,7 +501,8 @@ QuantitySensitivity sensitivity_of_fold(const VariedScene& varied, const Path& f
 Sensitivities sensitivities(const StaticModel& model, const std::vector<SoughtQuantity>& of,
                             const SensitivityOptions& options) {
   expect_few_unknowns(model);
-  return sensitivities(model, solve(model, options.solve), of, options);
+  return sensitivities(model, options.start ? solve(model, *options.start, options.solve) : solve(model, options.solve),
+                       of, options);
 }
 
 Sensitivities sensitivities(const StaticModel& model, Equilibrium equilibrium, const std::vector<SoughtQuantity>& of,

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct QuantitySensitivity {
 
 struct SensitivityOptions {
   SolveOptions solve{};
+  std::optional<std::vector<double>> start{};  ///< scaled coordinates from which it settles; the scene's if not given
   OtherQuantities others{};  ///< stresses and modes have values, but no derivatives
 };
 

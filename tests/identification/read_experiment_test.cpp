@@ -119,8 +119,12 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
   both("read = \"d(y.rod.B)/dt\"", "y = \"rod.B\"\nrate = true");
   both("read = \"force.coil\"", "force = \"coil\"");
   EXPECT_EQ(error_of_sensor("read = \"reaction.rail\"" + tail),
+            "experiment.toml:5: run 1: expected a sensor that reads motions, all read what only a mechanism at rest has; "
+            "add one, or make it [[static]]");
+  EXPECT_EQ(error_of_sensor("read = \"mode.1.frequency\"" + tail),
             "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
-            "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING; found reaction.rail");
+            "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING, and at rest all "
+            "quantities but stresses, modes and those over a path; found mode.1.frequency");
   EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("\"angle.crank\""), std::string::npos);
   EXPECT_NE(error_of_sensor("read = \"d(angle.crank)/dt\"\nrate = true" + tail).find("is a rate already"),
             std::string::npos);
@@ -173,7 +177,7 @@ TEST(ReadExperiment, RejectsTheFile) {
             "experiment.toml:1: scene: expected a scene file, relative to this file; there is no \"s.toml\"");
   EXPECT_EQ(error_of("sensors = 1\n" + header),
             "experiment.toml:1: sensors: expected one of the keys title, source, scene, set, loss, sensor, unknown, "
-            "known, run, plan; did "
+            "known, run, static, plan; did "
             "you mean \"sensor\"?");
   EXPECT_EQ(error_of(header + run), "experiment.toml:1: sensor: expected at least one sensor; add [[sensor]]");
   EXPECT_EQ(error_of(header + sensor), "experiment.toml:1: run: expected at least one run; add [[run]]");

@@ -172,3 +172,48 @@ def test_bad_arrays_are_bad_input(call, line, measured):
     with pytest.raises(poise.InputError) as error:
         call(measured[0])
     assert str(error.value).startswith(line) and "\n" not in str(error.value)
+
+
+RIG = """
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.block]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "guide"
+points = ["ground.O", "block.C"]
+axis = [0, -1]
+[[spring]]
+name = "coil"
+points = ["ground.O", "block.C"]
+stiffness = 300
+free_length = 0.2
+[[force]]
+name = "W"
+at = "block.C"
+vector = [0, -10]
+[start]
+guide = 0.3
+"""
+
+
+def test_readings_at_rest_are_those_of_linear_regression(tmp_path):
+    (tmp_path / "rig.toml").write_text(RIG)
+    scene = poise.load(tmp_path / "rig.toml")
+    weights = np.linspace(0, 22, 12)
+    x = 0.2 + (2 * 9.81 + weights) / 300 + 1e-4 * np.random.default_rng(2).standard_normal(12)
+    experiment = poise.Experiment(
+        scene, sensors={"x": {"read": "travel.guide", "noise": 1e-4}},
+        unknowns=["spring.coil.stiffness", "spring.coil.free_length"],
+        statics=[{"inputs": {"load.W": weights}, "readings": {"x": x}}])
+    fit = experiment.identify()
+    slope, length = np.polyfit(2 * 9.81 + weights, x, 1)
+    assert float(fit["spring.coil.stiffness"]) == pytest.approx(1 / slope, rel=1e-8)
+    assert float(fit["spring.coil.free_length"]) == pytest.approx(length, rel=1e-8)
+    with pytest.raises(poise.InputError, match="statics.readings.x: expected numbers"):
+        poise.Experiment(scene, sensors={"x": {"read": "travel.guide"}}, statics=[{"readings": {"x": [None, "a"]}}])
+    with pytest.raises(poise.InputError, match="readings at rest alone"):
+        poise.Experiment(scene, sensors={"x": {"read": "travel.guide"}}, statics=[{}], runs=[], time=[0, 1],
+                         readings={"x": [0, 1]})

@@ -38,6 +38,16 @@ std::string axis(const std::string& what, const Sensor& sensor, const Units& uni
   return fmt::format("{} ({})", what, sensor.dimension().unit_name(units));
 }
 
+/// What the readings of run r are drawn over.
+std::string along(const FitProblem& problem, std::size_t r) { return problem.run(r).is_at_rest() ? "row" : "time (s)"; }
+
+/// The runs whose residuals are drawn over one axis, the worst first: in motion or at rest, as the worst of all.
+std::vector<std::size_t> worst_of_a_kind(const FitProblem& problem, const Fit& fitted) {
+  const std::vector<std::size_t> worst = worst_first(fitted);
+  return chosen_of(
+      worst, [&](std::size_t r) { return problem.run(r).is_at_rest() == problem.run(worst.front()).is_at_rest(); });
+}
+
 /// The runs, of these, in which sensor k is read.
 std::vector<std::size_t> reading(const std::vector<std::size_t>& runs, const Identification& answer, std::size_t k) {
   return chosen_of(runs, [&](std::size_t r) { return !answer.records[r].sensors[k].value.empty(); });
@@ -185,7 +195,7 @@ Figure run_figure(const FitProblem& problem, const Identification& answer, Fitte
     figure.charts.panels.push_back(std::move(residuals));
   }
   for (std::size_t i = figure.charts.panels.size(); i > 0 && i + 2 > figure.charts.panels.size(); --i) {
-    figure.charts.panels[i - 1].x_label = "time (s)";
+    figure.charts.panels[i - 1].x_label = along(problem, r);
   }
   return figure;
 }
@@ -228,6 +238,7 @@ Drawing drawing_with_sensors(const FitProblem& problem, std::size_t r) {
   Position position{.scene = &scene, .picture = {.poses = model.poses(x)}};
   auto& crosses = position.picture.crosses;
   for (const Sensor& sensor : problem.experiment().sensors) {
+    if (sensor.at_rest) continue;  // which may be anywhere
     const Vec2 at = place_read(scene, sensor.on, position.picture.poses);
     const auto there = std::find_if(crosses.begin(), crosses.end(), [&](const auto& one) {
       return norm(one.first - at) < 1e-6 * problem.run(r).size();
@@ -289,7 +300,7 @@ std::vector<std::string> not_drawn(const FitProblem& problem, const Identificati
 
 std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& answer) {
   if (answer.fit.runs.empty()) return {};
-  const std::vector<std::size_t> worst = worst_first(answer.fit);
+  const std::vector<std::size_t> worst = worst_of_a_kind(problem, answer.fit);
   const std::vector<std::size_t> sensors = drawn_sensors(problem, answer);
   std::vector<Panel> sensitivities = sensitivity_panels(problem, answer, worst.front(), sensors);
   FittedRuns runs(problem, answer);
@@ -306,7 +317,7 @@ std::vector<Panel> fit_panels(const FitProblem& problem, const Identification& a
     for (Band& band : panels[i].bands) band.name.clear();
   }
   for (std::size_t i = fit_columns(problem.experiment()) > 1 ? last : last + 2; i < panels.size(); ++i)
-    panels[i].x_label = "time (s)";
+    panels[i].x_label = along(problem, worst.front());
   const std::size_t others = problem.experiment().sensors.size() - sensors.size();
   if (others > 0) panels[last].curves.push_back({.name = fmt::format("{} more not drawn, see the report", others)});
   return panels;
@@ -341,7 +352,7 @@ std::vector<Figure> fit_figures(const FitProblem& problem, const Identification&
   Figure sensitive{.title = fmt::format("What the readings of run \"{}\" tell of each parameter",
                                         problem.run(worst.front()).run().name)};
   sensitive.charts.panels = sensitivity_panels(problem, answer, worst.front(), sensors);
-  sensitive.charts.panels.back().x_label = "time (s)";
+  sensitive.charts.panels.back().x_label = along(problem, worst.front());
   figures.push_back(std::move(sensitive));
   return figures;
 }

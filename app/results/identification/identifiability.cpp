@@ -60,15 +60,17 @@ void add_predicted(Group& group, const FitProblem& problem, const Identifiabilit
 
 /// "24 of 38: 13 directions change no motion of this mechanism (structural, from its equations of motion), 1 changes no
 /// reading of these runs; singular values drop there by a factor of 2.1e+08".
-std::string rank_in_words(const Identifiability& known) {
+std::string rank_in_words(const FitProblem& problem, const Identifiability& known) {
   const int all = static_cast<int>(known.singular_values.size());
   std::string text = fmt::format("{} of {}", known.rank, all);
   const auto directions = [](int n, const char* what) {
     return n == 1 ? fmt::format("1 direction changes no {}", what) : fmt::format("{} directions change no {}", n, what);
   };
   if (known.structural_nulls > 0) {
-    text += ": " +
-            directions(known.structural_nulls, "motion of this mechanism (structural, from its equations of motion)");
+    text += ": " + directions(known.structural_nulls,
+                              problem.all_at_rest()
+                                  ? "equilibrium of this mechanism (structural, at its inputs and at random ones)"
+                                  : "motion of this mechanism (structural, from its equations of motion)");
   }
   if (known.other_nulls > 0) {
     text += (known.structural_nulls > 0 ? ", " : ": ") + directions(known.other_nulls, "reading of these runs");
@@ -93,7 +95,7 @@ void add_numerics(Group& content, const FitProblem& problem, const Identifiabili
   Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   if (known.ok) {
-    numerics.fact("rank", rank_in_words(known));
+    numerics.fact("rank", rank_in_words(problem, known));
     std::string values;
     for (const double s : known.singular_values) values += (values.empty() ? "" : ", ") + significant(s, 3);
     numerics.fact("singular", values +

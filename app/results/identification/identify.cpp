@@ -466,6 +466,13 @@ void add_known(Group& content, const FitProblem& problem, const Identification& 
   }
 }
 
+/// Of which residuals a bootstrap is made.
+std::string blocks_in_words(const FitProblem& problem, double block) {
+  if (problem.all_at_rest()) return "single readings";
+  const std::string of_motions = std::isinf(block) ? "whole runs" : fmt::format("blocks of {:.3g} s", block);
+  return problem.any_at_rest() ? of_motions + ", and single readings at rest" : of_motions;
+}
+
 void add_bootstrap(Group& content, const FitProblem& problem, const Identification& answer) {
   if (!answer.bootstrap || answer.bootstrap->standard_error.empty()) {
     content.data("bootstrap", Value());
@@ -481,8 +488,7 @@ void add_bootstrap(Group& content, const FitProblem& problem, const Identificati
   section.data("failed", found.failed);
   section.data("block", std::isinf(found.block) ? Value() : Value(found.block));
   section.note(fmt::format("{} refitted in {}; {} failed", count(found.samples, "sample", "samples"),
-                           std::isinf(found.block) ? "whole runs" : fmt::format("blocks of {:.3g} s", found.block),
-                           found.failed));
+                           blocks_in_words(problem, found.block), found.failed));
   Table& table = section.table("estimates", "", Rows::list);
   table.words("name", "parameter", each(all, [&](std::size_t p) { return problem.parameters()[p].name; }));
   const auto add = [&](const std::string& key, const std::string& title, const std::vector<double>& values) {
@@ -589,9 +595,11 @@ void add_outliers(Group& section, const FitProblem& problem, const Fit& fitted) 
                          [](const Outlier& a, const Outlier& b) { return a.size < b.size; });
     const Sensor& sensor = experiment.sensors[all[i].sensor];
     Row row{one_line(problem.run(all[i].run).run().name), sensor.name, "",
-            fmt::format("{} {} at {:.6g} s",
+            fmt::format("{} {} {}{:.6g}{}",
                         significant(worst->residual / sensor.dimension().unit(experiment.scene.units), 3),
-                        sensor.dimension().unit_name(experiment.scene.units), worst->time),
+                        sensor.dimension().unit_name(experiment.scene.units),
+                        problem.run(all[i].run).is_at_rest() ? "in row " : "at ", worst->time,
+                        problem.run(all[i].run).is_at_rest() ? "" : " s"),
             static_cast<int>(end - i)};
     for (std::size_t j = i; j < std::min(end, i + most_times); ++j) {
       row.times += fmt::format("{}{:.6g}", j > i ? ", " : "", all[j].time);
@@ -605,7 +613,7 @@ void add_outliers(Group& section, const FitProblem& problem, const Fit& fitted) 
   table.words("", "sensor", each(rows, &Row::sensor));
   table.numbers("", "readings", "", {}).texts = each(rows, [](const Row& row) { return fmt::format("{}", row.count); });
   table.words("", "largest", each(rows, &Row::largest));
-  table.words("", "times (s)", each(rows, &Row::times));
+  table.words("", problem.any_at_rest() ? "times (s) or rows" : "times (s)", each(rows, &Row::times));
 }
 
 }  // namespace
@@ -620,7 +628,7 @@ void add_residuals(Group& content, const FitProblem& problem, const Identificati
   section.fact("over noise", fmt::format("{}; white in {} of {}", over_noise_in_words(problem, fitted), white,
                                          count(static_cast<int>(fitted.runs.size()), "run", "runs")));
   section.fact("rms", rms_in_words(fitted.rms, experiment));
-  if (!answer.rms_from_readings.empty()) {
+  if (!answer.rms_from_readings.empty() && !problem.all_at_rest()) {
     section.fact("unfitted", rms_in_words(answer.rms_from_readings, experiment) +
                                  ", with the starts estimated from the runs' first readings");
   }
@@ -785,7 +793,7 @@ void add_readings(Result& result, const FitProblem& problem, const Identificatio
   Table& table = result.content.table("", "", Rows::columns, Verbosity::data);
   table.csv = true;
   table.words("run", "", std::move(runs));
-  table.data("time", std::move(times)).unit = "s";
+  table.data("time", std::move(times)).unit = "s";  // of runs at rest the row
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     const std::string& name = experiment.sensors[k].name;
     const std::string unit = experiment.sensors[k].dimension().unit_name(experiment.scene.units);

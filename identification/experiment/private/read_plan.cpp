@@ -32,6 +32,7 @@ class PlanReader {
     check_templates(table);
     for (const TomlTable& item : table.tables("vary")) plan.vary.push_back(read_choice(item));
     check_sizes(table, plan.vary);
+    check_inputs(table, plan.vary);
     return plan;
   }
 
@@ -44,7 +45,16 @@ class PlanReader {
 
   void check_templates(const TomlTable& table) const {
     if (std::none_of(experiment_.runs.begin(), experiment_.runs.end(), [](const Run& r) { return r.is_simulated(); })) {
-      table.place().fail("expected a simulated run, the template of planned runs; add a [[run]] without data");
+      table.place().fail(
+          "expected a simulated run, the template of planned runs; add a [[run]] without data, or a [[static]] without "
+          "readings");
+    }
+    for (const Run& run : experiment_.runs) {
+      if (!run.is_simulated() || run.is_at_rest() == plans_rest()) continue;
+      table.place().fail(fmt::format(
+          "expected simulated runs, the templates of planned ones, in motion alone or at rest alone; leave run \"{}\" "
+          "in line {} out, or give it data",
+          run.name, run.line));
     }
     for (const Unknown& unknown : experiment_.unknowns) {
       if (unknown.per != "run") continue;
@@ -52,6 +62,42 @@ class PlanReader {
           fmt::format("expected unknowns that several runs share, \"{}\" in line {} has per = \"run\"; "
                       "give it a label of the runs instead",
                       unknown.name, unknown.line));
+    }
+  }
+
+  /// Whether the templates are at rest.
+  bool plans_rest() const {
+    const auto first = std::find_if(experiment_.runs.begin(), experiment_.runs.end(),
+                                    [](const Run& run) { return run.is_simulated(); });
+    return first != experiment_.runs.end() && first->is_at_rest();
+  }
+
+  /// A planned reading at rest has one row: its inputs have one number each.
+  void check_inputs(const TomlTable& table, const std::vector<PlanChoice>& vary) const {
+    for (const Run& run : experiment_.runs) {
+      if (!run.is_simulated()) continue;
+      for (const RowInput& input : run.row_inputs) {
+        const bool is_varied = std::any_of(vary.begin(), vary.end(), [&](const PlanChoice& choice) {
+          return choice.table == "inputs" && choice.key == input.path;
+        });
+        const bool is_one = std::equal(input.values.begin() + 1, input.values.end(), input.values.begin());
+        if (is_varied || is_one) continue;
+        table.place().fail(
+            fmt::format("expected one number of each input that is not varied, \"{}\" of run \"{}\" in line {} has "
+                        "several; vary inputs.{}, or leave one",
+                        input.path, run.name, input.line, input.path));
+      }
+    }
+  }
+
+  void read_input(const TomlText& what, const PlanChoice& choice) const {
+    for (const Run& run : experiment_.runs) {
+      if (!run.is_simulated()) continue;
+      std::vector<std::string> valid;
+      for (const RowInput& input : run.row_inputs) valid.push_back("inputs." + input.path);
+      if (std::find(valid.begin(), valid.end(), what.value) != valid.end()) continue;
+      what.place.fail(fmt::format("expected an input of run \"{}\" in line {}, found \"{}\"{}", run.name, run.line,
+                                  choice.key, did_you_mean_or_list(what.value, valid)));
     }
   }
 
@@ -84,13 +130,21 @@ class PlanReader {
 
   void read_what(const TomlText& what, PlanChoice& choice) const {
     choice.key = what.value;
+    const bool is_of_rest = what.value.starts_with("inputs.");
+    if (!what.value.starts_with("set.") && is_of_rest != plans_rest()) {
+      what.place.fail(plans_rest()
+                          ? "expected inputs.PATH or set.PATH of planned readings at rest, found \"" + what.value + "\""
+                          : "expected inputs.PATH of planned readings at rest only, the templates are in motion");
+    }
     if (what.value == "duration") return;
     const std::size_t dot = std::min(what.value.find('.'), what.value.size());
     choice.table = what.value.substr(0, dot);
     choice.key = what.value.substr(std::min(dot + 1, what.value.size()));
     TomlText key = what;
     key.value = choice.key;
-    if (choice.table == "set") {
+    if (choice.table == "inputs") {
+      read_input(what, choice);
+    } else if (choice.table == "set") {
       located(what.place, [&] { return get_value(experiment_.scene, choice.key); });
     } else if (choice.table == "release" || choice.table == "release_rate") {
       if (names_.index_of_joint(choice.key) >= 0)

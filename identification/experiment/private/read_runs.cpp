@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include "identification/experiment/private/read_inputs.hpp"
 #include "identification/experiment/private/run_data.hpp"
+#include "identification/experiment/private/run_keys.hpp"
 #include "identification/experiment/private/same_record.hpp"
 #include "model/dependent_number.hpp"
 #include "model/nearest_name.hpp"
@@ -38,7 +38,7 @@ class RunsReader {
  public:
   RunsReader(const TomlTable& root, const SceneNames& names, Experiment& experiment)
       : tables_(root.tables("run")), names_(names), experiment_(experiment) {
-    if (tables_.empty()) root.place().fail("run: expected at least one run; add [[run]]");
+    if (tables_.empty() && !root.has("static")) root.place().fail("run: expected at least one run; add [[run]]");
   }
 
   void read(const fs::path& folder, const fs::path& data) {
@@ -87,7 +87,7 @@ class RunsReader {
                         "data", "duration", "rate", "seed"});
       read_simulation(table, run);
     }
-    read_sensors(table, run);
+    read_sensors(table, experiment_, run);
     if (written.measured) want_columns(run, written.source);
     Scene scene = experiment_.scene;
     run.changes = read_parameter_changes(table, scene);
@@ -99,34 +99,6 @@ class RunsReader {
     written.source.begins_at_first_row = !run.unknown_start;
     written.inputs = read_inputs(table, folder, scene, written.measured, written.source);
     return written;
-  }
-
-  static void expect_none(const TomlTable& table, std::initializer_list<const char*> keys, const char* belong) {
-    for (const char* const key : keys) {
-      if (table.has(key)) table.place_of(key).fail(fmt::format("expected {} {}", key, belong));
-    }
-  }
-
-  /// The names of the sensors that are read in a run.
-  void read_sensors(const TomlTable& table, Run& run) const {
-    const std::vector<TomlText> names = table.texts("sensors");
-    if (table.has("sensors") && names.empty()) {
-      table.place_of("sensors").fail("expected the name of a sensor; leave the key out for all");
-    }
-    std::vector<std::string> valid;
-    for (const Sensor& sensor : experiment_.sensors) valid.push_back(sensor.name);
-    for (const TomlText& name : names) {
-      const auto at = std::find(valid.begin(), valid.end(), name.value);
-      if (at == valid.end()) {
-        name.place.fail("expected the name of a sensor, found \"" + name.value + "\"" +
-                        did_you_mean_or_list(name.value, valid));
-      }
-      run.sensors.push_back(static_cast<std::size_t>(at - valid.begin()));
-    }
-    std::sort(run.sensors.begin(), run.sensors.end());
-    if (std::adjacent_find(run.sensors.begin(), run.sensors.end()) != run.sensors.end()) {
-      table.place_of("sensors").fail("expected each sensor once; take one of the two out");
-    }
   }
 
   /// The sensors that are read in a run, as indices.
@@ -228,18 +200,6 @@ class RunsReader {
     }
     if (run.duration * run.sample_rate > most_samples) {
       table.place_of("duration").fail("expected duration rate <= 1e7 readings; lower one of them");
-    }
-  }
-
-  static void read_labels(const TomlTable& table, Run& run) {
-    const auto labels = table.find_table("labels");
-    if (!labels) return;
-    for (const std::string& key : labels->keys()) {
-      check_name(key, labels->place_of(key));
-      if (key == "run") labels->place_of(key).fail("expected another label; per = \"run\" means each run by itself");
-      const TomlText value = labels->text(key);
-      check_name(value.value, value.place);
-      run.labels.emplace_back(key, value.value);
     }
   }
 

@@ -16,7 +16,7 @@ Alternative alternative_at(const FitProblem& problem, const std::vector<double>&
   Alternative out;
   out.more = more;
   for (const Frequencies::Mode& mode : frequencies.modes()) {
-    if (mode.runs.front() == 0) out.frequency.push_back(mode.frequency);
+    if (mode.runs.front() == frequencies.modes().front().runs.front()) out.frequency.push_back(mode.frequency);
   }
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     out.values.push_back(parameters[i] + problem.unknown_of(i).includes);

@@ -133,7 +133,7 @@ class CeresFit {
   /// The time up to which a part of run r is fitted; it contains enough readings for the run's own values.
   double until(std::size_t r) const {
     const RunModel& run = task_.problem.run(r);
-    if (!is_start()) return INFINITY;
+    if (!is_start() || run.is_at_rest()) return INFINITY;
     const auto least = static_cast<std::size_t>(run.columns()) + 4;
     double part = window_;
     while (part < 1.0 && run.readings(part * run.span()) < least) part *= 1.5;
@@ -249,8 +249,8 @@ std::string why_failed(const FitProblem& problem, const FitPoint& start) {
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const std::string why = problem.why_no_motion(r, start.parameters, start.nuisances[r]);
     if (!why.empty()) {
-      return fmt::format("the motion of run \"{}\" could not be computed at the start: {}", problem.run(r).run().name,
-                         why);
+      return fmt::format("{} of run \"{}\" could not be computed at the start: {}", problem.run(r).computed(),
+                         problem.run(r).run().name, why);
     }
   }
   return "no step from the start reduced the cost";

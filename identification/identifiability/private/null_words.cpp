@@ -72,8 +72,10 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
     direction.remedy = "add a run with a known payload, weigh one of them, or give one a prior";
   } else if (parts.size() == 1) {
     direction.words = changes + " ";
-    direction.remedy = direction.structural ? "leave it out of the unknowns, or give it a prior"
-                                            : "add a run or a sensor in which it matters, or give it a prior";
+    direction.remedy = !direction.structural ? "add a run or a sensor in which it matters, or give it a prior"
+                       : problem.all_at_rest()
+                           ? "add a run in motion in which it acts, leave it out of the unknowns, or give it a prior"
+                           : "leave it out of the unknowns, or give it a prior";
   } else {
     direction.words = changes + " together ";
     direction.remedy = "fix one of them, give one a prior, or add runs from other positions or with another payload";
@@ -88,7 +90,10 @@ void explain(const FitProblem& problem, const std::vector<double>& parameters, c
         fmt::format("change all readings by only {:.2g} standard deviations of the noise", direction.singular_value);
   } else {
     direction.words += parts.size() == 1 ? "changes no reading" : "change no reading";
-    direction.words += direction.structural ? " of any motion" : " of these runs";
+    direction.words += !direction.structural   ? " of these runs"
+                       : problem.all_at_rest() ? " at rest, whatever the inputs"
+                       : problem.any_at_rest() ? " of any motion, nor at rest"
+                                               : " of any motion";
   }
 }
 

@@ -139,7 +139,7 @@ class ActingIn50Digits {
 };
 
 bool has_50_digits(const RunModel& run, const Scene& scene) {
-  if (run.has_equilibrium() || run.has_inputs() || !scene.drives.empty()) return false;
+  if (run.is_at_rest() || run.has_equilibrium() || run.has_inputs() || !scene.drives.empty()) return false;
   return run.sensor_numbers().empty() &&
          std::none_of(run.numbers().begin(), run.numbers().end(),
                       [](const SceneParameter& number) { return number.is_geometric(); });
@@ -182,7 +182,7 @@ std::optional<Matrix50> all_rows(const FitProblem& problem, const std::vector<Ru
   Matrix50 out = Matrix50::Zero(n, n);
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel::Actions& of = actions[r];
-    if (of.states.empty()) continue;
+    if (of.states.empty() && !problem.run(r).is_at_rest()) continue;
     if (of.has_impacts || !has_50_digits(problem.run(r), of.scene)) return std::nullopt;
     const std::optional<Matrix50> rows = rows_of(problem, r, disturb ? displaced(of.scene) : of.scene, of.states);
     if (!rows) return std::nullopt;

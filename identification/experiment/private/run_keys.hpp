@@ -1,0 +1,21 @@
+#pragma once
+
+// Keys that the tables [[run]] and [[static]] share.
+
+#include <initializer_list>
+
+#include "identification/experiment/experiment.hpp"
+#include "model/toml_reader.hpp"
+
+namespace poise {
+
+/// Fails for each of these keys, which belong elsewhere: "expected duration of a simulated run only, ...".
+void expect_none(const TomlTable& table, std::initializer_list<const char*> keys, const char* belong);
+
+/// Fills in the sensors that are read in a run, at rest or in motion: those that the key `sensors` names, else all that
+/// have readings there. Fails for one that has none.
+void read_sensors(const TomlTable& table, const Experiment& experiment, Run& run);
+
+void read_labels(const TomlTable& table, Run& run);
+
+}  // namespace poise

@@ -1,0 +1,205 @@
+#include "identification/prediction/static_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "model/input_error.hpp"
+#include "solvers/newton.hpp"
+#include "solvers/random_stream.hpp"
+#include "statics/model/mobility.hpp"
+#include "statics/sensitivity/sensitivity.hpp"
+
+namespace poise {
+namespace {
+
+/// rad or mechanism sizes by which a drive moves its measure in one step to a position.
+constexpr double longest_drive_step = 0.1;
+constexpr int most_drive_steps = 1000;
+
+/// What a sensor reads at rest.
+SoughtQuantity quantity_of(const Sensor& sensor) {
+  if (sensor.at_rest) return *sensor.at_rest;
+  SoughtQuantity out;
+  out.name = sensor.name;
+  out.on = sensor.on;
+  out.dimension = sensor.dimension();
+  if (!sensor.reads_force()) return out;
+  out.kind = SoughtQuantity::Kind::element_force;
+  out.item = sensor.element;
+  return out;
+}
+
+/// The force of a drive is that of the stop that stands for it: with equal limits, positive where it tends to increase
+/// its measure.
+void read_from_stops(SoughtQuantity& quantity, const Scene& scene, std::size_t first_held) {
+  for (SoughtQuantity& part : quantity.of) read_from_stops(part, scene, first_held);
+  if (quantity.kind != SoughtQuantity::Kind::drive_force) return;
+  for (std::size_t s = first_held; s < scene.stops.size(); ++s) {
+    if (!is_same(scene.stops[s].on, quantity.on)) continue;
+    quantity.kind = SoughtQuantity::Kind::stop_reaction;
+    quantity.item = static_cast<int>(s);
+  }
+}
+
+/// Why an equilibrium, or a quantity of it, cannot be used; without the end of the sentence.
+std::string first_why(const Sensitivities& found) {
+  if (!found.why.empty()) return found.why;
+  for (const QuantitySensitivity& one : found.of) {
+    if (!one.why.empty()) return fmt::format("{}: {}", one.of.name, one.why);
+  }
+  return "";
+}
+
+}  // namespace
+
+StaticRun::StaticRun(const Experiment& experiment, std::size_t run, const Scene& scene) : run_(experiment.runs[run]) {
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    if (!run_.reads(k)) continue;
+    if (!experiment.sensors[k].is_of_rest()) {
+      throw InputError(
+          fmt::format("{}:{}: run \"{}\": expected sensors that read at rest, \"{}\" reads rates or impacts",
+                      experiment.file_of(run_.part), run_.line, run_.name, experiment.sensors[k].name));
+    }
+    sensors_.push_back(k);
+    quantities_.push_back(quantity_of(experiment.sensors[k]));
+  }
+  drives_ = std::any_of(run_.row_inputs.begin(), run_.row_inputs.end(),
+                        [](const RowInput& input) { return input.drive >= 0; });
+  const Scene held = with(scene, inputs(0));
+  for (SoughtQuantity& quantity : quantities_) read_from_stops(quantity, held, scene.stops.size());
+}
+
+std::vector<double> StaticRun::inputs(std::size_t row) const {
+  std::vector<double> out;
+  for (const RowInput& input : run_.row_inputs) out.push_back(input.values[row]);
+  return out;
+}
+
+std::vector<double> StaticRun::random_inputs(std::uint64_t index) const {
+  solvers::RandomStream random(11, 0, index);
+  std::vector<double> out;
+  for (const RowInput& input : run_.row_inputs) {
+    const auto [least, most] = std::minmax_element(input.values.begin(), input.values.end());
+    const double half = *least < *most ? 0.0 : 0.5 * std::abs(*least);
+    out.push_back(random.uniform(*least - half, *most + half));
+  }
+  return out;
+}
+
+/// The scene with the inputs of a row; drives that are inputs are stops with equal limits behind all others.
+Scene StaticRun::with(Scene scene, const std::vector<double>& inputs) const {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const RowInput& input = run_.row_inputs[i];
+    if (input.drive < 0) {
+      set_value(scene, input.path, inputs[i]);
+      continue;
+    }
+    const Drive& drive = scene.drives[static_cast<std::size_t>(input.drive)];
+    Stop hold;
+    hold.name = "drive." + drive.name;
+    hold.on = drive.on;
+    hold.min = hold.max = inputs[i] * drive.on.dimension().unit(scene.units);
+    hold.line = drive.line;
+    scene.stops.push_back(std::move(hold));
+  }
+  return scene;
+}
+
+/// The closed position that drives hold, scaled coordinates, reached in steps from where the mechanism is assembled.
+std::vector<double> StaticRun::start_of(const Scene& held) const {
+  Scene at = held;
+  std::vector<Stop*> holds;
+  for (const RowInput& input : run_.row_inputs) {
+    if (input.drive >= 0) holds.push_back(nullptr);
+  }
+  const std::size_t first = at.stops.size() - holds.size();
+  for (std::size_t h = 0; h < holds.size(); ++h) holds[h] = &at.stops[first + h];
+  // Without what holds, then with the values that the measures have there.
+  Scene free = held;
+  free.stops.resize(first);
+  const StaticModel model(held);
+  const ScaledModel assembled(std::move(free), Purpose::statics, model.scales());
+  std::vector<double> x = close_loops(assembled);
+  std::vector<double> from, to;
+  double longest = 0.0;
+  const Mechanism<double>& mechanism = model.mechanism();
+  std::vector<Planar<double>> pose(static_cast<std::size_t>(mechanism.pose_size()));
+  std::vector<double> c(static_cast<std::size_t>(mechanism.constraints()));
+  mechanism.place(x.data(), pose.data());
+  mechanism.constraint(x.data(), pose.data(), c.data());
+  for (std::size_t h = 0; h < holds.size(); ++h) {
+    const double unit = holds[h]->on.dimension().per_scale(model.scales());
+    from.push_back(c[static_cast<std::size_t>(mechanism.stop_row(static_cast<int>(first + h)))] / unit);
+    to.push_back(holds[h]->min);
+    longest = std::max(longest, std::abs(to.back() - from.back()) * unit);
+  }
+  const int steps = std::clamp(static_cast<int>(std::ceil(longest / longest_drive_step)), 1, most_drive_steps);
+  for (int step = 1; step <= steps; ++step) {
+    for (std::size_t h = 0; h < holds.size(); ++h) {
+      holds[h]->min = holds[h]->max = from[h] + (to[h] - from[h]) * step / steps;
+    }
+    const StaticModel here(at, model.scales());
+    solvers::Newton closing(here.problem());
+    const solvers::NewtonResult& closed = closing.close(x);
+    if (closed.end != solvers::NewtonEnd::converged) {
+      throw InputError("its drives cannot be brought to the positions that they hold");
+    }
+    x = closed.x;
+  }
+  return x;
+}
+
+StaticRun::Row StaticRun::read(const Scene& scene, const std::vector<double>& inputs,
+                               const std::vector<SceneParameter>& numbers, const std::atomic<bool>* interrupt) const {
+  Row out;
+  try {
+    const StaticModel model(with(scene, inputs));
+    SensitivityOptions options;
+    options.solve.interrupt = interrupt;
+    if (drives_) options.start = start_of(model.scene());
+    const Sensitivities found = sensitivities(model, quantities_, options);
+    out.why = first_why(found);
+    if (!out.ok()) return out;
+    const auto count = static_cast<Eigen::Index>(found.of.size());
+    out.value.resize(count);
+    out.by = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(numbers.size()));
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const QuantitySensitivity& of = found.of[static_cast<std::size_t>(k)];
+      out.value[k] = of.value;
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const auto by = std::find_if(of.by.begin(), of.by.end(),
+                                     [&](const Sensitivity& s) { return s.number == numbers[i].path(); });
+        if (by == of.by.end()) continue;  // equilibria do not depend on it
+        if (!by->why.empty()) {
+          out.why = fmt::format("{} by {}: {}", of.of.name, by->number, by->why);
+          return out;
+        }
+        out.by(k, static_cast<Eigen::Index>(i)) = by->derivative;
+      }
+    }
+  } catch (const InputError& error) {
+    out.why = error.what();
+  }
+  return out;
+}
+
+std::vector<StaticRun::Row> StaticRun::read(const Scene& scene, const std::vector<SceneParameter>& numbers,
+                                            std::size_t last, const std::atomic<bool>* interrupt) const {
+  std::vector<Row> out;
+  std::map<std::vector<double>, std::size_t> known;
+  for (std::size_t row = 0; row < std::min(last, run_.rows); ++row) {
+    const auto [at, fresh] = known.try_emplace(inputs(row), row);
+    out.push_back(fresh ? read(scene, at->first, numbers, interrupt) : out[at->second]);
+    if (out.back().ok()) continue;
+    out.back().why = fmt::format("row {}: {}", row + 1, out.back().why);
+    break;
+  }
+  return out;
+}
+
+}  // namespace poise

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "identification/experiment/experiment.hpp"
+#include "identification/experiment/scene_parameter.hpp"
+#include "statics/quantities/quantity.hpp"
+
+namespace poise {
+
+/// The equilibria of a run at rest. In each row the scene has the row's numbers, and drives that are inputs hold their
+/// measures; what is read is that of the equilibrium in which the mechanism settles from the scene's start, which a
+/// certificate proves. Positions that drives hold are reached from there in small steps, so that they keep the branch
+/// of assembly. Friction, dampers and drives that are no inputs do not act.
+class StaticRun {
+ public:
+  /// `scene`: that of the run with its known changes, SI. Throws InputError where it cannot be assembled.
+  StaticRun(const Experiment& experiment, std::size_t run, const Scene& scene);
+
+  /// The sensors that are read, ascending.
+  const std::vector<std::size_t>& sensors() const { return sensors_; }
+  /// Values of the inputs in a row from 0, in the scene's units.
+  std::vector<double> inputs(std::size_t row) const;
+  /// Values of inputs at random: from the least to the largest of the rows, or where these are alike within half of
+  /// their size. Empty where there are no inputs.
+  std::vector<double> random_inputs(std::uint64_t index) const;
+
+  /// Quantities of the sensors() in one row and their derivatives by numbers of the scene, exact, SI.
+  struct Row {
+    std::string why;        ///< one sentence; there is no such equilibrium, or it has no derivatives
+    Eigen::VectorXd value;  ///< per sensor
+    Eigen::MatrixXd by;     ///< sensors x numbers
+
+    bool ok() const { return why.empty(); }
+  };
+  /// Of the scene with these inputs; `scene` has the values of the numbers.
+  Row read(const Scene& scene, const std::vector<double>& inputs, const std::vector<SceneParameter>& numbers,
+           const std::atomic<bool>* interrupt) const;
+  /// Of all rows in their order, from the first to `last`; those with the same inputs are computed once. Ends behind
+  /// the first that is not ok().
+  std::vector<Row> read(const Scene& scene, const std::vector<SceneParameter>& numbers, std::size_t last,
+                        const std::atomic<bool>* interrupt) const;
+
+ private:
+  Scene with(Scene scene, const std::vector<double>& inputs) const;
+  std::vector<double> start_of(const Scene& held) const;
+
+  const Run& run_;
+  std::vector<std::size_t> sensors_;
+  std::vector<SoughtQuantity> quantities_;  // of these
+  bool drives_ = false;                     // some input is a drive
+};
+
+}  // namespace poise
