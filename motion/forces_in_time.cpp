@@ -134,7 +134,7 @@ std::vector<double> grid_of(const std::vector<double>& nodes, const std::vector<
   return out;
 }
 
-void add_links(ForcesInTime& out, const Scene& then, const MotionModel& model, const MovingState& state,
+void add_links(ForceHistory& out, const Scene& then, const MotionModel& model, const MovingState& state,
                const Forces& forces) {
   const std::vector<LinkLoads> links = link_loads(then, model.poses(state.x), in_motion(then, forces));
   if (out.links.empty()) {
@@ -197,9 +197,9 @@ std::vector<std::vector<TouchingForce>> touching_forces(const Scene& scene, cons
   return out;
 }
 
-ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
+ForceHistory forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
                             const MotionRecord& record, const ForcesInTimeOptions& options) {
-  ForcesInTime out;
+  ForceHistory out;
   out.found.along = "time";
   out.found.at = record.time;
   out.found.tolerance = balanced_in_motion;

@@ -35,7 +35,7 @@ struct MotorsInTime {
 };
 
 /// All forces over a simulated motion at the times of its record.
-struct ForcesInTime {
+struct ForceHistory {
   /// They are those of the drives of the scene, or of motors in their place, with all joint forces that belong to them.
   ForcesAlong found;
   /// Work of each drive or motor since the start, per time, J.
@@ -66,7 +66,7 @@ struct ForcesInTimeOptions {
 /// Calls forces_in_motion() with the states of StatesAlong and the loads of each instant. `scene` is the one before
 /// resisted_by_joints(), of the bodies, joints and drives of the model; the record is one of the motion, which has two
 /// nodes at least.
-ForcesInTime forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
+ForceHistory forces_in_time(const Scene& scene, const MotionModel& model, const Motion& motion,
                             const MotionRecord& record, const ForcesInTimeOptions& options);
 
 /// The force of a stop that is touched, on the second body of its measure, with the opposite on the first; SI.

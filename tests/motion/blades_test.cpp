@@ -137,7 +137,7 @@ TEST(Blades, KnifeOnASlopeDrawsACycloid) {
   MotionRecord record;
   record.time = times;
   record.kinetic.assign(times.size(), 0.0);
-  const ForcesInTime forces = forces_in_time(model.scene(), model, motion, record, {});
+  const ForceHistory forces = forces_in_time(model.scene(), model, motion, record, {});
   EXPECT_TRUE(forces.balanced());
   EXPECT_LT(forces.power_error, 1e-9);
   for (std::size_t k = 0; k < times.size(); ++k) {

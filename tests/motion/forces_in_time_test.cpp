@@ -60,7 +60,7 @@ class Forced {
   MotionModel model;
   Motion motion;
   MotionRecord read;
-  ForcesInTime found;
+  ForceHistory found;
 };
 
 constexpr double m = 2.0, l = 0.8, inertia = 0.1, g = 9.81, drag = 0.7;

@@ -270,7 +270,7 @@ std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found) {
   return panels;
 }
 
-std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForcesInTime& found) {
+std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForceHistory& found) {
   std::vector<Panel> panels = forces_panels(scene, found.found);
   if (found.found.poses.empty()) return panels;
   const std::vector<double>& times = found.found.at;

@@ -39,6 +39,6 @@ std::string side_of(const ContactEvent& event, const Stop& stop);
 std::vector<Panel> forces_panels(const Scene& scene, const ForcesAlong& found);
 
 /// Forces over a simulated motion, which has the work of drives and the largest bending moments of links too.
-std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForcesInTime& found);
+std::vector<Panel> forces_in_time_panels(const Scene& scene, const ForceHistory& found);
 
 }  // namespace poise::app

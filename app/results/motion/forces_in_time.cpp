@@ -48,7 +48,7 @@ std::string how_shared(const MotionModel& model, const MotorsInTime& motors) {
                      with_unit(model, motors.size, Quantity::length));
 }
 
-void add_motors(Group& group, const MotionModel& model, const ForcesInTime& found) {
+void add_motors(Group& group, const MotionModel& model, const ForceHistory& found) {
   if (!found.motors) {
     group.data("motors", nullptr);
     return;
@@ -92,7 +92,7 @@ void add_motors(Group& group, const MotionModel& model, const ForcesInTime& foun
   data.data("unbalanced_at", motors.is_made ? std::nullopt : std::optional<double>(motors.at));
 }
 
-void add_driven(Group& group, const MotionModel& model, const ForcesInTime& found) {
+void add_driven(Group& group, const MotionModel& model, const ForceHistory& found) {
   const Units& units = model.scene().units;
   const ForcesAlong& along = found.found;
   const std::vector<DriveEffort>& drives = along.poses.front().drives;
@@ -160,7 +160,7 @@ std::vector<ForceCourse> sizes_in_time(const Scene& scene, const ForcesAlong& al
   return out;
 }
 
-void add_largest_in_time(Group& group, const MotionModel& model, const ForcesInTime& found) {
+void add_largest_in_time(Group& group, const MotionModel& model, const ForceHistory& found) {
   const Scene& scene = model.scene();
   double rounding = 0.0;
   for (const Forces& f : found.found.poses) rounding = std::max(rounding, 1e-9 * f.largest_force);
@@ -184,7 +184,7 @@ void add_largest_in_time(Group& group, const MotionModel& model, const ForcesInT
   table.footnotes = {"reaction and inertia: sizes; inertia.BODY: -m a of its centre of mass, .moment: -I alpha"};
 }
 
-void add_links_in_time(Group& group, const MotionModel& model, const ForcesInTime& found) {
+void add_links_in_time(Group& group, const MotionModel& model, const ForceHistory& found) {
   const Units& units = model.scene().units;
   std::vector<LinkCourse> links;
   for (const LinkCourse& one : found.links) {
@@ -211,7 +211,7 @@ void add_links_in_time(Group& group, const MotionModel& model, const ForcesInTim
 
 }  // namespace
 
-void add_forces_in_time(Group& group, const MotionModel& model, const ForcesInTime& found) {
+void add_forces_in_time(Group& group, const MotionModel& model, const ForceHistory& found) {
   Group& forces = group.group("forces");
   forces.data("balanced", found.balanced());
   forces.data("imbalance", found.imbalance);
@@ -224,7 +224,7 @@ void add_forces_in_time(Group& group, const MotionModel& model, const ForcesInTi
   add_links_in_time(forces, model, found);
 }
 
-void add_force_columns(Table& table, const Scene& scene, const ForcesInTime& found, std::size_t rows) {
+void add_force_columns(Table& table, const Scene& scene, const ForceHistory& found, std::size_t rows) {
   const Units& units = scene.units;
   const auto add = [&](const std::string& name, std::vector<double> values, const std::string& unit) {
     values.resize(rows, std::numeric_limits<double>::quiet_NaN());
@@ -253,7 +253,7 @@ void add_force_columns(Table& table, const Scene& scene, const ForcesInTime& fou
   }
 }
 
-std::string objection_to_forces(const MotionModel& model, const ForcesInTime& found) {
+std::string objection_to_forces(const MotionModel& model, const ForceHistory& found) {
   if (!found.found.complete) return ", but not all forces: " + found.found.why;
   if (found.motors && !found.motors->is_made) {
     const auto most = std::max_element(found.motors->unbalanced.begin(), found.motors->unbalanced.end(),

@@ -20,7 +20,7 @@ struct MotionAnswer {
   ConfirmedMotion found;
   MotionRecord record;                   ///< without noise
   QuantitiesInTime shown{};              ///< what was asked for, or the outputs of the scene
-  std::optional<ForcesInTime> forces{};  ///< where they were asked for
+  std::optional<ForceHistory> forces{};  ///< where they were asked for
 
   /// Confirmed; and all forces in balance, made by the motors that were named.
   bool is_good() const {
