@@ -33,6 +33,7 @@ TYPES = {
     "NAMES": "Words",
     "FILE": "Path",
     "DIR": "Path",
+    "SCENE": "Path",
     "OTHER": "Path | Sequence[Path]",
 }
 TYPES_OF_OPTIONS = {
@@ -58,7 +59,7 @@ ALSO = {
     "EXPERIMENT ": "or an Experiment",
 }
 #: What may be given without its name although it may be left out.
-FIRST_BUT_OPTIONAL = ("--tolerances",)
+FIRST_BUT_OPTIONAL = ("--tolerances FILE",)
 RANGED = ("NAME=FROM..TO", "NAME[=FROM..TO]", "NAME[=RANGE]")
 
 HEAD = '''"""The commands of ``poise --help`` as calls: written by python/generate_commands.py, not by hand.
@@ -125,7 +126,8 @@ class CommandCall:
 
     def is_first(self, option: _poise.Option) -> bool:
         """Whether an option may be given without its name: what is required, and words that have none."""
-        is_first = option["required"] or not option["name"].startswith("-") or option["name"] in FIRST_BUT_OPTIONAL
+        name = option["name"]
+        is_first = option["required"] or not name.startswith("-") or f"{name} {option['value']}" in FIRST_BUT_OPTIONAL
         return is_first and option is not self.ranged
 
     def signature(self) -> list[str]:
