@@ -54,8 +54,8 @@ class SceneParameter {
   bool is_friction() const { return is_friction_; }
   /// A limit of a stop, or a coefficient of its impacts.
   bool is_of_stop() const { return place_.owner == Owner::stop; }
-  /// One whose derivatives follow from a Variation: one of these, gravity, a number of a joint's friction, the angle of a
-  /// blade, or a named number, which may move all of them.
+  /// One whose derivatives follow from a Variation: one of these, gravity, a number of a joint's friction, the angle of
+  /// a blade, or a named number, which may move all of them.
   bool is_geometric() const {
     return is_dimension() || is_friction_ || is_of_stop() || place_.owner == Owner::scene ||
            place_.owner == Owner::blade || is_named();

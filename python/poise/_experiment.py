@@ -62,7 +62,8 @@ class Experiment:
                  readings: Mapping[str, Any] | None = None, inputs: Mapping[str, Any] | None = None,
                  sensors: Mapping[str, Any] | None = None, unknowns: Mapping[str, Any] | Sequence[Any] | None = None,
                  known: Mapping[str, Any] | None = None, runs: Sequence[Mapping[str, Any]] | None = None,
-                 statics: Sequence[Mapping[str, Any]] | None = None, title: str | None = None, loss: str | None = None) -> None:
+                 statics: Sequence[Mapping[str, Any]] | None = None, title: str | None = None,
+                 loss: str | None = None) -> None:
         self._file: str | None = None
         self._texts: dict[str, str] = {}
         built = {"sensors": sensors, "unknowns": unknowns, "known": known, "runs": runs, "statics": statics,

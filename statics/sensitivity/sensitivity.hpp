@@ -37,7 +37,7 @@ struct QuantitySensitivity {
 struct SensitivityOptions {
   SolveOptions solve{};
   std::optional<std::vector<double>> start{};  ///< scaled coordinates from which it settles; the scene's if not given
-  OtherQuantities others{};  ///< stresses and modes have values, but no derivatives
+  OtherQuantities others{};                    ///< stresses and modes have values, but no derivatives
 };
 
 struct Sensitivities {

@@ -118,9 +118,10 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
   both("read = \"x.rod.B\"", "x = \"rod.B\"");
   both("read = \"d(y.rod.B)/dt\"", "y = \"rod.B\"\nrate = true");
   both("read = \"force.coil\"", "force = \"coil\"");
-  EXPECT_EQ(error_of_sensor("read = \"reaction.rail\"" + tail),
-            "experiment.toml:5: run 1: expected a sensor that reads motions, all read what only a mechanism at rest has; "
-            "add one, or make it [[static]]");
+  EXPECT_EQ(
+      error_of_sensor("read = \"reaction.rail\"" + tail),
+      "experiment.toml:5: run 1: expected a sensor that reads motions, all read what only a mechanism at rest has; "
+      "add one, or make it [[static]]");
   EXPECT_EQ(error_of_sensor("read = \"mode.1.frequency\"" + tail),
             "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
             "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING, and at rest all "
