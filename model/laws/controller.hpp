@@ -253,7 +253,7 @@ struct ControllerOf {
 
  private:
   template <class>
-  friend class ControllerOf;
+  friend struct ControllerOf;
 
   template <class S>
   S number_of(int id) const {
