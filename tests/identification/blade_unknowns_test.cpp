@@ -32,6 +32,7 @@ Experiment sleigh(const std::vector<std::string>& unknowns) {
   for (const std::string& path : unknowns) e.unknowns.push_back(test::unknown(path));
   // Its rates follow from that along x and from its turning.
   e.runs = {test::simulated(40, 80, {{.body = 1, .value = 0.2}, {.body = 1, .rate = true, .value = 2.0}})};
+  e.runs[0].unknown_start = false;
   return e;
 }
 

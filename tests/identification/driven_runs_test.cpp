@@ -382,14 +382,16 @@ inputs = { "load.motor" = { column = "tau", file = "inputs.csv" } }
 TEST_F(DrivenRuns, AreRefusedInWords) {
   folder_.write("inputs.csv", inputs_csv(100, 1, 0));
   const std::string place = "experiment.toml:10: run 1.inputs.";
-  EXPECT_EQ(error_of("{ \"load.moter\" = \"tau\" }"),
-            place +
-                "load.moter: expected load.NAME of a force or torque, or drive.NAME, in quotes; did you mean "
-                "\"load.motor\"?");
-  EXPECT_EQ(error_of("{ load.motor = \"tau\" }"),
-            place +
-                "load: expected load.NAME of a force or torque, or drive.NAME, in quotes; known here: load.wind, "
-                "load.motor, drive.belt");
+  EXPECT_EQ(
+      error_of("{ \"load.moter\" = \"tau\" }"),
+      place +
+          "load.moter: expected load.NAME of a force or torque, drive.NAME, or a number of a force element, in quotes; "
+          "did you mean \"load.motor\"?");
+  EXPECT_EQ(
+      error_of("{ load.motor = \"tau\" }"),
+      place +
+          "load: expected load.NAME of a force or torque, drive.NAME, or a number of a force element, in quotes; known "
+          "here: load.wind, load.motor, drive.belt, torsion_damper.grease.coefficient");
   EXPECT_EQ(error_of("{ \"load.motor\" = \"tau\" }"),
             place + "load.motor: expected the file of the column; write { column = \"tau\", file = \"...\" }");
   EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", file = \"none.csv\" } }"),

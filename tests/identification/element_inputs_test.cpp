@@ -100,9 +100,10 @@ path = "torsion_spring.band.stiffness"
 [[unknown]]
 path = "body.arm.inertia"
 )";
-  const Experiment e = read(run(R"("torsion_spring.band.free_angle" = { column = "at", file = "inputs.csv" },
-    "constant_force.elbow.torque" = { column = "tau", file = "inputs.csv", multiplies = true })",
-                                unknowns));
+  const std::string inputs =
+      "\"torsion_spring.band.free_angle\" = { column = \"at\", file = \"inputs.csv\" }, "
+      "\"constant_force.elbow.torque\" = { column = \"tau\", file = \"inputs.csv\", multiplies = true }";
+  const Experiment e = read(run(inputs, unknowns));
   test::expect_derivatives(e, test::released(FitProblem(e))[0]);
 }
 
