@@ -1022,6 +1022,18 @@ TEST(JsonDocs, Identify) {
   aliased.erase(aliased.find(inertia), inertia.size());
   aliased.replace(aliased.find("duration = 2\nrate = 100"), 23, "duration = 20\nrate = 1.7");
   folder.write("again.toml", ratios);
+  // Five wheels that differ: the runs scatter.
+  std::string scattered = ratios;
+  scattered.erase(scattered.find(inertia), inertia.size());
+  scattered.replace(scattered.find("angle = \"wheel\""), 15, "angle = \"wheel\"\ncolumn = \"wheel\"");
+  scattered.erase(scattered.find("[[run]]"));
+  for (const char* const wheel : {"1.98", "1.99", "2.01", "2.02", "2.03"}) {
+    run_poise({"motion", folder.path("oscillator.toml").string(), "--set", std::string("body.wheel.inertia=") + wheel,
+               "--duration", "2", "--release", "wheel=0.1", "--noise", "1e-4", "--csv",
+               folder.path(std::string(wheel) + ".csv").string()});
+    scattered +=
+        std::string("[[run]]\nname = \"") + wheel + "\"\ndata = \"" + wheel + ".csv\"\nrelease = { wheel = 0.1 }\n";
+  }
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
@@ -1031,6 +1043,7 @@ TEST(JsonDocs, Identify) {
        {{"identify", folder.write("aliased.toml", aliased)}},
        {{"identify", folder.write("curved.toml", curved)}},
        {{"identify", folder.write("ratios.toml", ratios)}},
+       {{"identify", folder.write("scattered.toml", scattered)}},
        {{"identify", folder.write("joint.toml", "experiments = [\"ratios.toml\", \"again.toml\"]\n")}}},
       Shared::all);
 }
