@@ -22,7 +22,7 @@ bodies = ["arm", "cart"]
 torque = 0.4
 [[spring]]
 name = "rope"
-points = ["cart.O", "arm.T"]
+x = "arm.T"
 stiffness = 30
 free_length = 0.2
 [[torsion_spring]]
