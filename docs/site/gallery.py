@@ -41,7 +41,7 @@ FEATURES: list[tuple[str, str, Callable[[dict[str, Any]], bool]]] = [
     ("curved slots and rolling wheels", "scene-files.md#curved-slots-and-rolling-wheels",
      lambda d: bool(d.keys() & {"circular_slot", "curved_slot", "rolling"})),
     ("profiles that roll", "scene-files.md#profiles-that-roll", lambda d: "rolling_profile" in d),
-    ("contacts between bodies", "contacts.md", lambda d: bool(d.keys() & {"contact", "loose_pin", "loose_slot"})),
+    ("contacts between bodies", "contacts.md", lambda d: bool(d.keys() & {"contact", "curve_contact", "loose_pin", "loose_slot"})),
     ("blades", "scene-files.md#blades", lambda d: "blade" in d),
     ("friction that holds", "friction.md",
      lambda d: any("friction" in keys_of(d, table) for table in ("pin", "slide", "pin_in_slot", "rope"))),
