@@ -114,7 +114,7 @@ void read_curve_of_controller(const TomlTable& table, Controller& law, double un
 
 Element read_what_controller_acts_on(const TomlTable& table, const MeasureReader& measures) {
   std::vector<std::string_view> allowed{own_keys_of_controller.begin(), own_keys_of_controller.end()};
-  allowed.push_back("time");
+  allowed.emplace_back("time");
   Element element;
   element.table = "controller";
   element.law = Controller{};
@@ -123,7 +123,7 @@ Element read_what_controller_acts_on(const TomlTable& table, const MeasureReader
   if (element.feedback->acts) {
     element.on = measures.read(table, all_measures(), allowed);
   } else {
-    allowed.push_back("name");
+    allowed.emplace_back("name");
     const MeasureKeys& keys = all_measures();
     allowed.insert(allowed.end(), keys.begin(), keys.end());
     table.allow_keys(allowed);
