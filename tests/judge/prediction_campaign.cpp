@@ -19,7 +19,8 @@ CarriedFit carried_fit(std::uint64_t seed) {
   ExperimentOptions reading;
   Scene as_written = parse_scene(test::rig_scene(), (file.parent_path() / "rig.toml").string());
   reading.scene = std::make_shared<const Scene>(as_written);
-  const FitProblem problem(parse_experiment(test::rig_experiment(seed), file, reading));
+  const Experiment experiment = parse_experiment(test::rig_experiment(seed), file, reading);
+  const FitProblem problem(experiment);
   const Identification answer = identify(problem);
   const std::optional<FittedNumbers> carried = carried_numbers(problem, answer);
   if (!carried) {
