@@ -33,7 +33,6 @@ TYPES = {
     "NAMES": "Words",
     "FILE": "Path",
     "DIR": "Path",
-    "SCENE": "Path",
     "OTHER": "Path | Sequence[Path]",
 }
 TYPES_OF_OPTIONS = {

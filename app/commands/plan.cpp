@@ -82,7 +82,7 @@ Command plan_command() {
   command.add({"--for", &request->prediction, "QUANTITY",
                "Make the standard error of this result smallest: fold.load.P, force.S,\n... (docs/quantities.md), in "
                "place of the criterion of [plan]"});
-  command.add({"--in", &request->scene, "SCENE", "The scene that --for is a result of; else that of the experiment"})
+  command.add({"--in", &request->scene, "FILE", "The scene that --for is a result of; else that of the experiment"})
       .reads("toml");
   add_jobs_option(command, request->jobs, "Threads (0, the default: all cores)");
   command
