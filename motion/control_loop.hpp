@@ -43,7 +43,7 @@ struct ControlLoop {
   StateSpace closed;
   /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
-  /// Of A, 1/s: the largest real parts first; with samples z, the largest sizes first.
+  /// The eigenvalues of A are these, 1/s, the largest real parts first; with samples z, the largest sizes first.
   std::vector<std::complex<double>> poles, open_poles;
   double period = 0.0;  ///< of the samples, s; 0 without any
   Stability stability = Stability::unstable;

@@ -28,7 +28,7 @@ struct MotionInput {
     return unit * (function ? function->at(t, derivative, near) : curve->at(t, derivative));
   }
   bool is_load() const { return of == Of::force || of == Of::torque; }
-  /// Of an element: which of the numbers of its law it is of.
+  /// An element has several numbers: the index of the one of its law that this is of.
   int number() const { return function ? function->part : part; }
   /// Times at which a motion must not be smooth.
   std::vector<double> breaks() const { return function ? function->breaks() : curve->breaks(); }

@@ -498,7 +498,7 @@ class Planner {
     return out;
   }
 
-  /// Of some runs; infinite where a null of theirs moves the result, or a parameter of no run.
+  /// Computes it for some runs; it is infinite where a null of theirs moves the result, or a parameter of no run.
   double error_of_prediction(const FitProblem& problem, const Identifiability& found,
                              const std::map<std::string, std::size_t>& there) const {
     FittedNumbers numbers;

@@ -40,8 +40,8 @@ class StaticRun {
   /// Of the scene with these inputs; `scene` has the values of the numbers.
   Row read(const Scene& scene, const std::vector<double>& inputs, const std::vector<SceneParameter>& numbers,
            const std::atomic<bool>* interrupt) const;
-  /// Of all rows in their order, from the first to `last`; those with the same inputs are computed once. Ends behind
-  /// the first that is not ok().
+  /// Predicts all rows in their order, from the first to `last`; those with the same inputs are computed once. It ends
+  /// behind the first that is not ok().
   std::vector<Row> read(const Scene& scene, const std::vector<SceneParameter>& numbers, std::size_t last,
                         const std::atomic<bool>* interrupt) const;
 

@@ -34,7 +34,7 @@ class Differences {
     return at_(scene);
   }
 
-  /// Of each result where the numbers are moved; with a reason where one of the values cannot be computed.
+  /// Differentiates each result where the numbers are moved; a reason says where one of the values cannot be computed.
   std::vector<ResultGradient> gradients(const VectorXd& moved, const std::vector<ComputedResult>& results) const {
     const Index n = steps_.size();
     std::vector<ResultGradient> out(results.size());
@@ -59,7 +59,7 @@ class Differences {
     return out;
   }
 
-  /// Of each result, the first direction that moves it.
+  /// Finds for each result the first direction that moves it.
   std::vector<std::string> what_moves(const std::vector<ComputedResult>& results) const {
     constexpr double part = 1e-3;
     std::vector<std::string> out(results.size());

@@ -350,8 +350,8 @@ class Sampler {
     for (Eigen::Index a = 0; a < inwards_.cols(); ++a) work.by.tail(fitted) += std::abs(normal()) * inwards_.col(a);
   }
 
-  /// Of the changes of the numbers, one standard deviation along each of their independent axes, scaled: a number each
-  /// of tolerances, the axes of the covariance of fitted ones.
+  /// These are the changes of the numbers, one standard deviation along each of their independent axes, scaled: each
+  /// tolerance has an axis of its own, fitted numbers have those of their covariance.
   const Eigen::MatrixXd& axes() const { return axes_; }
   /// The tolerances alone, which are the first axes.
   std::size_t own() const {

@@ -16,7 +16,7 @@ namespace poise {
 
 /// By how much a number of a scene may differ from its value.
 struct Tolerance {
-  /// Of a fitted number: normal, with the covariance that it has with the others of FittedNumbers.
+  /// A fitted number is normal, with the covariance that it has with the others of FittedNumbers.
   enum class Distribution { uniform, normal, fitted };
 
   std::string number;  ///< its path

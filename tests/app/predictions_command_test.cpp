@@ -65,7 +65,7 @@ TEST_F(FittedRig, SnapsWhereItsFitSays) {
   EXPECT_NEAR(sum, 1.0, 1e-12);
   EXPECT_TRUE(has(text_, "at load.P = ")) << text_;
   EXPECT_TRUE(has(text_, "(95 %), ")) << text_;
-  // The same load by its name, from the equilibrium under the scene's own load.
+  // Its name gives the same load, from the equilibrium under the scene's own load.
   const json band =
       result({"tolerance", scene_, "--with", this->path("fit.json"), "--of", "fold.load.P", "--samples", "0"}, 0);
   EXPECT_NEAR(band["quantities"][0]["sigma"].get<double>(), fold["standard_error"].get<double>(),

@@ -244,7 +244,7 @@ readings = { snap = [42.71, 43.02, 43.11, 42.83, 42.94, 43.3] }
   EXPECT_NEAR(found.jacobian[0] + found.jacobian[1], limit / 1000, 1e-9 * limit / 1000);
   const Fit fitted = fit(problem, problem.records());
   ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
-  // Of springs on both sides each has half of the load.
+  // Each of the springs on both sides has half of the load.
   const double mean = (42.71 + 43.02 + 43.11 + 42.83 + 42.94 + 43.3) / 6;
   EXPECT_NEAR(estimate(fitted, "k").value, 1000 + 2000 * (mean / limit - 1), 0.1);
   EXPECT_NEAR(fitted.identifiability.standard_error[0], std::hypot(2000 * 0.2 / std::sqrt(6.0) / limit, 1.0), 1e-4);

@@ -411,7 +411,7 @@ TEST(Control, ADeadbeatControllerIsThereAfterTwoSamples) {
   const ControlLoop loop = loop_of(scene);
   ASSERT_TRUE(loop.known) << loop.why;
   EXPECT_EQ(loop.stability, ControlLoop::Stability::stable);
-  // Of a double pole to the root of rounding.
+  // A double pole is known to the root of rounding.
   for (const Complex& z : loop.poles) EXPECT_LT(std::abs(z), 1e-7);
   EXPECT_LT((loop.closed.a * loop.closed.a).cwiseAbs().maxCoeff(), 1e-13);
 }

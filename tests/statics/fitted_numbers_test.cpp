@@ -96,7 +96,7 @@ TEST(FittedNumbers, GiveNoIntervalToWhatAnOpenDirectionMoves) {
   EXPECT_TRUE(ratio.is_known()) << ratio.undetermined;
   const PredictedResult sum = predicted(numbers, [](double a, double b) { return result_of(a + b, 1.0, 1.0); });
   EXPECT_EQ(sum.undetermined, "a and b by one factor");
-  // By a millionth of what it would be moved by alone.
+  // It is moved by a millionth of what it would be moved by alone.
   const PredictedResult nearly =
       predicted(numbers, [](double a, double b) { return result_of(a / b, (1 + 1e-6) / b, -a / (b * b)); });
   EXPECT_FALSE(nearly.is_known());
