@@ -33,37 +33,23 @@ std::vector<Vec2> points_of_track(const Scene& scene, const Readings& readings, 
   return out;
 }
 
-/// The point at which the line of a contact of curves is pinned: the origin of the first curve.
-PointRef pinned_point(const Scene& scene, int line) {
-  const auto pin =
-      std::find_if(scene.joints.begin(), scene.joints.end(), [&](const Joint& joint) { return joint.b.body == line; });
-  return pin->a;
+/// Where the curve of a profile that rolls, or of a contact of curves the first or the one that it is against, has its
+/// point at u, m: it counts from where its rider begins.
+Vec2 point_on_curve(const Scene& scene, const Readings& readings, std::size_t first, double u, bool is_against) {
+  const Stop& tangent = scene.stops[first + (is_against ? 3 : 2)];
+  const PointRef origin = scene.joints[static_cast<std::size_t>(travel_along_curve(tangent))].a;
+  return readings.poses[static_cast<std::size_t>(origin.body)].world(
+      scene.local(origin) + point_of_profile(&scene.stops[first], u, is_against));
 }
 
-/// Points along the curve of a profile that rolls, m.
-std::vector<Vec2> points_of_profile(const Scene& scene, const Readings& readings, std::size_t first) {
-  const PointRef origin = scene.stops[first].on.terms[0].measure.b;
-  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
+/// Points along such a curve, m.
+std::vector<Vec2> points_of_curve(const Scene& scene, const Readings& readings, std::size_t first,
+                                  bool is_against = false) {
   const auto [from, to] = range_of_profile(scene, first);
   constexpr int steps = 160;
   std::vector<Vec2> out;
   for (int k = 0; k <= steps; ++k) {
-    out.push_back(
-        pose.world(scene.local(origin) + point_of_profile(&scene.stops[first], from + (to - from) * k / steps)));
-  }
-  return out;
-}
-
-/// Points along a curve of a contact of curves, the first or the one that it is against, m.
-std::vector<Vec2> points_of_contact(const Scene& scene, const Readings& readings, std::size_t first, bool is_against) {
-  const Stop* const rows = &scene.stops[first];
-  const Measure& apart = rows->on.terms[0].measure;
-  const PointRef origin = is_against ? apart.b : pinned_point(scene, apart.a.body);
-  const BodyPose<double>& pose = readings.poses[static_cast<std::size_t>(origin.body)];
-  constexpr int steps = 160;
-  std::vector<Vec2> out;
-  for (int k = 0; k <= steps; ++k) {
-    out.push_back(pose.world(scene.local(origin) + point_of_profile(rows, static_cast<double>(k) / steps, is_against)));
+    out.push_back(point_on_curve(scene, readings, first, from + (to - from) * k / steps, is_against));
   }
   return out;
 }
@@ -202,17 +188,16 @@ void draw_profile(Stage& stage, std::size_t first) {
   const Stop* const rows = &stage.scene.stops[first];
   const Measure& across = rows->on.terms[0].measure;
   std::vector<Vec2> line, reaches;
-  for (const Vec2& point : points_of_profile(stage.scene, stage.now, first)) line.push_back(stage.page(point));
+  for (const Vec2& point : points_of_curve(stage.scene, stage.now, first)) line.push_back(stage.page(point));
   const Measure::Term& curve = rows->on.terms[1];
   const double u = value_of(stage.scene, curve.measure, stage.now.poses) / curve.span;
-  const Vec2 contact = stage.page(stage.now.poses[static_cast<std::size_t>(across.b.body)].world(
-      stage.scene.local(across.b) + point_of_profile(rows, u)));
+  const Vec2 contact = stage.page(point_on_curve(stage.scene, stage.now, first, u, false));
   if (rows->table == "rolling_profile_on_circle") {
     stage.canvas.circle(stage.page(across.a), stage.scale * rows->max, {.stroke = ink::ground, .width = 1.8});
   } else {
     reaches = line;
     for (const Readings& other : stage.others) {
-      for (const Vec2& point : points_of_profile(stage.scene, other, first)) reaches.push_back(stage.page(point));
+      for (const Vec2& point : points_of_curve(stage.scene, other, first)) reaches.push_back(stage.page(point));
     }
     draw_line_under(stage, contact, direction_of(stage, across), reaches, 8.0);
   }
@@ -226,7 +211,7 @@ void draw_curve_contact(Stage& stage, std::size_t first) {
   const Stop* const rows = &stage.scene.stops[first];
   for (const bool is_against : {false, true}) {
     std::vector<Vec2> line;
-    for (const Vec2& point : points_of_contact(stage.scene, stage.now, first, is_against)) {
+    for (const Vec2& point : points_of_curve(stage.scene, stage.now, first, is_against)) {
       line.push_back(stage.page(point));
     }
     stage.canvas.polyline(line, {.stroke = ink::dark, .width = 1.3});
@@ -234,10 +219,7 @@ void draw_curve_contact(Stage& stage, std::size_t first) {
   }
   const Measure::Term& curve = rows->on.terms[1];
   const double u = value_of(stage.scene, curve.measure, stage.now.poses) / curve.span;
-  const PointRef origin = pinned_point(stage.scene, rows->on.terms[0].measure.a.body);
-  label_force(stage, *rows, first, 1,
-              stage.page(stage.now.poses[static_cast<std::size_t>(origin.body)].world(stage.scene.local(origin) +
-                                                                                      point_of_profile(rows, u))));
+  label_force(stage, *rows, first, 1, stage.page(point_on_curve(stage.scene, stage.now, first, u, false)));
 }
 
 }  // namespace
@@ -281,12 +263,12 @@ void include_track(const Scene& scene, const Readings& readings, std::size_t fir
     box.include(world(scene, readings, stop.on.a), circle_of(scene.stops, first));
     box.include(world(scene, readings, stop.on.b), wheel_of(scene.stops, first));
   } else if (stop.table == "rolling_profile" || stop.table == "rolling_profile_on_circle") {
-    for (const Vec2& point : points_of_profile(scene, readings, first)) box.include(point);
+    for (const Vec2& point : points_of_curve(scene, readings, first)) box.include(point);
     if (stop.table == "rolling_profile_on_circle")
       box.include(world(scene, readings, stop.on.terms[0].measure.a), stop.max);
   } else if (stop.table == "curve_contact") {
     for (const bool is_against : {false, true}) {
-      for (const Vec2& point : points_of_contact(scene, readings, first, is_against)) box.include(point);
+      for (const Vec2& point : points_of_curve(scene, readings, first, is_against)) box.include(point);
     }
   } else if (stop.table == "chain") {
     const std::vector<Measure::Term>& terms = stop.on.terms;
