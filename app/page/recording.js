@@ -6,6 +6,8 @@ import {button, download, element, fileName, menu} from './dom.js';
 // Pixels of a picture for one of the screen.
 const pixels = 2;
 const frames_per_second = 30;
+// How often the encoder hands over what it has.
+const part_milliseconds = 100;
 const copied_styles = [
   'fill',
   'fill-opacity',
@@ -64,7 +66,8 @@ function canvasFor({svg}) {
   return element('canvas', {width: even(svg.clientWidth), height: even(svg.clientHeight)});
 }
 
-// What is played is painted as often as the film has frames, until it is stopped.
+// What is played is painted as often as the film has frames, until it is stopped and the encoder has handed over a part:
+// on a busy machine a short film would end before its first frame is encoded, as an empty file.
 class Recorder {
   constructor(picture) {
     Object.assign(this, {picture, canvas: canvasFor(picture), parts: [], running: true});
@@ -72,17 +75,19 @@ class Recorder {
     this.film = new MediaRecorder(this.canvas.captureStream(frames_per_second), {
       mimeType: types.find((type) => MediaRecorder.isTypeSupported(type)),
     });
-    this.film.addEventListener('dataavailable', ({data}) => this.parts.push(data));
+    this.film.addEventListener('dataavailable', ({data}) => {
+      if (data.size > 0) this.parts.push(data);
+    });
   }
 
   async start() {
     await paint(this.picture, this.canvas);
-    this.film.start();
+    this.film.start(part_milliseconds);
     this.painted = this.paintOn();
   }
 
   async paintOn() {
-    while (this.running) {
+    while (this.running || (this.parts.length === 0 && this.film.state === 'recording')) {
       await new Promise((go_on) => {
         setTimeout(go_on, 1000 / frames_per_second);
       });

@@ -180,7 +180,7 @@ TEST(Recording, PicturesAndFilmsOfAReport) {
   press("webm");
   ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null", 20));
   browser().run("document.querySelector('[aria-label=\"Play\"]').click()");
-  browser().run("return new Promise((go_on) => setTimeout(go_on, 500))");
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.track input').value !== '0'", 20));
   press("webm");
   wait_for_file(browser(), 2);
   expect_film(browser());
