@@ -73,6 +73,7 @@ void ControllerOf<double>::declare(const Dimension& read, bool acts, const Dimen
   describe(max, "max", {}, true);
   describe(tracking_time, "tracking_time", dimension::time, false, Range::positive);
   describe(period, "period", dimension::time, false, Range::positive);
+  describe(delay, "delay", dimension::time, false, Range::positive);
   constexpr std::array<std::string_view, 3> above{"numerator.0", "numerator.1", "numerator.2"};
   constexpr std::array<std::string_view, 3> below{"denominator.0", "denominator.1", "denominator.2"};
   for (int k = 0; k < 3; ++k) {

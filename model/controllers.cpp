@@ -51,6 +51,29 @@ std::vector<int> in_order_of_decisions(const Scene& scene) {
   return out;
 }
 
+std::vector<int> circle_of_decisions(const Scene& scene) {
+  std::vector<int> done, path, circle;
+  const auto visit = [&](int e, const auto& self) -> void {
+    if (!circle.empty() || std::find(done.begin(), done.end(), e) != done.end()) return;
+    const auto begin = std::find(path.begin(), path.end(), e);
+    if (begin != path.end()) {
+      circle.assign(begin, path.end());
+      return;
+    }
+    path.push_back(e);
+    const Element& element = scene.elements[static_cast<std::size_t>(e)];
+    if (controller_of(element.law)->decides_at_once()) {
+      for (const int next : {element.feedback->follows, element.feedback->reads_from}) {
+        if (next >= 0) self(next, self);
+      }
+    }
+    path.pop_back();
+    done.push_back(e);
+  };
+  for (const int e : controllers_of(scene)) visit(e, visit);
+  return circle;
+}
+
 std::set<int> bodies_of_states(const Scene& scene) {
   std::set<int> out;
   for_each_state(scene, [&](int body) { out.insert(body); });

@@ -17,6 +17,10 @@ std::vector<int> controllers_of(const Scene& scene);
 /// The same, so that each comes behind those on which what it decides depends at once.
 std::vector<int> in_order_of_decisions(const Scene& scene);
 
+/// Controllers of which each depends at once on what the next one gives, and the last on the first; empty where there are
+/// none.
+std::vector<int> circle_of_decisions(const Scene& scene);
+
 /// The bodies that are states of controllers (Feedback), as a set that is empty in most scenes.
 std::set<int> bodies_of_states(const Scene& scene);
 

@@ -72,7 +72,7 @@ ControlSignals<T> Mechanism<T>::own_signals(const Control& control, const Config
   out.integral = control.integral.along(here, v);
   out.place = control.filter.value(here);
   out.filtered = control.filter.along(here, v);
-  if (law.has(law.period)) {
+  if (law.holds()) {
     out.held_effort = control.held[0].along(here, v);
     out.held_integral = control.held[1].along(here, v);
     out.held_input = control.held[2].along(here, v);
@@ -91,7 +91,7 @@ ControlSignals<T> Mechanism<T>::own_signals_along(const Control& control, const 
   out.integral = control.integral.along(here, dv);
   out.place = control.filter.along(here, dq);
   out.filtered = control.filter.along(here, dv);
-  if (law.has(law.period)) {
+  if (law.holds()) {
     out.held_effort = control.held[0].along(here, dv);
     out.held_integral = control.held[1].along(here, dv);
     out.held_input = control.held[2].along(here, dv);

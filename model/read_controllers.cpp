@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "model/controllers.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_elements.hpp"
 
@@ -20,9 +21,9 @@ namespace poise {
 namespace {
 
 /// Those of numbers first, in the order of Controller::Id.
-constexpr std::array<std::string_view, 15> own_keys_of_controller{
-    "proportional",  "integral", "derivative", "filter",     "reference", "dead_band", "min",  "max",
-    "tracking_time", "period",   "reads",      "reads_rate", "transfer",  "follows",   "table"};
+constexpr std::array<std::string_view, 16> own_keys_of_controller{
+    "proportional",  "integral", "derivative", "filter", "reference",  "dead_band", "min",     "max",
+    "tracking_time", "period",   "delay",      "reads",  "reads_rate", "transfer",  "follows", "table"};
 
 bool names_measure(const TomlTable& table) {
   const MeasureKeys& keys = all_measures();
@@ -62,6 +63,11 @@ void expect_beside(const TomlTable& table, const Controller& law, const Feedback
     if (table.has("reads_rate")) {
       table.place_of("reads_rate").fail("expected it beside a measure that is read; leave it out");
     }
+  }
+  if (table.has("delay") && table.has("period")) {
+    table.place_of("delay").fail(
+        "expected delay or period, found both; make two controllers, of which the one with the delay follows the "
+        "other");
   }
   if (table.has("filter") && table.has("transfer")) {
     table.place_of("filter").fail("expected filter or transfer, found both; make two controllers");
@@ -214,31 +220,15 @@ void ControllerReader::refuse_idle() const {
 
 /// Throws InputError for controllers that depend on each other at once, in a circle.
 void ControllerReader::refuse_loops() const {
-  const auto of = [&](int e) -> const Element& { return scene_.elements[static_cast<std::size_t>(e)]; };
-  std::vector<int> done, path;
-  const auto visit = [&](int e, const auto& self) -> void {
-    const auto begin = std::find(path.begin(), path.end(), e);
-    if (begin != path.end()) {
-      std::vector<std::string> names;
-      for (auto it = begin; it != path.end(); ++it) names.push_back(of(*it).name);
-      throw InputError(fmt::format(
-          "{}:{}: controllers \"{}\" are an algebraic loop: each depends at once on what the next one gives, "
-          "and the last on the first; give one of them only an integral, or a transfer function with fewer "
-          "coefficients above than below",
-          scene_.file, of(*begin).line, fmt::join(names, "\", \"")));
-    }
-    if (std::find(done.begin(), done.end(), e) != done.end()) return;
-    path.push_back(e);
-    const Feedback& feedback = *of(e).feedback;
-    if (std::get<Controller>(of(e).law).decides_at_once()) {
-      for (const int next : {feedback.follows, feedback.reads_from}) {
-        if (next >= 0) self(next, self);
-      }
-    }
-    path.pop_back();
-    done.push_back(e);
-  };
-  for (const One& one : all_) visit(one.element, visit);
+  const std::vector<int> circle = circle_of_decisions(scene_);
+  if (circle.empty()) return;
+  std::vector<std::string> names;
+  for (const int e : circle) names.push_back(scene_.elements[static_cast<std::size_t>(e)].name);
+  throw InputError(fmt::format(
+      "{}:{}: controllers \"{}\" are an algebraic loop: each depends at once on what the next one gives, "
+      "and the last on the first; give one of them only an integral, a transfer function with fewer "
+      "coefficients above than below, or a delay",
+      scene_.file, scene_.elements[static_cast<std::size_t>(circle.front())].line, fmt::join(names, "\", \"")));
 }
 
 /// What a controller gives has the dimension of what follows or reads it: of those that act, an effort.
@@ -332,8 +322,8 @@ void ControllerReader::add_states(const One& one) {
   const bool has_state = law.has(Controller::filter) || law.order > 0;
   if (law.has(Controller::integral)) feedback.integral = add_state("integral");
   if (has_state) feedback.filter = add_state("state");
+  if (law.holds()) feedback.held[0] = add_state("held effort");
   if (law.has(Controller::period)) {
-    feedback.held[0] = add_state("held effort");
     if (law.has(Controller::integral)) feedback.held[1] = add_state("held error");
     if (has_state) feedback.held[2] = add_state("held input");
   }

@@ -318,9 +318,10 @@ class ElementReader {
       const std::span<const Number> numbers = numbers_of(element.law);
       Keys keys;
       for (const Number& number : numbers) {
-        // Numbers of points of a curve do not vary, nor does the period of a controller, which is behind those that do.
-        const bool is_period = element.feedback && number.key == "period";
-        if (number.key.find('.') == std::string_view::npos && !is_period) keys.push_back(number.key_on(&element.on));
+        // Numbers of points of a curve do not vary, nor do the period and the delay of a controller, which are behind
+        // those that do.
+        const bool is_of_past = element.feedback && (number.key == "period" || number.key == "delay");
+        if (number.key.find('.') == std::string_view::npos && !is_of_past) keys.push_back(number.key_on(&element.on));
       }
       time.allow_keys(keys);
       for (std::size_t k = 0; k < keys.size(); ++k) {

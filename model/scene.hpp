@@ -93,8 +93,8 @@ inline constexpr std::array<Number, 4> Body::numbers{
     component_number<&Body::center, 1>("center.y", dimension::length)};
 
 /// What a controller reads and gives, and where its states are: the rate of a body is its integral, that of another the
-/// state of its filter or transfer function, those of three more what it holds between samples (ControlSignals); -1
-/// without one. These bodies turn for themselves alone, with an inertia of which no energy is seen
+/// state of its filter or transfer function, those of three more what it holds between samples or gives after a delay
+/// (ControlSignals); -1 without one. These bodies turn for themselves alone, with an inertia of which no energy is seen
 /// (Body::inertia_of_states).
 struct Feedback {
   enum class Source { measure, controller, nothing };

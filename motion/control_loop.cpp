@@ -14,6 +14,7 @@
 #include "model/controllers.hpp"
 #include "motion/reduced_motion.hpp"
 #include "motion/samples.hpp"
+#include "solvers/delayed_system.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -49,7 +50,9 @@ class LoopAtRest {
 
   ControlLoop find() {
     out_.period = common_period();
-    out_.known = (out_.period > 0.0 ? comes_to_rest_between_samples() : comes_to_rest()) && touches_nothing();
+    find_delays();
+    const bool holds = out_.period > 0.0 || !out_.delayed.empty();
+    out_.known = (holds ? comes_to_rest_with_what_is_held() : comes_to_rest()) && touches_nothing();
     if (!out_.known) return std::move(out_);
     out_.x.assign(reduced_.q(), reduced_.q() + reduced_.coordinates());
     model_.mechanism().place(reduced_.q(), pose_.data());
@@ -57,8 +60,12 @@ class LoopAtRest {
     close();
     open();
     if (out_.period > 0.0) discretize();
-    out_.poles = poles_of(out_.closed.a);
     out_.open_poles = poles_of(out_.open.a);
+    if (out_.delayed.empty()) {
+      out_.poles = poles_of(out_.closed.a);
+    } else if (!find_poles_with_delays()) {
+      return std::move(out_);
+    }
     double zero = no_growth_of_pole * out_.closed.a.cwiseAbs().rowwise().sum().maxCoeff();
     double growth = out_.poles.empty() ? 0.0 : out_.poles.front().real();
     if (out_.period > 0.0) {
@@ -151,15 +158,31 @@ class LoopAtRest {
     return first == nullptr ? 0.0 : controller_of(first->law)->values[Controller::period];
   }
 
-  /// The equilibrium is that of controllers that decide at all times.
-  bool comes_to_rest_between_samples() {
+  void find_delays() {
+    for (const int e : controllers_of(scene_)) {
+      const Element& one = scene_.elements[static_cast<std::size_t>(e)];
+      const Controller& law = *controller_of(one.law);
+      if (!law.has(Controller::delay)) continue;
+      if (out_.period > 0.0) {
+        throw InputError(fmt::format(
+            "{}:{}: controller \"{}\".delay: the linear system of samples with delays is not known; expected a scene "
+            "without periods, or without delays",
+            scene_.file, one.line, one.name));
+      }
+      out_.delayed.push_back({e, law.values[Controller::delay]});
+    }
+  }
+
+  /// The equilibrium is that of controllers that decide at all times, and act at once.
+  bool comes_to_rest_with_what_is_held() {
     Scene scene = scene_;
     for (const int e : controllers_of(scene)) {
       Element& one = scene.elements[static_cast<std::size_t>(e)];
       Controller& law = std::get<Controller>(one.law);
-      law.given &= ~(1U << Controller::period);
+      law.given &= ~(1U << Controller::period | 1U << Controller::delay);
       law.declare(one.feedback->signal, one.feedback->acts, one.feedback->output);
     }
+    if (!circle_of_decisions(scene).empty()) return fail("controllers with delays follow each other in a circle");
     const MotionModel model(scene, model_.scales());
     LoopAtRest at_all_times(model, {reduced_.q(), reduced_.q() + reduced_.coordinates()});
     if (!at_all_times.comes_to_rest()) return fail(at_all_times.out_.why);
@@ -168,11 +191,24 @@ class LoopAtRest {
     reduced_.evaluate(0.0, z_.data(), w_.data());
     Samples samples(model_, {}, {});
     for (const Samples::Held& held : samples.take(reduced_, 0.0, 0.0)) w_[place_of(held.coordinate)] = held.rate;
+    for (const DelayedControl& one : out_.delayed) {
+      w_[place_of(held_coordinate(one.element))] =
+          at_all_times.effort_of(one.element) / law_of(one.element).effort_unit;
+    }
     if (reduced_.evaluate(0.0, z_.data(), w_.data()) != ReducedMotion<double>::Status::ok) {
       return fail("its equations of motion have no solution in its equilibrium");
     }
     reduced_.linearize();
     return true;
+  }
+
+  /// What it gives at the place evaluated last.
+  double effort_of(int element) {
+    model_.mechanism().place(reduced_.q(), pose_.data());
+    return model_.mechanism().outputs_of(element, pose_.data(), reduced_.v()).effort;
+  }
+  int held_coordinate(int element) const {
+    return model_.layout().links[static_cast<std::size_t>(feedback_of(element).held[0])].frame;
   }
 
   std::size_t place_of(int coordinate) const {
@@ -231,6 +267,72 @@ class LoopAtRest {
     std::vector<std::string> names;
     for (const Index i : free) names.push_back(loop.states[static_cast<std::size_t>(i)]);
     loop.states = std::move(names);
+  }
+
+  /// What a controller decides along a change, SI.
+  double decided_along(int element, const ControlChange<double>& change) {
+    const Controller& law = law_of(element);
+    const Mechanism<double>& m = model_.mechanism();
+    const ControlSignals<double> in = m.signals_of(element, pose_.data(), reduced_.v());
+    double out = law.decide_along(in, m.signals_along(element, pose_.data(), reduced_.v(), change)).effort;
+    if (change.element == element) out += change.by * law.decide_by(change.number, in).effort;
+    return out * effort_unit(element);
+  }
+
+  /// What is given after delays is no state of the loop, but an input of it, and what is decided an output.
+  bool find_poles_with_delays() {
+    StateSpace& loop = out_.closed;
+    const auto m = static_cast<Index>(loop.b.cols()), k = static_cast<Index>(out_.delayed.size());
+    std::vector<Index> free, held;
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (!is_held(states_[i])) free.push_back(static_cast<Index>(i));
+    }
+    for (const DelayedControl& one : out_.delayed) {
+      const auto is_of_it = [&](const State& state) {
+        return reduced_.independent()[state.k] == held_coordinate(one.element);
+      };
+      held.push_back(std::find_if(states_.begin(), states_.end(), is_of_it) - states_.begin());
+    }
+    MatrixXd decided(k, loop.a.cols()), by_references(k, m);
+    for (Index i = 0; i < k; ++i) {
+      const int element = out_.delayed[static_cast<std::size_t>(i)].element;
+      for (Index j = 0; j < decided.cols(); ++j) {
+        const State& column = states_[static_cast<std::size_t>(j)];
+        decided(i, j) = decided_along(element, along(column)) / column.unit;
+      }
+      for (Index r = 0; r < m; ++r) {
+        const int by = out_.controllers[static_cast<std::size_t>(r)].element;
+        by_references(i, r) = decided_along(element, along_reference(by)) / reading_unit(by);
+      }
+    }
+    const auto f = static_cast<Index>(free.size());
+    solvers::DelayedSystem system{loop.a(free, free), loop.a(free, held), decided(Eigen::all, free),
+                                  decided(Eigen::all, held), Eigen::VectorXd(k)};
+    for (Index i = 0; i < k; ++i) system.delays[i] = out_.delayed[static_cast<std::size_t>(i)].delay;
+    StateSpace cut;
+    cut.a = system.a;
+    cut.b.resize(f, m + k);
+    cut.b << loop.b(free, Eigen::all), system.b;
+    cut.c.resize(loop.c.rows() + k, f);
+    cut.c << loop.c(Eigen::all, free), system.c;
+    cut.d.resize(loop.c.rows() + k, m + k);
+    cut.d << loop.d, loop.c(Eigen::all, held), by_references, system.d;
+    for (const Index i : free) cut.states.push_back(loop.states[static_cast<std::size_t>(i)]);
+    cut.inputs = loop.inputs;
+    cut.outputs = loop.outputs;
+    for (const DelayedControl& one : out_.delayed) {
+      cut.inputs.push_back(name_of(one.element) + ".given");
+      cut.outputs.push_back(name_of(one.element) + ".decided");
+    }
+    loop = std::move(cut);
+    const std::optional<solvers::RightmostPoles> found = solvers::rightmost_poles(system, static_cast<int>(f + 2 * k));
+    if (!found) {
+      out_.known = false;
+      return fail("the poles that are found are not as many as are counted");
+    }
+    out_.poles = found->poles;
+    out_.poles_right_of = found->right_of;
+    return true;
   }
 
   bool is_held(const State& state) const {

@@ -25,6 +25,12 @@ struct ControlAtRest {
   bool in_dead_band = false;  ///< the error is within the dead band
 };
 
+/// A controller with a delay.
+struct DelayedControl {
+  int element = 0;     ///< of the scene
+  double delay = 0.0;  ///< s
+};
+
 /// A mechanism with its controllers near an equilibrium.
 struct ControlLoop {
   enum class Stability {
@@ -40,12 +46,17 @@ struct ControlLoop {
   /// coordinates, each with its rate, less their values at the equilibrium, then the states of controllers.
   /// With samples it is  x(k+1) = A x(k) + B u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision
   /// of the controllers: exact for references that are constant in between.
+  /// With delays what controllers give by them is an input each behind the references, d, and what they decide an
+  /// output each behind the others, e: the loop is closed by  d(t) = e(t - T).
   StateSpace closed;
   /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
-  /// The eigenvalues of A are these, 1/s, the largest real parts first; with samples z, the largest sizes first.
+  /// The eigenvalues of A are these, 1/s, the largest real parts first; with samples z, the largest sizes first. With
+  /// delays all poles right of a line; there are infinitely many.
   std::vector<std::complex<double>> poles, open_poles;
-  double period = 0.0;  ///< of the samples, s; 0 without any
+  std::vector<DelayedControl> delayed;
+  double poles_right_of = 0.0;  ///< that line, 1/s
+  double period = 0.0;          ///< of the samples, s; 0 without any
   Stability stability = Stability::unstable;
 };
 
@@ -54,9 +65,10 @@ struct ControlLoop {
 ///   w' = alpha(z, w, s),   s' = f(z, w, s)  at  alpha = 0, f = 0, w = 0,
 /// with the independent coordinates z and the states s of the controllers. An integral has the value that keeps its
 /// error zero. Loads, springs and references have the values of the scene, none of its functions of time.
-/// Of controllers with a period what is held between samples takes no part in x; the zero-order hold is exact.
-/// Not known with limits of stops that are touched. Throws InputError for scenes with drives or dry friction, and for
-/// periods that differ.
+/// Of controllers with a period what is held between samples takes no part in x; the zero-order hold is exact. Delays
+/// are exact, too (solvers/delayed_system.hpp).
+/// Not known with limits of stops that are touched, and where controllers with delays follow each other in a circle.
+/// Throws InputError for scenes with drives or dry friction, for periods that differ, and for periods beside delays.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
 }  // namespace poise

@@ -140,6 +140,18 @@ class InputSpring {
   double t_ = 0.0, near_ = 0.0;
 };
 
+/// Torques that follow from the past of a motion.
+class TorquesOfPast {
+ public:
+  struct One {
+    int coordinate;  ///< an angle
+    double torque;   ///< in the units of the scene that the motion is computed in
+  };
+  virtual ~TorquesOfPast() = default;
+  /// Those at t; `near` as of TimeFunction.
+  virtual const std::vector<One>& at(double t, double near) const = 0;
+};
+
 /// All that follows functions of time but drives: loads, springs, dampers and the acceleration of the frame.
 template <class T>
 class InputForces {
@@ -147,6 +159,10 @@ class InputForces {
   explicit InputForces(const Mechanism<T>& mechanism) : mechanism_(mechanism) {}
   template <class NumbersOfScene>
   void set_inputs(const NumbersOfScene& numbers, const std::vector<MotionInput>& inputs);
+
+  /// Adds torques of the past, or none; they must outlive this.
+  void set_past(const TorquesOfPast* past) { past_ = past; }
+  const TorquesOfPast* past() const { return past_; }
 
   void set(double t, double near);
   /// g += generalized forces less those that the mechanism has in their place, and their change along dq.
@@ -168,6 +184,7 @@ class InputForces {
   std::vector<MotionInput> frames_;
   mutable std::vector<const LawIn<T>*> laws_;  // by element, empty if none varies that resists
   Planar<T> frame_{};
+  const TorquesOfPast* past_ = nullptr;
   double t_ = 0.0, near_ = 0.0;
 };
 

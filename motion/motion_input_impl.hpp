@@ -213,6 +213,8 @@ void InputForces<T>::add(Planar<T>* pose, T* g) const {
   for (const InputLoad<T>& load : loads_) load.add(pose, g);
   for (const InputSpring<T>& spring : springs_) spring.add(pose, g);
   if (!frames_.empty()) mechanism_.add_frame(frame_, pose, g);
+  if (past_ == nullptr) return;
+  for (const TorquesOfPast::One& one : past_->at(t_, near_)) g[one.coordinate] -= static_cast<T>(one.torque);
 }
 
 template <class T>

@@ -149,6 +149,9 @@ class ReducedMotion {
   const std::vector<MotionInput>& inputs() const { return inputs_; }
   /// What forces follow at the time of the last place().
   ForcesInTime<T> forces_in_time() const { return input_forces_.in_time(); }
+  /// Adds torques that follow from the past of the motion, or none; they must outlive this.
+  void set_past(const TorquesOfPast* past) { input_forces_.set_past(past); }
+  const TorquesOfPast* past() const { return input_forces_.past(); }
   /// d(number of an element's law at that time)/d(number), of the scene or of a function of time.
   T number_of_element_by(const ForceNumber& number) const { return input_forces_.by(number); }
   /// Until the next call loads and drives follow the formulas that their functions of time have at this time

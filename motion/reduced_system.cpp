@@ -27,6 +27,7 @@ class ReducedSystem::Fine {
         inertia_(scene, mechanism_),
         motion_(scene, mechanism_, inertia_) {
     motion_.set_inputs(scene, reduced.inputs());
+    motion_.set_past(reduced.past());
     motion_.set_touching(scene, reduced.touching());
     if (reduced.sliding() != nullptr) {
       const std::vector<Long> q(reduced.q(), reduced.q() + reduced.coordinates());

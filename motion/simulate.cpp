@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -13,9 +14,11 @@
 #include "model/joint_friction.hpp"
 #include "motion/blades.hpp"
 #include "motion/contacts.hpp"
+#include "motion/delays.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/motion_step.hpp"
 #include "motion/motion_writer.hpp"
+#include "motion/private/quintic.hpp"
 #include "motion/profile_borders.hpp"
 #include "motion/rolling_forces.hpp"
 #include "motion/samples.hpp"
@@ -53,6 +56,12 @@ constexpr double no_rebound = 1e-12;
 /// Joints and drives that are open by more, over the mechanism's size or rad, are open.
 constexpr double joints_closed_within = 1e-9;
 
+/// A jump of what a controller decides, or of one of its derivatives, comes back after the delay as one of a derivative
+/// that is higher by two, or by one: beyond this many times the integrator is of no higher order.
+constexpr int most_echoes = 8;
+/// Steps between which delayed efforts are read have a reading error that is less by this.
+constexpr double read_by_delays = 100.0;
+
 /// The coordinates of a mechanism with controllers, without the states of these; none of another.
 std::vector<int> coordinates_of_controlled(const MotionModel& model) {
   const std::vector<int> states = states_of_controllers(model.scene(), model.layout());
@@ -84,10 +93,24 @@ class InputBreaks {
   double next(double t) {
     const double shortest = apart();
     while (next_ < all_.size() && all_[next_] <= t + shortest) ++next_;
-    const double in_list = next_ < all_.size() && all_[next_] < duration_ - shortest ? all_[next_] : duration_;
+    double in_list = next_ < all_.size() && all_[next_] < duration_ - shortest ? all_[next_] : duration_;
+    const auto echo = echoes_.upper_bound(t + shortest);
+    if (echo != echoes_.end() && echo->first < in_list - shortest) in_list = echo->first;
     const double sample = samples_.next(t, shortest);
     return sample < in_list - shortest ? sample : in_list;
   }
+  /// What controllers decide with these delays is not smooth at t: nor is what they give later.
+  void add_echoes(double t, const std::vector<double>& delays) {
+    const auto at = echo_at(t);
+    const int order = at == echoes_.end() ? 0 : at->second + 1;
+    if (order >= most_echoes) return;
+    for (const double delay : delays) {
+      const auto [place, is_new] = echoes_.try_emplace(t + delay, order);
+      if (!is_new) place->second = std::min(place->second, order);
+    }
+    echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
+  }
+  bool is_echo(double t) const { return echo_at(t) != echoes_.end(); }
   /// Times that are so near to each other are one.
   double apart() const { return 1e-9 * duration_; }
 
@@ -95,11 +118,17 @@ class InputBreaks {
   bool jumps(double t) const { return std::find(jumps_.begin(), jumps_.end(), t) != jumps_.end(); }
 
  private:
+  std::map<double, int>::const_iterator echo_at(double t) const {
+    const auto at = echoes_.lower_bound(t - apart());
+    return at != echoes_.end() && at->first <= t + apart() ? at : echoes_.end();
+  }
+
   const Samples& samples_;
   double duration_;
   std::vector<double> all_;  // ascending
   std::vector<double> jumps_;
-  std::size_t next_ = 0;  // of all_
+  std::size_t next_ = 0;          // of all_
+  std::map<double, int> echoes_;  // the times that delays make, and how many delays ago their causes are
 };
 
 /// Integrates one motion: makes steps, and goes on in other formulas where inputs, friction or profiles change.
@@ -114,6 +143,7 @@ class Simulation {
         rolling_(model),
         borders_(model, options.variations, options.influences),
         samples_(model, options.variations, options.influences),
+        delays_(model),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
         breaks_(inputs_, samples_, options.duration),
         q_start_(model.from_si(start.q)),
@@ -155,6 +185,7 @@ class Simulation {
   /// Prepares the equations and chooses the first independent coordinates.
   std::vector<int> first_choice() {
     reduced_.set_inputs(model_.scaled_scene(), scaled(inputs_, model_.scene(), model_.scales()));
+    if (delays_.act()) reduced_.set_past(&delays_);
     refuse_unknown_derivatives();
     contacts_.refuse_start(q_start_.data());
     reduced_.begin(0.0, q_start_.data(), options_.independent.empty() ? nullptr : &options_.independent);
@@ -173,6 +204,7 @@ class Simulation {
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
     refuse_periods();
+    if (options_.sensitivities) delays_.refuse_derivatives();
     if (!options_.sensitivities || !friction_.acts()) return;
     const auto refuse = [&](const TimeFunction& function, int number, double) {
       if (function.is_smooth_in(number)) return;
@@ -263,6 +295,7 @@ class Simulation {
       t = last && step_.length == left ? end : t + step_.length;
       ++out_.steps;
       step_.accept();
+      if (delays_.act() && !keep_decided(t)) return;
       if (reduced_.blades() > 0 && !hold_blades(t)) return;
       add_node(t);
       if (is_torn(t) || runs_away(t)) return;
@@ -273,6 +306,7 @@ class Simulation {
       const bool crosses = border.is_reached && !changes && step_.length == to_border;
       h = length_near_border(h, border, crosses);
       if (crosses && !cross_border(t)) return;
+      if (delays_.act() && (t == end || changes || crosses) && !hear_of_it(t)) return;
       if (options_.progress) options_.progress(t);
       if (step_.has_poor_coordinates()) choose_anew(t);
     }
@@ -321,6 +355,7 @@ class Simulation {
     add_node(0.0);
     if (is_torn(0.0)) return false;
     if (samples_.act() && !take_samples(0.0)) return false;
+    if (delays_.act() && !begin_delays()) return false;
     const bool touches = contacts_.act() && contacts_.is_near();
     return (!friction_.acts() && !touches) || change_mode(0.0, {.hits = touches});
   }
@@ -404,13 +439,15 @@ class Simulation {
     if (can_switch() && (StickSlip::holds(reduced_) || !reduced_.touching().empty())) {
       h = std::min(h, shortest_period_ / 4);
     }
+    if (delays_.act()) h = std::min(h, delays_.shortest());
     double limit = limit_;
     for (int attempt = 0; attempt < 12; ++attempt) {
       reduced_.set_singular_limit(limit);
       const bool evaluated = step_.make(t, h);
       reduced_.set_singular_limit(0.0);
       if (evaluated) {
-        const double error = std::max(error_.of_state(t, h, accuracy), error_.of_reading(t, h) / (1000 * accuracy));
+        const double read_within = 1000 * accuracy / (delays_.act() ? read_by_delays : 1.0);
+        const double error = std::max(error_.of_state(t, h, accuracy), error_.of_reading(t, h) / read_within);
         if (error <= 1.0) {
           step_.length = h;
           h = solvers::next_step(h, error);
@@ -568,22 +605,23 @@ class Simulation {
 
   /// Goes on from the last node, at t, with what controllers decide there, and hold until their next samples.
   bool take_samples(double t) {
-    const auto set = [&](const std::vector<Samples::Held>& all, const auto& place_of) {
-      for (const Samples::Held& one : all) {
-        const auto k = std::find(reduced_.independent().begin(), reduced_.independent().end(), one.coordinate) -
-                       reduced_.independent().begin();
-        step_.y[place_of(reduced_.freedoms() + static_cast<int>(k))] = one.rate;
-      }
-    };
     const std::vector<Samples::Held> held = samples_.take(reduced_, t, breaks_.apart());
     std::vector<double> dq(q_start_.size()), dv(q_start_.size());
     for (int c = 0; c < columns_.count(); ++c) {
       nodes_.read_places_by(static_cast<std::size_t>(c), dq);
       nodes_.read_rates_by(static_cast<std::size_t>(c), dv);
-      set(samples_.take_by(reduced_, t, breaks_.apart(), dq, dv, columns_.influence_of(c)),
-          [&](int row) { return step_.sensitivity(row, c); });
+      for (const Samples::Held& one :
+           samples_.take_by(reduced_, t, breaks_.apart(), dq, dv, columns_.influence_of(c))) {
+        step_.y[step_.sensitivity(row_of_rate(one.coordinate), c)] = one.rate;
+      }
     }
-    set(held, [](int row) { return static_cast<std::size_t>(row); });
+    return go_on_with(t, held);
+  }
+
+  /// Goes on from the last node, at t, with these rates of coordinates that are states of controllers.
+  template <class Given>
+  bool go_on_with(double t, const std::vector<Given>& given) {
+    set_rates(given);
     if (!step_.evaluate(t)) {
       give_up(t);
       return false;
@@ -591,6 +629,66 @@ class Simulation {
     add_node(t);
     nodes_.begin_piece();
     return true;
+  }
+  template <class Given>
+  void set_rates(const std::vector<Given>& given) {
+    for (const Given& one : given) step_.y[static_cast<std::size_t>(row_of_rate(one.coordinate))] = one.rate;
+  }
+  int row_of_rate(int coordinate) const {
+    const std::vector<int>& all = reduced_.independent();
+    return reduced_.freedoms() + static_cast<int>(std::find(all.begin(), all.end(), coordinate) - all.begin());
+  }
+
+  /// At the start controllers with delays give what they decide there.
+  bool begin_delays() {
+    for (int round = 0; round < delays_.rounds(); ++round) {
+      set_rates(delays_.begin(reduced_));
+      if (!step_.evaluate(0.0)) {
+        give_up(0.0);
+        return false;
+      }
+    }
+    if (!go_on_with(0.0, delays_.begin(reduced_))) return false;
+    echo(0.0);
+    return true;
+  }
+  void echo(double t) {
+    breaks_.add_echoes(t, delays_.delays());
+    reduced_.set_near((t + breaks_.next(t)) / 2);
+  }
+
+  /// Keeps what controllers with delays decided over the step just made, to t, and evaluates its end again.
+  bool keep_decided(double t) {
+    const int f = reduced_.freedoms();
+    const double from = t - step_.length;
+    const std::vector<double>&y0 = step_.y_new, &dy0 = step_.dydt_new, &y1 = step_.y, &dy1 = step_.dydt;
+    const std::array<double, Delays::points> times = Delays::times_within(from, t);
+    std::vector<double> z(static_cast<std::size_t>(f)), w(z.size());
+    for (int p = 0; p < Delays::points; ++p) {
+      const double at = times[static_cast<std::size_t>(p)], x = (at - from) / (t - from);
+      for (std::size_t k = 0; k < z.size(); ++k) {
+        const std::size_t rate = z.size() + k;
+        const Quintic course(t - from, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]);
+        z[k] = course.at(x);
+        w[k] = course.slope(x) / (t - from);
+      }
+      if (reduced_.evaluate(at, z.data(), w.data()) != Reduced::Status::ok) {
+        give_up(at);
+        return false;
+      }
+      delays_.keep(from, t, p, reduced_);
+    }
+    if (step_.evaluate(t)) return true;
+    give_up(t);
+    return false;
+  }
+
+  /// Goes on behind an instant t at which what controllers decide or give need not be smooth.
+  bool hear_of_it(double t) {
+    const bool heard = breaks_.is_echo(t);
+    echo(t);
+    if (t >= options_.duration) return true;
+    return !heard || go_on_with(t, delays_.just_behind(t, breaks_.apart()));
   }
 
   /// Adds to derivatives by the time at which a load jumps, which is t: rates stay and accelerations jump, so that the
@@ -977,6 +1075,7 @@ class Simulation {
   double rolling_margin_ = 0.0;  // at the last node
   ProfileBorders borders_;
   Samples samples_;
+  Delays delays_;
   std::vector<MotionInput> inputs_;  // of the options and the scene
   InputBreaks breaks_;
   std::vector<double> q_start_;

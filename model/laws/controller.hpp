@@ -28,7 +28,8 @@ struct ControlSignals {
   S integral{};  ///< s
   S place{};     ///< the integral of x
   S filtered{};  ///< x
-  /// What one with a period holds since its last sample: u, s', and what its filter or transfer function has.
+  /// What one with a period holds since its last sample: u, s', and what its filter or transfer function has; of one
+  /// with a delay the u that it gives.
   S held_effort{}, held_integral{}, held_input{};
 
   /// The same in another scalar: use(member of these) of each.
@@ -102,8 +103,10 @@ Tangent<S> select(const Mask<M>& condition, const Tangent<S>& a, const Tangent<S
 /// With a period T it decides at the times k T alone: what it has there, u, s' and the input of its filter or transfer
 /// function, it holds until the next one, so that s and x at these times are those of the exact zero-order hold.
 ///
+/// With a delay T it gives at t the u that it decided at t - T; s and x are those of the time itself.
+///
 /// The states s and x are the rates of two bodies that turn for themselves alone (Feedback), x behind the first order
-/// of G the angle of the second; what is held is the rate of one more body each, in SI.
+/// of G the angle of the second; what is held or delayed is the rate of one more body each, in SI.
 template <class N>
 struct ControllerOf {
   enum Id {
@@ -117,6 +120,7 @@ struct ControllerOf {
     max,
     tracking_time,
     period,
+    delay,
     numerator,
     denominator = numerator + 3,
     count = denominator + 3
@@ -135,9 +139,12 @@ struct ControllerOf {
   static constexpr std::size_t most_points = 64;
 
   bool has(int id) const { return (given >> id & 1U) != 0; }
+  /// Whether what it gives is a state of its own.
+  bool holds() const { return has(period) || has(delay); }
   /// Whether u depends on y and the reference of the same instant, not on states alone: of a controller with a period
   /// at its samples.
   bool decides_at_once() const {
+    if (has(delay)) return false;
     return has(proportional) || has(derivative) || curve != nullptr || (order > 0 && has(numerator + order));
   }
   /// The same at any instant.
@@ -181,12 +188,13 @@ struct ControllerOf {
     if (curve->forces()[point] != value) curve = std::make_shared<const ForceCurve>(curve->with_force(point, value));
   }
 
-  /// What it does: with a period by what it holds.
+  /// What it does: with a period or a delay by what it holds.
   template <class S>
   ControlOutputs<S> respond(const ControlSignals<S>& in) const {
     return respond(in, S(0.0));
   }
-  /// What it decides by what it knows: what it does, and with a period what it holds from a sample on.
+  /// What it decides by what it knows: what it does, with a period what it holds from a sample on, with a delay what it
+  /// gives later.
   template <class S>
   ControlOutputs<S> decide(const ControlSignals<S>& in) const {
     return decide(in, S(0.0));
@@ -283,8 +291,12 @@ struct ControllerOf {
 
   template <class S>
   ControlOutputs<S> respond(const ControlSignals<S>& in, const S& more) const {
-    if (!has(period)) return decide(in, more);
     ControlOutputs<S> out;
+    if (!has(period)) {
+      out = decide(in, more);
+      if (has(delay)) out.effort = S(effort_unit) * in.held_effort;
+      return out;
+    }
     out.effort = out.unlimited = S(effort_unit) * in.held_effort;
     if (has(integral)) out.integral = in.held_integral;
     if (has_state()) out.filtered = change_of_state(in, in.held_input);

@@ -500,6 +500,7 @@ TEST(JsonDocs, Modes) {
                           {{"modes", scene("double_pendulum")}},
                           {{"modes", scene("toggle_clamp")}},
                           {{"modes", scene("machines/deadbeat_table")}},
+                          {{"modes", scene("machines/late_pendulum")}},
                           {{"modes", scene("machines/cart_pole")}, with_csv}});
 }
 

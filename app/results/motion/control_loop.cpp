@@ -147,6 +147,22 @@ void add_controllers(Group& content, const MotionModel& model, const ControlLoop
   table.remarks(std::move(remarks), Tone::doubtful);
 }
 
+void add_delays(Group& content, const MotionModel& model, const ControlLoop& loop) {
+  std::vector<std::string> words;
+  Branch& data = content.array("delays");
+  for (const DelayedControl& one : loop.delayed) {
+    const std::string& name = model.scene().elements[static_cast<std::size_t>(one.element)].name;
+    words.push_back(fmt::format("{} {} s", name, significant(one.delay, 8)));
+    Group& part = data.parts.emplace_back();
+    part.data("name", name);
+    part.data("delay", one.delay);
+  }
+  content.fact("delays", fmt::format("{}", fmt::join(words, ", ")));
+  content.fact("listed", fmt::format("all poles that are right of {} 1/s, counted; there are infinitely many",
+                                     significant(loop.poles_right_of, 6)));
+  content.data("poles_right_of", loop.poles_right_of);
+}
+
 }  // namespace
 
 Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
@@ -185,6 +201,7 @@ Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
   } else {
     add_poles(content, "poles", "Poles of the closed loop", loop.poles);
   }
+  if (!loop.delayed.empty()) add_delays(content, model, loop);
   add_poles(content, "open_poles", "Poles of the mechanism alone", loop.open_poles);
   add_system(content, "closed_loop", loop.closed);
   add_system(content, "open_loop", loop.open);

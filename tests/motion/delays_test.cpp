@@ -1,0 +1,348 @@
+// Controllers with delays: polynomials of the method of steps, published margins, an integration apart from Poise.
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "model/input_error.hpp"
+#include "model/parameters.hpp"
+#include "motion/control_loop.hpp"
+#include "motion/simulate.hpp"
+#include "tests/support/known_answers.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/motions.hpp"
+
+namespace poise::delays_test {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double mass = 2.0;
+
+/// A block of 2 kg on rails "x", and one that nothing pushes, on rails "still", with a controller.
+std::string blocks(const std::string& controller) {
+  return fmt::format(R"(
+[ground.points]
+O = [0, 0]
+[body.block]
+mass = {}
+points = {{ c = [0, 0] }}
+[body.other]
+mass = 1
+points = {{ c = [0, 0] }}
+[[slide]]
+name = "x"
+points = ["ground.O", "block.c"]
+axis = [1, 0]
+[[slide]]
+name = "still"
+points = ["ground.O", "other.c"]
+axis = [1, 0]
+[[controller]]
+name = "C"
+slide = "x"
+{}
+)",
+                     mass, controller);
+}
+
+struct Course {
+  std::vector<test::Reading> at;
+  std::size_t x = 0;
+
+  double place(std::size_t k) const { return at[k].q[x]; }
+  double rate(std::size_t k) const { return at[k].v[x]; }
+};
+
+Course course(const std::string& text, const std::vector<double>& times, const test::Release& release = {}) {
+  const MotionModel model(parse_scene(text, "blocks.toml"));
+  const Motion motion = test::moved(model, test::released(model, release), times.back(), 1e-11);
+  EXPECT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  EXPECT_LT(motion.energy_error, 1e-9);
+  return {test::read_at(motion, times), static_cast<std::size_t>(test::coordinate_of(model, "x"))};
+}
+
+std::vector<double> instants(double duration, int count) {
+  std::vector<double> out;
+  for (int k = 1; k <= count; ++k) out.push_back(duration * k / count);
+  return out;
+}
+
+using Polynomial = std::vector<double>;
+
+double value_of(const Polynomial& p, double s) {
+  double out = 0.0;
+  for (std::size_t k = p.size(); k-- > 0;) out = out * s + p[k];
+  return out;
+}
+Polynomial slope_of(const Polynomial& p) {
+  Polynomial out;
+  for (std::size_t k = 1; k < p.size(); ++k) out.push_back(static_cast<double>(k) * p[k]);
+  return out.empty() ? Polynomial{0.0} : out;
+}
+Polynomial integral_of(const Polynomial& p, double begin) {
+  Polynomial out{begin};
+  for (std::size_t k = 0; k < p.size(); ++k) out.push_back(p[k] / static_cast<double>(k + 1));
+  return out;
+}
+
+// m x'' = -kp x(t - T) - kd x'(t - T) is a polynomial over each delay, from the one before; before the start it is what
+// the controller decides there.
+TEST(Delays, MotionsAreThePolynomialsOfTheMethodOfSteps) {
+  constexpr double x0 = 0.3, v0 = -0.2;
+  for (const double delay : {0.25, 0.05}) {
+    for (const double kd : {0.0, 1.5}) {
+      constexpr double kp = 3.0;
+      const std::vector<double> times = instants(2.0, 37);
+      const Course found = course(blocks(fmt::format("proportional = {}\nderivative = {}\ndelay = {}", kp, kd, delay)),
+                                  times, {.places = {{"x", x0}}, .rates = {{"x", v0}}});
+      std::vector<Polynomial> steps;
+      double x = x0, v = v0;
+      Polynomial push{-(kp * x0 + kd * v0) / mass};
+      for (double from = 0.0; from < 2.0; from += delay) {
+        const Polynomial rate = integral_of(push, v), place = integral_of(rate, x);
+        steps.push_back(place);
+        x = value_of(place, delay);
+        v = value_of(rate, delay);
+        push.assign(place.size(), 0.0);
+        for (std::size_t k = 0; k < place.size(); ++k) push[k] -= kp / mass * place[k];
+        const Polynomial rates = slope_of(place);
+        for (std::size_t k = 0; k < rates.size(); ++k) push[k] -= kd / mass * rates[k];
+      }
+      for (std::size_t k = 0; k < times.size(); ++k) {
+        const auto step = std::min(static_cast<std::size_t>(times[k] / delay), steps.size() - 1);
+        const double s = times[k] - static_cast<double>(step) * delay;
+        EXPECT_NEAR(found.place(k), value_of(steps[step], s), 1e-10) << delay << " at " << times[k];
+        EXPECT_NEAR(found.rate(k), value_of(slope_of(steps[step]), s), 1e-9) << delay << " at " << times[k];
+      }
+    }
+  }
+}
+
+// A reference that steps at t1 pushes from t1 + T on.
+TEST(Delays, JumpsComeBackAfterTheDelay) {
+  constexpr double k = 3.0, t1 = 0.4, T = 0.35;
+  const std::vector<double> times = instants(2.0, 20);
+  const Course found = course(blocks(fmt::format("reads = {{ slide = \"still\" }}\nproportional = {}\nreference = 1\n"
+                                                 "time = {{ reference = {{ step = {{ at = {}, to = 1 }} }} }}\n"
+                                                 "delay = {}",
+                                                 k, t1, T)),
+                              times);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double s = std::max(0.0, times[i] - t1 - T);
+    EXPECT_NEAR(found.place(i), k / mass * s * s / 2, 1e-11);
+    EXPECT_NEAR(found.rate(i), k / mass * s, 1e-11);
+  }
+}
+
+// What a controller with samples decides acts later: the push is constant from k T + D to (k + 1) T + D.
+TEST(Delays, SamplesActAfterADelay) {
+  constexpr double kp = 4.0, kd = 3.0, T = 0.125, D = 0.05;
+  const std::vector<double> times = instants(2.0, 16);
+  const Course found =
+      course(blocks(fmt::format("reads = \"nothing\"\nfollows = \"samples\"\nproportional = 1\ndelay = {}\n"
+                                "[[controller]]\nname = \"samples\"\nreads = {{ slide = \"x\" }}\nproportional = {}\n"
+                                "derivative = {}\nperiod = {}",
+                                D, kp, kd, T)),
+             times, {.places = {{"x", 0.4}}, .rates = {{"x", 0.1}}});
+  double x = 0.4, v = 0.1, held = -(kp * x + kd * v);
+  const auto move = [&](double duration) {
+    x += duration * (v + duration * held / mass / 2);
+    v += duration * held / mass;
+  };
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double decided = -(kp * x + kd * v);
+    move(D);
+    held = decided;
+    move(T - D);
+    EXPECT_NEAR(found.place(i), x, 1e-11);
+    EXPECT_NEAR(found.rate(i), v, 1e-10);
+  }
+}
+
+ControlLoop loop_of(const Scene& scene) {
+  const MotionModel model(scene);
+  return control_loop(model, model.from_si(start_motion(model, {}).q));
+}
+Scene with_value(Scene scene, const std::string& path, double value) {
+  set_value(scene, path, value);
+  return scene;
+}
+double distance_of(const ControlLoop& loop, const Complex& pole) {
+  double out = 1e300;
+  for (const Complex& one : loop.poles) out = std::min(out, std::abs(one - pole));
+  return out;
+}
+
+// ../shared/benchmarks.md 4.5; the last one is the pendulum of the datasets. Where another block stands where it is two
+// poles are zero.
+TEST(Delays, MarginsAreThoseOfTheirClosedForms) {
+  struct Case {
+    std::string text;
+    double margin, frequency;
+  };
+  // x' = -k x(t - T), of the rate.
+  const double k = 1.7;
+  const std::vector<Case> cases{
+      {blocks(fmt::format("reads_rate = true\nproportional = {}\ndelay = 1", k * mass)), M_PI / (2 * k), k},
+      {blocks("proportional = 8\nderivative = 4\ndelay = 1"), 0.355559324358, 2.54403929903},
+      {"", 0.144523615692, 6.14003243523}};
+  for (const Case& one : cases) {
+    const bool is_dataset = one.text.empty();
+    const Scene scene =
+        is_dataset ? read_scene(test::dataset("machines/late_pendulum.toml")) : parse_scene(one.text, "blocks.toml");
+    const std::string path = is_dataset ? "controller.hand.delay" : "controller.C.delay";
+    const auto at = [&](double delay) { return loop_of(with_value(scene, path, delay)); };
+    const ControlLoop there = at(one.margin);
+    ASSERT_TRUE(there.known) << there.why;
+    EXPECT_LT(distance_of(there, {0.0, one.frequency}), 1e-10 * one.frequency / one.margin);
+    // Right of the zeros of the other block nothing is left but the pair, on one side of the margin.
+    const auto growing = [](const ControlLoop& loop) {
+      EXPECT_TRUE(loop.known) << loop.why;
+      return std::count_if(loop.poles.begin(), loop.poles.end(), [](const Complex& p) { return p.real() > 1e-7; });
+    };
+    EXPECT_EQ(growing(at(one.margin * (1 - 1e-5))), 0);
+    EXPECT_EQ(growing(at(one.margin * (1 + 1e-5))), 2);
+  }
+}
+
+// Poles are roots of  m s^2 + (kp + kd s) exp(-s T) = 0, all that are right of the line: on a grid of starts Newton's
+// method finds no other.
+TEST(Delays, AllPolesRightOfTheLineAreListed) {
+  constexpr double kp = 9.0, kd = 5.0;
+  for (const double T : {0.02, 0.3, 2.0}) {
+    const ControlLoop loop = loop_of(
+        parse_scene(blocks(fmt::format("proportional = {}\nderivative = {}\ndelay = {}", kp, kd, T)), "blocks.toml"));
+    ASSERT_TRUE(loop.known) << loop.why;
+    const auto left = [&](const Complex& s) { return mass * s * s + (kp + kd * s) * std::exp(-s * T); };
+    const auto slope = [&](const Complex& s) { return 2 * mass * s + (kd - T * (kp + kd * s)) * std::exp(-s * T); };
+    int own = 0;
+    for (const Complex& s : loop.poles) {
+      if (std::abs(s) < 1e-6) continue;  // of the other block
+      ++own;
+      EXPECT_LT(std::abs(left(s)), 1e-10 * (kp + mass * std::norm(s)));
+      EXPECT_GT(s.real(), loop.poles_right_of);
+    }
+    EXPECT_GE(own, 2);
+    int found = 0;
+    for (int i = 0; i < 40; ++i) {
+      for (int j = 0; j < 80; ++j) {
+        Complex s(loop.poles_right_of + (i + 0.5) * 0.5 / T, (j + 0.5) * 0.5 / T);
+        for (int step = 0; step < 50; ++step) s -= left(s) / slope(s);
+        if (!(std::abs(left(s)) < 1e-9 * (kp + mass * std::norm(s)))) continue;
+        if (s.real() < loop.poles_right_of + 1e-9) continue;
+        ++found;
+        EXPECT_LT(distance_of(loop, s), 1e-7 * (1 + std::abs(s))) << T << ": " << s;
+      }
+    }
+    EXPECT_GT(found, 100);
+  }
+}
+
+TEST(Delays, MotionsDecayAsTheirRightmostPolesSay) {
+  const Scene scene =
+      with_value(read_scene(test::dataset("machines/late_pendulum.toml")), "controller.hand.delay", 0.14);
+  const ControlLoop loop = loop_of(scene);
+  ASSERT_TRUE(loop.known) << loop.why;
+  EXPECT_EQ(loop.stability, ControlLoop::Stability::stable);
+  const Complex pole = loop.poles.front();
+  ASSERT_GT(pole.imag(), 0.0);
+  const double turn = 2 * M_PI / pole.imag();
+  const MotionModel model(scene);
+  const Motion motion = test::moved(model, test::released(model, {.places = {{"pendulum", 1e-4}}}), 9 * turn, 1e-12);
+  const auto i = static_cast<std::size_t>(test::coordinate_of(model, "pendulum"));
+  const std::vector<test::Reading> read = test::read_at(motion, {8 * turn, 9 * turn});
+  EXPECT_NEAR(read[1].q[i] / read[0].q[i] / std::exp(pole.real() * turn), 1.0, 1e-5);
+}
+
+// A pendulum with a PID controller that is limited, late: by a Runge-Kutta method of fourth order, whose steps are a
+// part of the delay, with what was decided between steps by cubics.
+TEST(Delays, ALimitedPendulumFollowsWhatIsIntegratedApart) {
+  const std::string text = R"(gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.rod]
+mass = 1
+center = [0, 0.5]
+inertia = 0.05
+points = { P = [0, 0] }
+[[pin]]
+points = ["ground.O", "rod.P"]
+[[controller]]
+name = "C"
+bodies = ["ground", "rod"]
+proportional = 12
+integral = 4
+derivative = 2.5
+min = -3
+max = 3
+delay = 0.04
+)";
+  const MotionModel model(parse_scene(text, "rod.toml"));
+  const Motion motion = test::moved(model, test::released(model, {.places = {{"rod", 0.35}}}), 3.0, 1e-10);
+  ASSERT_EQ(motion.status, MotionStatus::completed) << motion.why;
+  const auto i = static_cast<std::size_t>(test::coordinate_of(model, "rod"));
+  constexpr double inertia = 0.05 + 0.25, weight = 9.81 * 0.5, T = 0.04;
+  constexpr int per_delay = 200, steps = 3 * 25 * per_delay;
+  constexpr double h = T / per_delay;
+  struct State {
+    double q, v, s;
+  };
+  const auto decided = [](const State& y) { return std::clamp(-12 * y.q - 2.5 * y.v + 4 * y.s, -3.0, 3.0); };
+  State y{0.35, 0.0, 0.0};
+  std::vector<double> u{decided(y)};
+  const auto given = [&](int node, bool half) {
+    const auto at = [&](int k) { return u[static_cast<std::size_t>(std::max(0, k))]; };
+    const int k = node - per_delay;
+    if (!half) return at(k);
+    return k < 1 ? (at(k) + at(k + 1)) / 2 : (9 * (at(k) + at(k + 1)) - at(k - 1) - at(k + 2)) / 16;
+  };
+  const auto slope = [&](const State& a, double push) {
+    return State{a.v, (weight * std::sin(a.q) + push) / inertia, -a.q};
+  };
+  const auto moved = [](const State& a, const State& by, double t) {
+    return State{a.q + t * by.q, a.v + t * by.v, a.s + t * by.s};
+  };
+  for (int k = 0; k < steps; ++k) {
+    const double half = given(k, true);
+    const State k1 = slope(y, given(k, false)), k2 = slope(moved(y, k1, h / 2), half),
+                k3 = slope(moved(y, k2, h / 2), half), k4 = slope(moved(y, k3, h), given(k + 1, false));
+    const State sum{k1.q + 2 * (k2.q + k3.q) + k4.q, k1.v + 2 * (k2.v + k3.v) + k4.v, k1.s + 2 * (k2.s + k3.s) + k4.s};
+    y = moved(y, sum, h / 6);
+    u.push_back(decided(y));
+    if ((k + 1) % (steps / 6) != 0) continue;
+    const std::vector<test::Reading> read = test::read_at(motion, {(k + 1) * h});
+    EXPECT_NEAR(read[0].q[i], y.q, 2e-7) << (k + 1) * h;
+    EXPECT_NEAR(read[0].v[i], y.v, 2e-6) << (k + 1) * h;
+  }
+  EXPECT_EQ(*std::min_element(u.begin(), u.end()), -3.0) << "it was limited";
+}
+
+TEST(Delays, WhatIsNotKnownIsRefusedByName) {
+  const std::string both =
+      test::message_of([] { parse_scene(blocks("proportional = 1\ndelay = 1\nperiod = 1"), "a"); });
+  EXPECT_NE(both.find("expected delay or period, found both"), std::string::npos) << both;
+  const std::string none = test::message_of([] { parse_scene(blocks("proportional = 1\ndelay = 0"), "a"); });
+  EXPECT_NE(none.find("expected a finite number > 0"), std::string::npos) << none;
+  const MotionModel model(parse_scene(blocks("proportional = 1\ndelay = 0.1"), "a"));
+  const std::string by =
+      test::message_of([&] { simulate(model, test::released(model, {}), {.duration = 1.0, .sensitivities = true}); });
+  EXPECT_NE(by.find("controller \"C\".delay: derivatives of a motion with a delay are not known"), std::string::npos)
+      << by;
+  // Delayed controllers in a circle are no algebraic loop, but their echoes do not decay.
+  const ControlLoop circle = loop_of(
+      parse_scene(blocks("proportional = 1\ndelay = 0.1\nfollows = \"D\"\n[[controller]]\nname = \"D\"\nreads = "
+                         "\"nothing\"\nfollows = \"C2\"\nproportional = 0.5\ndelay = 0.2\n[[controller]]\nname = "
+                         "\"C2\"\nreads = \"nothing\"\nfollows = \"D\"\nproportional = 0.5\ndelay = 0.1"),
+                  "a"));
+  EXPECT_FALSE(circle.known);
+  EXPECT_NE(circle.why.find("follow each other in a circle"), std::string::npos) << circle.why;
+}
+
+}  // namespace
+}  // namespace poise::delays_test
