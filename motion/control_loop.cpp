@@ -59,10 +59,13 @@ class LoopAtRest {
     for (const int e : controllers_of(scene_)) add_controller(e);
     close();
     open();
+    note_directions();
     if (out_.period > 0.0) discretize();
     out_.open_poles = poles_of(out_.open.a);
     if (out_.delayed.empty()) {
       out_.poles = poles_of(out_.closed.a);
+      const Index n = out_.closed.a.rows();
+      out_.system = {out_.closed.a, MatrixXd(n, 0), MatrixXd(0, n), MatrixXd(0, 0), VectorXd(0)};
     } else if (!find_poles_with_delays()) {
       return std::move(out_);
     }
@@ -332,6 +335,7 @@ class LoopAtRest {
     }
     out_.poles = found->poles;
     out_.poles_right_of = found->right_of;
+    out_.system = std::move(system);
     return true;
   }
 
@@ -517,6 +521,31 @@ class LoopAtRest {
       }
     }
     for (const ControlAtRest& one : out_.controllers) loop.outputs.push_back(name_of(one.element) + ".effort");
+  }
+
+  void note_directions() {
+    const auto n = static_cast<Index>(still_.size());
+    std::vector<std::size_t> own;
+    for (std::size_t i = 0; i < of_mechanism_; ++i) {
+      (states_[i].is_rate ? out_.rates : out_.places).push_back(static_cast<int>(i));
+      if (!states_[i].is_rate) own.push_back(i);
+    }
+    const auto f = static_cast<Index>(own.size());
+    out_.along.resize(n, f);
+    for (Index k = 0; k < f; ++k) {
+      const State& state = states_[own[static_cast<std::size_t>(k)]];
+      out_.along.col(k) = Eigen::Map<const VectorXd>(reduced_.B(static_cast<int>(state.k)), n) / state.unit;
+    }
+    out_.by_force.resize(f, n);
+    for (Index i = 0; i < n; ++i) {
+      std::vector<double> push(still_.size(), 0.0);
+      push[static_cast<std::size_t>(i)] = 1.0;
+      const VectorXd by = accelerations_by(push);
+      for (Index k = 0; k < f; ++k) {
+        const State& state = states_[own[static_cast<std::size_t>(k)]];
+        out_.by_force(k, i) = by[static_cast<Index>(state.k)] * state.unit;
+      }
+    }
   }
 
   double reading_along(int element, const ControlChange<double>& change) {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "motion/motion_model.hpp"
+#include "solvers/delayed_system.hpp"
 
 namespace poise {
 
@@ -57,6 +58,12 @@ struct ControlLoop {
   std::vector<DelayedControl> delayed;
   double poles_right_of = 0.0;  ///< that line, 1/s
   double period = 0.0;          ///< of the samples, s; 0 without any
+  /// The closed loop, without inputs; not with samples.
+  solvers::DelayedSystem system;
+  /// Of the mechanism: the scaled coordinates of the model by each independent one, SI, which column k is of; their
+  /// places and rates among the states; their accelerations by scaled generalized forces on all coordinates.
+  Eigen::MatrixXd along, by_force;
+  std::vector<int> places, rates;
   Stability stability = Stability::unstable;
 };
 

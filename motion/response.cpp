@@ -148,6 +148,34 @@ bool has_response(const Scene& scene, const SoughtQuantity& of) {
   }
 }
 
+/// Each real pole and each pair is a mode, without its shape.
+Modes modes_of_poles(const std::vector<Complex>& poles) {
+  double largest = 0.0;
+  for (const Complex& p : poles) largest = std::max(largest, std::abs(p));
+  Modes out;
+  out.known = true;
+  for (const Complex& p : poles) {
+    if (p.imag() < 0.0) continue;
+    constexpr double no_growth = 1e-8;
+    const bool grows = p.real() > no_growth * largest, turns = p.imag() > 0.0;
+    const bool rests = std::abs(p) <= no_growth * largest;
+    Vibration& mode = out.vibrations.emplace_back();
+    mode.roots = {p, std::conj(p)};
+    mode.growth = p.real();
+    if (rests) {
+      mode.kind = Vibration::Kind::neutral;
+    } else if (turns) {
+      mode.kind = grows ? Vibration::Kind::flutters : Vibration::Kind::oscillates;
+      mode.frequency = std::abs(p) / (2 * M_PI);
+      mode.damping_ratio = -p.real() / std::abs(p);
+      mode.damped_frequency = p.imag() / (2 * M_PI);
+    } else {
+      mode.kind = grows ? Vibration::Kind::diverges : Vibration::Kind::decays;
+    }
+  }
+  return out;
+}
+
 bool is_undamped_oscillation(const Vibration& mode) {
   return mode.kind == Vibration::Kind::oscillates && std::abs(mode.damping_ratio) <= no_damping;
 }
@@ -199,21 +227,49 @@ void refuse_without_response(const Scene& scene, const SoughtQuantity& of) {
 FrequencyResponse::FrequencyResponse(const MotionModel& model, const std::vector<double>& x,
                                      const Excitation& excitation, const SoughtQuantity& of)
     : model_(model), motions_(small_motions(model, x)), modes_(modes_of(model, x)) {
-  refuse_controllers(model.scene(), "frequency responses");
-  Slope slope = SlopeReader(model, x, motions_, excitation).read(of);
+  refuse_controllers(model.scene(), "frequency responses about an equilibrium of statics");
+  force_ = -motions_.basis.transpose() * read(x, excitation, of);
+  undamped_ = motions_.damping.isZero(0.0) && by_rate_.isZero(0.0);
+}
+
+FrequencyResponse::FrequencyResponse(const MotionModel& model, ControlLoop loop, const Excitation& excitation,
+                                     const SoughtQuantity& of)
+    : model_(model), loop_(std::move(loop)), modes_(modes_of_poles(loop_->poles)) {
+  const Scene& scene = model.scene();
+  for (const int e : controllers_of(scene)) {
+    const Element& one = scene.elements[static_cast<std::size_t>(e)];
+    if (!controller_of(one.law)->has(Controller::period)) continue;
+    throw InputError(fmt::format(
+        "{}:{}: controller \"{}\".period: frequency responses of samples are not known; expected a scene without it",
+        scene.file, one.line, one.name));
+  }
+  motions_.basis = loop_->along;
+  motions_.symmetric = false;
+  const VectorXd accelerations = -loop_->by_force * read(loop_->x, excitation, of);
+  push_ = reads_ = VectorXd::Zero(loop_->system.a.rows());
+  for (std::size_t k = 0; k < loop_->places.size(); ++k) {
+    const auto at = static_cast<Index>(k);
+    push_[loop_->rates[k]] = accelerations[at];
+    reads_[loop_->places[k]] = by_place_[at];
+    reads_[loop_->rates[k]] = by_rate_[at];
+  }
+}
+
+/// Sets what is read of the quantity; the generalized force per unit of the number, against it, scaled.
+VectorXd FrequencyResponse::read(const std::vector<double>& x, const Excitation& excitation, const SoughtQuantity& of) {
+  Slope slope = SlopeReader(model_, x, motions_, excitation).read(of);
   at_rest_ = slope.value;
   by_place_ = std::move(slope.by_place);
   by_rate_ = std::move(slope.by_rate);
   direct_ = slope.direct;
-  const Mechanism<double>& m = model.mechanism();
+  const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(static_cast<std::size_t>(m.pose_size()));
   m.place(x.data(), pose.data());
   const std::vector<double> still(x.size(), 0.0);
   VectorXd against = VectorXd::Zero(static_cast<Index>(x.size()));
-  m.add_force_derivative(excitation.number, excitation.dimension.per_scale(model.scales()), pose.data(), still.data(),
+  m.add_force_derivative(excitation.number, excitation.dimension.per_scale(model_.scales()), pose.data(), still.data(),
                          nullptr, against.data());
-  force_ = -motions_.basis.transpose() * against;
-  undamped_ = motions_.damping.isZero(0.0) && by_rate_.isZero(0.0);
+  return against;
 }
 
 VectorXcd FrequencyResponse::solve(double omega, const VectorXcd& right) const {
@@ -242,6 +298,12 @@ VectorXcd FrequencyResponse::solve(double omega, const VectorXcd& right) const {
 FrequencyResponse::ValueAndSlope FrequencyResponse::at_and_slope(double frequency) const {
   const double w = 2 * M_PI * frequency;
   const Complex s(0.0, w), i(0.0, 1.0);
+  if (loop_) {
+    const solvers::ForcedAnswer answer = solvers::forced_answer(loop_->system, s, push_);
+    const Complex value = direct_ + answer.x.cwiseProduct(reads_.cast<Complex>()).sum();
+    const Complex slope = i * answer.by_s.cwiseProduct(reads_.cast<Complex>()).sum();
+    return {value, 4 * M_PI * (std::conj(value) * slope).real()};
+  }
   const VectorXcd y = solve(w, force_.cast<Complex>());
   const VectorXcd change = (i * motions_.damping.cast<Complex>() - 2 * w * motions_.mass.cast<Complex>()) * y;
   const VectorXcd y_w = -solve(w, change);
@@ -259,7 +321,14 @@ Complex FrequencyResponse::at(double frequency) const {
 }
 
 std::vector<Complex> FrequencyResponse::shape(double frequency) const {
-  const VectorXcd x = motions_.basis * solve(2 * M_PI * frequency, force_.cast<Complex>());
+  VectorXcd y;
+  if (loop_) {
+    const Complex s(0.0, 2 * M_PI * frequency);
+    y = solvers::forced_answer(loop_->system, s, push_).x(loop_->places);
+  } else {
+    y = solve(2 * M_PI * frequency, force_.cast<Complex>());
+  }
+  const VectorXcd x = motions_.basis * y;
   std::vector<Complex> out(x.begin(), x.end());
   for (auto k = static_cast<std::size_t>(model_.layout().angles); k < out.size(); ++k) {
     out[k] *= model_.scales().length;
@@ -316,7 +385,7 @@ std::vector<Resonance> FrequencyResponse::unbounded(double from, double to) cons
     Complex residue = 0.0;
     double size = 0.0;
     for (const Vibration& other : all) {
-      if (!is_undamped_oscillation(other)) continue;
+      if (loop_ || !is_undamped_oscillation(other)) continue;
       if (std::abs(other.frequency - all[k].frequency) > no_part * all[k].frequency) continue;
       const ModePart part = part_of(other);
       residue += part.residue;

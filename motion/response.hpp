@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "model/parameters.hpp"
+#include "motion/control_loop.hpp"
 #include "motion/modes.hpp"
 #include "motion/small_motions.hpp"
 #include "solvers/root.hpp"
@@ -63,11 +64,16 @@ struct SilentMode {
 /// where d is not zero for the force of the element whose number p is, so that  o - o0 = a |H| cos(2 pi f t + arg H).
 /// M, C, K and y are those of SmallMotions; b is the generalized force per unit of p. All derivatives are exact, also
 /// that of |H|^2 by f, by whose roots extremes are found. Directions without inertia follow at once. SI.
+///
+/// With controllers it is that of the closed loop (ControlLoop), delays exact:  H = d + (g, h)^T [I 0] M(s)^-1 [b; 0];
+/// modes are then its poles.
 class FrequencyResponse {
  public:
   /// x: scaled coordinates of an equilibrium of the model.
   FrequencyResponse(const MotionModel& model, const std::vector<double>& x, const Excitation& excitation,
                     const SoughtQuantity& of);
+  /// With controllers. Throws InputError where they have periods; the loop must be known.
+  FrequencyResponse(const MotionModel& model, ControlLoop loop, const Excitation& excitation, const SoughtQuantity& of);
 
   const SmallMotions& motions() const { return motions_; }
   const Modes& modes() const { return modes_; }
@@ -86,7 +92,7 @@ class FrequencyResponse {
   /// So many frequencies, two at least, evenly spaced on a logarithmic scale.
   static std::vector<double> frequencies(double from, double to, int count);
   /// Modes that the excitation does not drive, or in which the quantity does not move. Not known, and none, with loads
-  /// that follow a body.
+  /// that follow a body and with controllers.
   std::vector<SilentMode> silent_modes() const;
   /// A range of frequencies about those of all modes; none where no mode oscillates.
   std::optional<solvers::Bracket> usual_range() const;
@@ -110,7 +116,11 @@ class FrequencyResponse {
   std::vector<double> looked_at(double from, double to) const;
   int nearest_mode(double frequency) const;
 
+  Eigen::VectorXd read(const std::vector<double>& x, const Excitation& excitation, const SoughtQuantity& of);
+
   const MotionModel& model_;
+  std::optional<ControlLoop> loop_;
+  Eigen::VectorXd push_, reads_;  // of the loop: b and (g, h) over its states
   SmallMotions motions_;
   Modes modes_;
   double at_rest_ = 0.0;

@@ -20,6 +20,14 @@ class CharacteristicMatrix {
  public:
   explicit CharacteristicMatrix(const DelayedSystem& system) : system_(system) {}
 
+  ForcedAnswer answer(const Complex& s, const Eigen::VectorXd& b) const {
+    const Index n = system_.a.rows();
+    const Eigen::PartialPivLU<MatrixXcd> lu(at(s));
+    Eigen::VectorXcd pushes = Eigen::VectorXcd::Zero(n + system_.d.rows());
+    pushes.head(n) = b.cast<Complex>();
+    const Eigen::VectorXcd x = lu.solve(pushes), by_s = lu.solve(Eigen::VectorXcd(-slope(s) * x));
+    return {x.head(n), by_s.head(n)};
+  }
   /// The derivative of log det M(s):  trace(M^-1 M').
   Complex log_slope(const Complex& s) const {
     const Eigen::PartialPivLU<MatrixXcd> lu(at(s));
@@ -179,6 +187,10 @@ double reach_right_of(const DelayedSystem& system, double sigma) {
 }
 
 }  // namespace
+
+ForcedAnswer forced_answer(const DelayedSystem& system, const Complex& s, const Eigen::VectorXd& b) {
+  return CharacteristicMatrix(system).answer(s, b);
+}
 
 std::optional<RightmostPoles> rightmost_poles(const DelayedSystem& system, int least) {
   const CharacteristicMatrix m(system);

@@ -20,18 +20,25 @@ struct DelayedSystem {
   Eigen::VectorXd delays;
 };
 
+/// x and its derivative by s, where the system is pushed,  x' = A x + B d + b exp(s t), and answers by  x exp(s t):
+///   x = [I 0] M(s)^-1 [b; 0].
+struct ForcedAnswer {
+  Eigen::VectorXcd x, by_s;
+};
+ForcedAnswer forced_answer(const DelayedSystem& system, const std::complex<double>& s, const Eigen::VectorXd& b);
+
 /// All poles right of a vertical line.
 struct RightmostPoles {
   std::vector<std::complex<double>> poles;  ///< 1/s, the largest real parts first, of a pair the positive imaginary one
   double right_of = 0.0;                    ///< the line, 1/s
 };
 
-/// At least `least` poles of a system whose D is nilpotent. First approximations are the eigenvalues of the system with the signals
-/// on their way as polynomials through Chebyshev points (D. Breda, S. Maset, R. Vermiglio, Pseudospectral differencing
-/// methods for characteristic roots of delay differential equations, SIAM J. Sci. Comput. 27, 2005); Newton's method
-/// for det M(s) makes each exact to rounding. That none is missing is counted: the argument of det M(s) along a path
-/// around all that can be right of the line turns once for each. None where the counts still differ with the most
-/// points.
+/// At least `least` poles of a system whose D is nilpotent. First approximations are the eigenvalues of the system with
+/// the signals on their way as polynomials through Chebyshev points (D. Breda, S. Maset, R. Vermiglio, Pseudospectral
+/// differencing methods for characteristic roots of delay differential equations, SIAM J. Sci. Comput. 27, 2005);
+/// Newton's method for det M(s) makes each exact to rounding. That none is missing is counted: the argument of det M(s)
+/// along a path around all that can be right of the line turns once for each. None where the counts still differ with
+/// the most points.
 std::optional<RightmostPoles> rightmost_poles(const DelayedSystem& system, int least);
 
 }  // namespace poise::solvers

@@ -13,6 +13,7 @@
 #include "app/commands/commands.hpp"
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
+#include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/equilibrium_pose.hpp"
 
@@ -128,16 +129,27 @@ int run_response(const ResponseRequest& request, const Palette& palette) {
   answer.of = read_of(request, scene);
   answer.excitation = read_excitation(request, scene);
   if (request.amplitude) answer.amplitude = *request.amplitude * answer.excitation.dimension.unit(scene.units);
-  const StaticModel statics(scene);
   const MotionModel model(scene);
   OutputFiles files(request.common);
   options.interrupt = &request.common.interrupt();
+  if (request.amplitude) refuse_controllers(scene, "periodic motions of an amplitude");
 
   progress.now("looking for the equilibrium");
-  answer.equilibrium = solve(statics, options);
-  if (answer.equilibrium.found()) {
-    const std::vector<double> x = motion_coordinates(model, statics, answer.equilibrium.x);
-    answer.linear = std::make_unique<const FrequencyResponse>(model, x, answer.excitation, answer.of);
+  std::vector<double> x;
+  if (controllers_of(scene).empty()) {
+    const StaticModel statics(scene);
+    answer.equilibrium = solve(statics, options);
+    if (answer.equilibrium.found()) {
+      x = motion_coordinates(model, statics, answer.equilibrium.x);
+      answer.linear = std::make_unique<const FrequencyResponse>(model, x, answer.excitation, answer.of);
+    }
+  } else {
+    answer.loop = control_loop(model, model.from_si(start_motion(model, {}).q));
+    if (answer.loop->known) {
+      answer.linear = std::make_unique<const FrequencyResponse>(model, *answer.loop, answer.excitation, answer.of);
+    }
+  }
+  if (answer.linear) {
     if (request.amplitude) refuse_without_periodic_response(scene, *answer.linear, answer.excitation);
     if (answer.linear->modes().known) {
       read_range(request, answer);

@@ -13,6 +13,7 @@
 #include "model/input_error.hpp"
 #include "model/parameters.hpp"
 #include "motion/control_loop.hpp"
+#include "motion/response.hpp"
 #include "motion/simulate.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
@@ -321,6 +322,47 @@ delay = 0.04
     EXPECT_NEAR(read[0].v[i], y.v, 2e-6) << (k + 1) * h;
   }
   EXPECT_EQ(*std::min_element(u.begin(), u.end()), -3.0) << "it was limited";
+}
+
+// Under a force the block answers by  H = 1/(m s^2 + (kp + kd s + ki/s) exp(-s T)).
+TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
+  constexpr double kp = 40.0, kd = 12.0, ki = 30.0;
+  for (const double T : {0.0, 0.06}) {
+    const std::string text =
+        blocks(fmt::format("proportional = {}\nderivative = {}\nintegral = {}\n{}\n[[force]]\nname = \"P\"\n"
+                           "point = \"block.c\"\nvector = [1, 0]",
+                           kp, kd, ki, T > 0.0 ? fmt::format("delay = {}", T) : ""));
+    const Scene scene = parse_scene(text, "blocks.toml");
+    const MotionModel model(scene);
+    const ControlLoop loop = loop_of(scene);
+    ASSERT_TRUE(loop.known) << loop.why;
+    const FrequencyResponse of_place(model, loop, excitation_of(scene, "load.P"), find_quantity(scene, "x.block.c", AskedOf::motion));
+    const FrequencyResponse of_rate(model, loop, excitation_of(scene, "load.P"), find_quantity(scene, "d(x.block.c)/dt", AskedOf::motion));
+    const auto answer = [&](double f) {
+      const Complex s(0.0, 2 * M_PI * f);
+      return 1.0 / (mass * s * s + (kp + kd * s + ki / s) * std::exp(-s * T));
+    };
+    for (const double f : {0.01, 0.3, 0.7, 1.5, 6.0}) {
+      EXPECT_LT(std::abs(of_place.at(f) / answer(f) - 1.0), 1e-11) << f;
+      EXPECT_LT(std::abs(of_rate.at(f) / (Complex(0.0, 2 * M_PI * f) * answer(f)) - 1.0), 1e-11) << f;
+    }
+    // At its peak the amplitude falls to both sides.
+    const std::vector<Resonance> all = of_place.resonances(0.05, 5.0);
+    ASSERT_EQ(all.size(), 1U);
+    EXPECT_EQ(all[0].kind, Resonance::Kind::peak);
+    const double peak = std::abs(answer(all[0].frequency));
+    for (const double aside : {1 - 1e-4, 1 + 1e-4}) EXPECT_LT(std::abs(answer(aside * all[0].frequency)), peak);
+  }
+  const Scene sampled = parse_scene(
+      blocks("proportional = 1\nderivative = 1\nperiod = 0.1\n[[force]]\nname = \"P\"\npoint = \"block.c\"\n"
+             "vector = [1, 0]"),
+      "a");
+  const MotionModel model(sampled);
+  const std::string said = test::message_of([&] {
+    FrequencyResponse(model, loop_of(sampled), excitation_of(sampled, "load.P"), find_quantity(sampled, "x.block.c", AskedOf::motion));
+  });
+  EXPECT_NE(said.find("controller \"C\".period: frequency responses of samples are not known"), std::string::npos)
+      << said;
 }
 
 TEST(Delays, WhatIsNotKnownIsRefusedByName) {

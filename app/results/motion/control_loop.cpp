@@ -22,18 +22,6 @@ constexpr int pole_digits = 9;
 // Parts of poles that are smaller, over the largest pole, are rounding.
 constexpr double no_part = 1e-12;
 
-const char* name_of_stability(LoopStability stability) {
-  switch (stability) {
-    case LoopStability::stable:
-      return "stable";
-    case LoopStability::marginal:
-      return "marginal";
-    case LoopStability::unstable:
-      return "unstable";
-  }
-  return "";
-}
-
 Line verdict_on_loop(const ControlLoop& loop) {
   if (!loop.known) return bad("No equilibrium with its controllers: " + loop.why + ".");
   const bool samples = loop.period > 0.0;
@@ -165,6 +153,18 @@ void add_delays(Group& content, const MotionModel& model, const ControlLoop& loo
 
 }  // namespace
 
+const char* name_of_stability(const ControlLoop& loop) {
+  switch (loop.stability) {
+    case LoopStability::stable:
+      return "stable";
+    case LoopStability::marginal:
+      return "marginal";
+    case LoopStability::unstable:
+      return "unstable";
+  }
+  return "";
+}
+
 Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
                            const std::vector<std::string>& settings) {
   Result out = scene_result(model.scene(), settings);
@@ -173,7 +173,7 @@ Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
   content.data("known", loop.known);
   content.data("why_unknown", loop.why);
   if (!loop.known) return out;
-  content.data("stability", name_of_stability(loop.stability));
+  content.data("stability", name_of_stability(loop));
   const std::vector<double> q = model.to_si(loop.x);
   const std::vector<int> own = states_of_controllers(model.scene(), model.layout());
   std::vector<std::size_t> rows = places(q.size());

@@ -8,6 +8,9 @@
 
 namespace poise::app {
 
+/// "stable", "marginal" or "unstable".
+const char* name_of_stability(const ControlLoop& loop);
+
 /// What `poise modes` shows of a mechanism with controllers: its poles, whether it is stable, its linear system.
 Result control_loop_result(const MotionModel& model, const ControlLoop& loop, const std::vector<std::string>& settings);
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "app/result/numbers.hpp"
+#include "app/results/motion/control_loop.hpp"
 #include "app/results/parts.hpp"
 #include "model/joint_friction.hpp"
 
@@ -178,7 +179,10 @@ Line periodic_verdict(const ResponseAnswer& answer, const ResponseUnits& units) 
 }
 
 Line verdict(const ResponseAnswer& answer, const ResponseUnits& units) {
-  if (!answer.equilibrium.found()) {
+  if (answer.loop && !answer.loop->known) {
+    return bad("No equilibrium with its controllers: " + answer.loop->why + ".");
+  }
+  if (!answer.has_equilibrium()) {
     return bad("No equilibrium found about which it could vibrate: " + answer.equilibrium.why);
   }
   const Modes& modes = answer.linear->modes();
@@ -196,7 +200,7 @@ std::vector<std::string> left_out(const Scene& scene, bool periodic) {
     out.push_back(fmt::format("friction of joint {}: while it sticks nothing moves there", joint));
   }
   for (const Element& element : scene.elements) {
-    if (periodic || stores_energy(element.law) || damps_small_motion(element.law)) continue;
+    if (periodic || element.feedback || stores_energy(element.law) || damps_small_motion(element.law)) continue;
     out.push_back(fmt::format("{} \"{}\": dry friction, which is not linear", element.family(), element.name));
   }
   for (const TimeFunction& function : scene.time_functions) {
@@ -236,8 +240,12 @@ std::string frequencies_in_words(const Modes& modes) {
 }
 
 void add_facts(Group& group, const Scene& scene, const ResponseAnswer& answer, const ResponseUnits& units) {
-  group.fact("equilibrium", in_words(answer.equilibrium.certificate),
-             tone_of(answer.equilibrium.certificate.stability));
+  if (answer.loop) {
+    group.fact("equilibrium", "that which its controllers keep; the response is that of the closed loop");
+  } else {
+    group.fact("equilibrium", in_words(answer.equilibrium.certificate),
+               tone_of(answer.equilibrium.certificate.stability));
+  }
   const FrequencyResponse& linear = *answer.linear;
   group.fact("quantity", fmt::format("{} = {} in the equilibrium", answer.of.name, units.with_unit(linear.at_rest())));
   const std::string swings =
@@ -389,9 +397,15 @@ void add_periodic(Group& group, const ResponseAnswer& answer, const ResponseUnit
 }
 
 void add_data(Group& group, const Scene& scene, const ResponseAnswer& answer, const ResponseUnits& units) {
-  group.data("status", to_string(answer.equilibrium.status));
-  group.data("why", answer.equilibrium.why);
-  group.data("stability", to_string(answer.equilibrium.certificate.stability));
+  if (answer.loop) {
+    group.data("status", to_string(answer.loop->known ? Status::confirmed : Status::not_solved));
+    group.data("why", answer.loop->why);
+    group.data("stability", name_of_stability(*answer.loop));
+  } else {
+    group.data("status", to_string(answer.equilibrium.status));
+    group.data("why", answer.equilibrium.why);
+    group.data("stability", to_string(answer.equilibrium.certificate.stability));
+  }
   group.data("known", answer.linear != nullptr && answer.linear->modes().known);
   group.data("why_unknown", answer.linear ? answer.linear->modes().why : "");
   Group& excitation = group.group("excitation");
@@ -431,7 +445,8 @@ Result response_result(const Scene& scene, const ResponseAnswer& answer, const s
   Result out = scene_result(scene, settings);
   out.verdict = verdict(answer, units);
   add_data(out.content, scene, answer, units);
-  add_mobility(out.content, answer.linear ? std::optional(answer.linear->motions().mobility) : std::nullopt);
+  const bool has_mobility = answer.linear && !answer.loop;
+  add_mobility(out.content, has_mobility ? std::optional(answer.linear->motions().mobility) : std::nullopt);
   if (!answer.linear) return out;
   add_facts(out.content, scene, answer, units);
   if (!answer.linear->modes().known) return out;

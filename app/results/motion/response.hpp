@@ -17,7 +17,8 @@ namespace poise::app {
 struct ResponseAnswer {
   Excitation excitation;
   SoughtQuantity of;
-  Equilibrium equilibrium;
+  Equilibrium equilibrium;                          ///< of statics; not looked for with controllers
+  std::optional<ControlLoop> loop;                  ///< of a scene with controllers
   std::unique_ptr<const FrequencyResponse> linear;  ///< null without an equilibrium
   double from = 0.0, to = 0.0;                      ///< Hz
   std::vector<double> frequency;
@@ -28,6 +29,7 @@ struct ResponseAnswer {
   std::vector<double> at;        ///< frequencies at which all periodic motions are wanted
   std::optional<PeriodicResponse> periodic;
 
+  bool has_equilibrium() const { return loop ? loop->known : equilibrium.found(); }
   bool is_stable() const;
   bool is_answered() const;
 };
