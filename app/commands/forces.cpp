@@ -1,6 +1,7 @@
 #include "app/results/motion/forces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,8 +18,10 @@
 #include "app/result/each.hpp"
 #include "app/result/numbers.hpp"
 #include "app/results/motion/kinematics.hpp"
+#include "app/results/predictions.hpp"
 #include "identification/experiment/motion_import.hpp"
 #include "model/nearest_name.hpp"
+#include "statics/sensitivity/differences.hpp"
 
 namespace poise::app {
 namespace {
@@ -148,6 +151,70 @@ bool pulls(const ForcesAnswer& answer) {
                      [](const ContactCourse& one) { return one.pulls && !one.contact.guided; });
 }
 
+/// What is found at the drives and joints of a scene with these numbers.
+ForcesAnswer find_forces(const ForcesRequest& request, const Scene& given, bool driven) {
+  const Scene apart = with_drives(given, request.drives);
+  const std::vector<Contact> held = driven ? contacts_to_hold(apart) : std::vector<Contact>{};
+  const std::vector<Contact> contacts = contacts_along(apart, held);
+  const MotionModel model(held_in_contact(apart, held));
+  if (driven) return over_range(model, request, contacts);
+  return request.motion.empty() ? in_one_place(model, contacts) : along_motion(model, request.motion, contacts);
+}
+
+/// The effort of each drive, its least and greatest one over a range, and the largest force in each joint, where they
+/// are determined.
+std::vector<ComputedResult> results_of(const ForcesAlong& found) {
+  std::vector<ComputedResult> out;
+  if (found.poses.empty()) return out;
+  constexpr double rounding = 1e-9;
+  const Forces& first = found.poses.front();
+  const auto add = [&](const std::string& name, const Dimension& dimension, double value, double size) {
+    out.push_back({name, dimension, value, rounding * size});
+  };
+  for (std::size_t d = 0; d < first.drives.size(); ++d) {
+    const auto each_effort = [&](const Forces& forces) { return forces.drives[d].value; };
+    const bool is_known = std::all_of(found.poses.begin(), found.poses.end(),
+                                      [&](const Forces& forces) { return forces.drives[d].determined; });
+    if (!is_known) continue;
+    const std::vector<double> efforts = each(found.poses, each_effort);
+    const auto [least, greatest] = std::minmax_element(efforts.begin(), efforts.end());
+    const double size = std::max(std::abs(*least), std::abs(*greatest));
+    const Dimension dimension = first.drives[d].is_angle ? dimension::torque : dimension::force;
+    const std::string name = "effort of " + first.drives[d].name;
+    if (efforts.size() > 1) add("least " + name, dimension, *least, size);
+    add((efforts.size() > 1 ? "greatest " : "") + name, dimension, *greatest, size);
+  }
+  for (std::size_t r = 0; r < first.reactions.size(); ++r) {
+    if (first.reactions[r].joint < 0) continue;
+    double largest = 0.0;
+    bool is_known = true;
+    for (const Forces& forces : found.poses) {
+      is_known = is_known && r < forces.reactions.size() && forces.reactions[r].determined;
+      if (is_known) largest = std::max(largest, norm(forces.reactions[r].force));
+    }
+    const std::string words = found.poses.size() > 1 ? "largest force in " : "force in ";
+    if (is_known) add(words + first.reactions[r].name, dimension::force, largest, first.largest_force);
+  }
+  return out;
+}
+
+/// Adds intervals of these. Returns whether all have one.
+bool add_force_predictions(Result& result, const FittedNumbers& fit, const ForcesRequest& request, const Scene& given,
+                           bool driven, const ForcesAlong& found) {
+  const std::vector<ComputedResult> results = results_of(found);
+  const auto at = [&](const Scene& other) -> std::optional<std::vector<double>> {
+    try {
+      const ForcesAlong moved = find_forces(request, other, driven).found;
+      const std::vector<ComputedResult> there = results_of(moved);
+      if (!moved.balanced() || there.size() != results.size()) return std::nullopt;
+      return each(there, [](const ComputedResult& one) { return one.value; });
+    } catch (const InputError&) {  // the mechanism cannot be assembled so
+      return std::nullopt;
+    }
+  };
+  return add_predictions(result, fit, predict_by_differences(fit, given, results, at), given.units);
+}
+
 int run_forces(const ForcesRequest& request, const Palette& palette) {
   check(request);
   const bool has_chart =
@@ -171,17 +238,23 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
                                                  : along_motion(model, request.motion, contacts);
   if (!request.drives.empty()) answer.drives = drives_in_words(scene, each(scene.drives, &Drive::name));
   const ForcesAlong& found = answer.found;
-  const Result result = forces_result(model, answer, show, request.common.settings);
+  Result result = forces_result(model, answer, show, request.common.settings);
   const bool any = !found.poses.empty();
+  bool all_predicted = true;
+  if (const std::optional<FittedNumbers> fit = load_fit(request.common, given); fit && found.balanced()) {
+    progress.now("balancing with other numbers of the fit");
+    all_predicted = add_force_predictions(result, *fit, request, given, driven, found);
+  }
   Pictures pictures;
   if (files.wants_svg() && any) {
     pictures.svg = found.at.empty() ? forces_picture(scene, found.poses.front(), result.verdict.text, found.balanced())
                                     : draw_plot(forces_panels(scene, found));
   }
   if (files.wants_html() && any) pictures.figures = {forces_figure(scene, found, found.balanced())};
-  return finish(request.common, result, &files, pictures,
-                (found.complete || found.stop) && any && found.balanced() && !pulls(answer) && is_decided(found),
-                progress, palette);
+  return finish(
+      request.common, result, &files, pictures,
+      (found.complete || found.stop) && any && found.balanced() && !pulls(answer) && is_decided(found) && all_predicted,
+      progress, palette);
 }
 
 }  // namespace
@@ -210,6 +283,7 @@ Command forces_command() {
             "writes it"})
       .reads("csv");
   add_show_option(command, request->show);
+  add_with_option(command, request->common);
   add_output_options(
       command, request->common,
       {.svg = "Draw the mechanism with its forces in one position, or those of drives\nand joints over the range, "

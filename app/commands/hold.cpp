@@ -1,9 +1,12 @@
 #include "app/results/statics/hold.hpp"
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,9 +14,12 @@
 #include "app/commands/options.hpp"
 #include "app/commands/session.hpp"
 #include "app/draw/hold_pictures.hpp"
+#include "app/result/each.hpp"
 #include "app/results/parts.hpp"
+#include "app/results/predictions.hpp"
 #include "model/parameters.hpp"
 #include "statics/model/mobility.hpp"
+#include "statics/sensitivity/differences.hpp"
 
 namespace poise::app {
 namespace {
@@ -68,12 +74,47 @@ std::optional<PoseToHold> pose_of(const StaticModel& model, const HoldRequest& r
   return PoseToHold{answer.equilibrium.x, radius_of(answer.equilibrium)};
 }
 
+/// The finite ends of a range at which something slips.
+std::vector<ComputedResult> ends_of(const HeldRange& range, const VariedNumber& varied, const Dimension& dimension) {
+  std::vector<ComputedResult> out;
+  for (const auto& [words, end] : {std::pair("least held", &range.lower), std::pair("greatest held", &range.upper)}) {
+    const bool slips = range.any && range.why.empty() && !end->at_limit && std::isfinite(end->value);
+    if (slips) out.push_back({fmt::format("{} {}", words, varied.name), dimension, end->value, end->radius});
+  }
+  return out;
+}
+
+/// Adds intervals of the ends of a range. Returns whether all have one.
+bool add_held_predictions(Result& result, const FittedNumbers& fit, const HoldRequest& request, const Scene& scene,
+                          const VariedNumber& varied, const HeldRange& range, Progress& progress) {
+  const Dimension dimension = varied.name == "loads" ? dimension::none : parameter(scene, varied.name).dimension;
+  const std::vector<ComputedResult> ends = ends_of(range, varied, dimension);
+  const auto at = [&](const Scene& other) -> std::optional<std::vector<double>> {
+    try {
+      const StaticModel model(other);
+      const std::optional<PoseToHold> pose = pose_of(model, request, progress);
+      if (!pose) return std::nullopt;
+      const HeldRange moved = held_range(model, pose->x, varied.name, varied.from, varied.to);
+      const std::vector<ComputedResult> found = ends_of(moved, varied, dimension);
+      if (found.size() != ends.size()) return std::nullopt;
+      return each(found, [](const ComputedResult& one) { return one.value; });
+    } catch (const InputError&) {  // the mechanism cannot be assembled so
+      return std::nullopt;
+    }
+  };
+  progress.now("holding with other numbers of the fit");
+  return add_predictions(result, fit, predict_by_differences(fit, scene, ends, at), scene.units);
+}
+
 int run_hold(const HoldRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   const StaticModel model(load_scene(request.common));
   if (!has_friction(model.scene())) expect_movable(model);
   expect_friction(model.scene());
+  if (!request.common.with.empty() && request.vary.empty()) {
+    throw InputError("--with: of a range that is held the ends get intervals; expected --vary NUMBER too");
+  }
   OutputFiles files(request.common);
   HoldView view;
   view.at_rest = request.at_rest;
@@ -88,8 +129,9 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   view.radius = found->radius;
   progress.now("looking for friction that holds");
   HeldPose pose;
+  VariedNumber varied;
   if (!request.vary.empty()) {
-    const VariedNumber varied = read_vary(request.vary, model.scene());
+    varied = read_vary(request.vary, model.scene());
     view.number = varied.name;
     try {
       view.range = held_range(model, x, varied.name, varied.from, varied.to);
@@ -100,7 +142,11 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
   } else {
     pose = held_pose(model, x);
   }
-  const Result result = hold_result(model, x, pose, view, request.common.settings);
+  Result result = hold_result(model, x, pose, view, request.common.settings);
+  bool all_predicted = true;
+  if (const std::optional<FittedNumbers> fit = load_fit(request.common, model.scene(), varied.name)) {
+    all_predicted = add_held_predictions(result, *fit, request, model.scene(), varied, *view.range, progress);
+  }
   const bool decided = pose.verdict != Holding::not_decided && pose.proved && (!view.range || view.range->why.empty());
   Pictures pictures;
   if (files.wants_svg()) pictures.svg = hold_picture(model, x, pose, result.verdict.text, decided);
@@ -108,7 +154,7 @@ int run_hold(const HoldRequest& request, const Palette& palette) {
     pictures.figures = {view.range ? hold_figure(model, x, *view.range, view.number, result.verdict.text, decided)
                                    : hold_figure(model, x, pose, result.verdict.text, decided)};
   }
-  return finish(request.common, result, &files, pictures, decided, progress, palette);
+  return finish(request.common, result, &files, pictures, decided && all_predicted, progress, palette);
 }
 
 }  // namespace
@@ -122,6 +168,7 @@ Command hold_command() {
                "slide.S.friction.coefficient; loads: a factor of all loads"});
   command.add(
       {"--at-rest", &request->at_rest, "", "In the equilibrium without friction, not in the position as drawn"});
+  add_with_option(command, request->common);
   add_output_options(command, request->common,
                      {.svg = "Draw the mechanism in that position, with a mark where it slips\nfirst, into FILE"});
   command.run = [request](const Palette& palette) { return run_hold(*request, palette); };

@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -117,6 +119,37 @@ TEST_F(FittedRig, SaysWhatTheFitDoesNotDetermine) {
   EXPECT_TRUE(named(solved, "angle.left")["not_determined"].is_null()) << "it does not move the angle";
   EXPECT_TRUE(has(text_, "reaction.O is not determined by this fit: ")) << text_;
   EXPECT_TRUE(named(solved, "reaction.O")["low"].is_null());
+}
+
+// As the scene stands a drive of the rail holds  E = k (l0 - l) - P/(2 tan a), and friction F of it the loads
+// P = 2 tan a (k (l0 - l) -+ F): so are their errors, by the covariance of k and l0.
+TEST_F(FittedRig, CarriesErrorsIntoForcesAndHeldRanges) {
+  const std::string found = fit();
+  const json fitted = json::parse(contents(folder_.path("fit.json"))), &v = fitted["covariance"];
+  const json forces = result({"forces", scene_, "--drive", "rail", "--with", found}, 0);
+  const json& effort = named(forces, "effort of rail");
+  double k = 0.0, l0 = 0.0;
+  for (const json& one : fitted["fitted_numbers"]["numbers"]) {
+    if (one["path"] == "spring.rubber.stiffness") k = one["value"];
+    if (one["path"] == "spring.rubber.free_length") l0 = one["value"];
+  }
+  const double a = 0.19, short_by = l0 - (1 - 0.6 * std::cos(a)), P = 8.0, F = 2.0;
+  const double deviation =
+      std::sqrt(short_by * short_by * v["k"]["k"].get<double>() + k * k * v["l0"]["l0"].get<double>() +
+                2 * short_by * k * v["k"]["l0"].get<double>());
+  EXPECT_NEAR(effort["value"].get<double>(), k * short_by - P / (2 * std::tan(a)), 1e-6 * k * l0);
+  EXPECT_NEAR(effort["standard_error"].get<double>(), deviation, 1e-3 * deviation);
+
+  const std::string rubbing = folder_.write(
+      "rubbing.toml",
+      test::rig_scene() + fmt::format("[[friction]]\nname = \"rail\"\nslide = \"rail\"\nforce = {}\n", F));
+  const json held = result({"hold", rubbing, "--vary", "load.P", "--with", found}, 0);
+  for (const auto& [name, sign] : {std::pair("least held load.P", -1.0), std::pair("greatest held load.P", 1.0)}) {
+    const json& end = named(held, name);
+    EXPECT_NEAR(end["value"].get<double>(), 2 * std::tan(a) * (k * short_by + sign * F), 1e-6 * k * l0) << name;
+    EXPECT_NEAR(end["standard_error"].get<double>(), 2 * std::tan(a) * deviation, 1e-3 * deviation) << name;
+  }
+  EXPECT_TRUE(has(complaint({"hold", rubbing, "--with", found}), "expected --vary NUMBER too"));
 }
 
 TEST_F(FittedRig, SaysInOneLineWhatItCannotTake) {
