@@ -30,11 +30,47 @@ std::optional<std::size_t> wrapped_at(const Series& series, double period) {
     return std::pair(largest, size);
   };
   const auto [at, jump] = largest_step(series.value);
-  if (!(jump > 0.75 * period)) return std::nullopt;
+  if (!(jump > 0.75 * period && jump < 1.25 * period)) return std::nullopt;
   Series continuous = series;
   unwrap(continuous, period);
   if (largest_step(continuous.value).second > 0.25 * period) return std::nullopt;
   return at;
+}
+
+double resolution_of(const std::vector<double>& readings) {
+  std::vector<double> sorted = readings;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.empty()) return 0.0;
+  const double rounding = 1e-12 * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
+  double least = 0.0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double step = sorted[i] - sorted[i - 1];
+    if (step > rounding && (least == 0 || step < least)) least = step;
+  }
+  return least;
+}
+
+double noise_of(const Series& series) {
+  const std::vector<double>& y = series.value;
+  constexpr std::size_t least_readings = 8, most_lag = 64, differences = 5;
+  constexpr double median_of_normal = 0.6745, most_growth = 1.6, least_part = 1e-5;
+  if (y.size() < least_readings) return 0.0;
+  double noise = 0.0;
+  for (std::size_t lag = 1; lag <= most_lag && y.size() >= 3 * lag + differences; lag *= 2) {
+    std::vector<double> sizes;
+    for (std::size_t i = 3 * lag; i < y.size(); ++i) {
+      sizes.push_back(std::abs(y[i] - 3 * y[i - lag] + 3 * y[i - 2 * lag] - y[i - 3 * lag]));
+    }
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double found = *middle / (median_of_normal * std::sqrt(20.0));
+    if (lag > 1 && found > most_growth * noise) break;
+    noise = std::max(noise, found);
+  }
+  double squares = 0.0;
+  for (const double value : y) squares += value * value;
+  const double size = std::sqrt(squares / static_cast<double>(y.size()));
+  return std::max({noise, resolution_of(y) / std::sqrt(12.0), least_part * size});
 }
 
 std::size_t Record::count() const {
