@@ -113,7 +113,7 @@ class CauseFit {
       const bool better = linearize(there, window, next, rows_there) && next.over_noise < at_.over_noise;
       if (!better) {
         damping *= more;
-        altered = next.number == at_.number ? std::move(there) : at(at_.number);
+        if (next.number == at_.number) altered = std::move(there);
         continue;
       }
       const bool is_settled = next.over_noise > (1 - settled) * at_.over_noise;
