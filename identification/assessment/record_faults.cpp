@@ -9,7 +9,6 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "model/toml_reader.hpp"
@@ -203,16 +202,23 @@ class RunFaults {
 
   /// Of the parabola through the readings [first, first + parabola), in least squares, at time t.
   static At parabola_at(const Series& read, std::size_t first, double t, double spacing) {
-    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    std::array<double, 5> powers{};  // sums of x^k
+    std::array<double, 3> b{};       // of y x^k
     for (std::size_t i = first; i < first + parabola; ++i) {
       const double x = (read.time[i] - t) / spacing;
-      const Eigen::Vector3d powers(1, x, x * x);
-      a += powers * powers.transpose();
-      b += read.value[i] * powers;
+      double power = 1.0;
+      for (std::size_t k = 0; k < powers.size(); ++k, power *= x) {
+        powers[k] += power;
+        if (k < b.size()) b[k] += power * read.value[i];
+      }
     }
-    const Eigen::Vector3d c = a.inverse() * b;
-    return {c[0], c[1] / spacing};
+    const auto& [s0, s1, s2, s3, s4] = powers;
+    // Cramer's rule for the normal equations.
+    const double m0 = s2 * s4 - s3 * s3, m1 = s1 * s4 - s2 * s3, m2 = s1 * s3 - s2 * s2;
+    const double determinant = s0 * m0 - s1 * m1 + s2 * m2;
+    const double value = (b[0] * m0 - b[1] * m1 + b[2] * m2) / determinant;
+    const double slope = (-b[0] * m1 + b[1] * (s0 * s4 - s2 * s2) - b[2] * (s0 * s3 - s1 * s2)) / determinant;
+    return {value, slope / spacing};
   }
 
   struct Jump {

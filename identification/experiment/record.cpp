@@ -56,6 +56,7 @@ double noise_of(const Series& series) {
   constexpr double median_of_normal = 0.6745, most_growth = 1.6, least_part = 1e-5;
   if (y.size() < least_readings) return 0.0;
   double noise = 0.0;
+  double before = 0.0;  // of the lag before
   for (std::size_t lag = 1; lag <= most_lag && y.size() >= 3 * lag + differences; lag *= 2) {
     std::vector<double> sizes;
     for (std::size_t i = 3 * lag; i < y.size(); ++i) {
@@ -64,7 +65,12 @@ double noise_of(const Series& series) {
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     const double found = *middle / (median_of_normal * std::sqrt(20.0));
-    if (lag > 1 && found > most_growth * noise) break;
+    if (lag > 1 && found > most_growth * noise) {
+      const double motion = (found * found - noise * noise) / 64;  // squared, in what was taken last
+      noise = std::sqrt(std::max(before * before, noise * noise - motion));
+      break;
+    }
+    before = noise;
     noise = std::max(noise, found);
   }
   double squares = 0.0;

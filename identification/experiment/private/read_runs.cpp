@@ -204,6 +204,7 @@ class RunsReader {
     if (!(source.kept.from < source.kept.to)) {
       table.place_of(table.has("to") ? "to" : "from").fail("expected to > from; exchange them");
     }
+    if (!table.has("skip")) return;
     for (const TomlTable::Pair& span : table.pairs("skip", 1.0, 1.0)) {
       if (!(span.value.x <= span.value.y)) span.place.fail("expected [FROM, TO], TO >= FROM; exchange them");
       source.skip.push_back({span.value.x, span.value.y});
