@@ -154,7 +154,8 @@ class CauseFit {
       }
       rows.push_back(run.rows);
       if (!candidate_.has_number()) continue;
-      const Residuals there = beside.problem->residuals(r, at.parameters, at.nuisances[r], beside.experiment->records[r]);
+      const Residuals there =
+          beside.problem->residuals(r, at.parameters, at.nuisances[r], beside.experiment->records[r]);
       if (there.empty()) return false;
       Eigen::MatrixXd& own = rows.back();
       const Eigen::Index last = own.cols() - 1;
@@ -250,7 +251,8 @@ class CauseFit {
       const auto& triangle = triangles[r];
       Eigen::VectorXd right = triangle.block(0, nuisances + unknowns + extra, nuisances, 1);
       for (Eigen::Index c = 0; c < unknowns; ++c) {
-        right += triangle.block(0, nuisances + c, nuisances, 1) * x[problem.parameters_of(r)[static_cast<std::size_t>(c)]];
+        right +=
+            triangle.block(0, nuisances + c, nuisances, 1) * x[problem.parameters_of(r)[static_cast<std::size_t>(c)]];
       }
       if (extra > 0) right += triangle.block(0, nuisances + unknowns, nuisances, 1) * x[parameters];
       const Eigen::VectorXd shift = damped_step(triangle.topLeftCorner(nuisances, nuisances), right, damping);
@@ -294,15 +296,16 @@ std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fi
     const bool is_robust = fitted.weighting.loss != Loss::squares && k < fitted.errors.sensors.size();
     const double size = is_robust ? fitted.errors.sensors[k].ratio * fitted.weighting.noise[k] : fitted.rms[k];
     GrossMisfit one{.sensor = k, .over_noise = size / sensors[k].noise, .of_signal = size / signal[k], .words = {}};
-    const bool is_correlated =
-        std::any_of(fitted.runs.begin(), fitted.runs.end(), [&](const RunFit& run) -> bool { return run.correlated[k]; });
+    const bool is_correlated = std::any_of(fitted.runs.begin(), fitted.runs.end(),
+                                           [&](const RunFit& run) -> bool { return run.correlated[k]; });
     const bool by_noise = one.over_noise > gross_from;
     if (!by_noise && !(one.of_signal > part_of_signal && is_correlated)) continue;
     if (out && one.over_noise <= out->over_noise) continue;
-    one.words = by_noise ? fmt::format("residuals of {} are {:.3g} times the {}", sensors[k].name, one.over_noise,
-                                       sensors[k].noise_known ? "stated noise" : "noise of its readings")
-                         : fmt::format("residuals of {} are {:.2g} % of its readings' variation, and no independent noise",
-                                       sensors[k].name, 100 * one.of_signal);
+    one.words = by_noise
+                    ? fmt::format("residuals of {} are {:.3g} times the {}", sensors[k].name, one.over_noise,
+                                  sensors[k].noise_known ? "stated noise" : "noise of its readings")
+                    : fmt::format("residuals of {} are {:.2g} % of its readings' variation, and no independent noise",
+                                  sensors[k].name, 100 * one.of_signal);
     out = std::move(one);
   }
   return out;
@@ -358,8 +361,8 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   if (as_written.worst <= gross_from) {  // whatever else is changed then explains the readings too
     return {{candidates.front().words, candidates.front().cure(0.0), as_written.over_noise, true}};
   }
-  const double written = std::min(as_written.over_noise,
-                                  fitted.usable() ? over_noise_of(problem, fitted, records) : INFINITY);
+  const double written =
+      std::min(as_written.over_noise, fitted.usable() ? over_noise_of(problem, fitted, records) : INFINITY);
   std::vector<MisfitCause> out;
   constexpr double as_good = 1.3;
   constexpr std::size_t most_causes = 4;

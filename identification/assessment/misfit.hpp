@@ -11,8 +11,8 @@ namespace poise {
 /// A misfit that no noise makes, of the sensor where it is worst.
 struct GrossMisfit {
   std::size_t sensor = 0;
-  /// Root mean square residual over the noise: what is stated or, where that is not, noise_of() the readings, never what
-  /// the fit has estimated. Of robust losses the scale of the residuals in place of their root mean square.
+  /// Root mean square residual over the noise: what is stated or, where that is not, noise_of() the readings, never
+  /// what the fit has estimated. Of robust losses the scale of the residuals in place of their root mean square.
   double over_noise = 0.0;
   double of_signal = 0.0;  ///< the same over the standard deviation of the readings about their means in each run
   std::string words;       ///< "residuals of phi2 are 8.2 times the stated noise"
@@ -42,9 +42,9 @@ struct CauseOptions {
 /// delay and a largest value (a motor that saturates) of each input; other units of time, a clock that is fast or slow;
 /// the beginning or the end of the records; a run without which the others fit; and another minimum.
 ///
-/// Each is judged by a few steps of Levenberg and Marquardt's method from the experiment's starts and from the estimates
-/// of the fit, over the first 12 % of the records. The best 24 go on over 40 %, the best 12 over all: at most some 250
-/// evaluations of all runs with derivatives in sum. An unknown number of a cause is one more unknown.
+/// Each is judged by a few steps of Levenberg and Marquardt's method from the experiment's starts and from the
+/// estimates of the fit, over the first 12 % of the records. The best 24 go on over 40 %, the best 12 over all: at most
+/// some 250 evaluations of all runs with derivatives in sum. An unknown number of a cause is one more unknown.
 std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                                        const CauseOptions& options = {});
 

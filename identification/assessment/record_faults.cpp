@@ -31,7 +31,7 @@ std::vector<double> step_sizes(const std::vector<double>& y) {
 
 /// A number that is often written in place of a reading.
 bool is_usual_marker(double column) {
-  constexpr std::array whole = {0.0,     999.0,    9999.0,   99999.0,      999999.0,
+  constexpr std::array whole = {0.0,     999.0,   9999.0,  99999.0,      999999.0,
                                 32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0};
   return std::find(whole.begin(), whole.end(), std::abs(column)) != whole.end();
 }
@@ -165,9 +165,9 @@ class RunFaults {
     }
     if (found.size() > most_spans) skip += ", ...";
     add(k,
-        fmt::format("readings of \"{}\" in run \"{}\" {} at {:.6g}: {} of them, from {} s on", sensor(k).name, run_.name,
-                    clipped ? "are cut off" : "stand still", column(k, read.value[found.front().first]), readings,
-                    clock(read.time[found.front().first])),
+        fmt::format("readings of \"{}\" in run \"{}\" {} at {:.6g}: {} of them, from {} s on", sensor(k).name,
+                    run_.name, clipped ? "are cut off" : "stand still", column(k, read.value[found.front().first]),
+                    readings, clock(read.time[found.front().first])),
         fmt::format("add skip = [{}] to the run", skip));
   }
 
@@ -284,8 +284,8 @@ class RunFaults {
     const std::vector<double>& time = series(in).time;
     const std::string before = clock(time[worst->at - 1]), behind = clock(time[worst->at]);
     add(in,
-        fmt::format("between {} s and {} s of run \"{}\" \"{}\" jumps by what {:.3g} s of motion make: {}", before, behind,
-                    run_.name, sensor(in).name, std::abs(worst->lost),
+        fmt::format("between {} s and {} s of run \"{}\" \"{}\" jumps by what {:.3g} s of motion make: {}", before,
+                    behind, run_.name, sensor(in).name, std::abs(worst->lost),
                     worst->lost > 0 ? "readings were lost, or the clock stood still"
                                     : "the clock jumped, or readings were taken twice"),
         fmt::format("end the run there with to = {}, and add a second run with from = {}", before, behind));
@@ -359,7 +359,8 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
       const std::vector<std::size_t>& all = places[value];
       const double column = (value - sensor.zero) / sensor.unit;
       const double rounded = std::round(column);
-      const bool is_usual = std::abs(column - rounded) < 1e-6 * std::max(1.0, std::abs(column)) && is_usual_marker(rounded);
+      const bool is_usual =
+          std::abs(column - rounded) < 1e-6 * std::max(1.0, std::abs(column)) && is_usual_marker(rounded);
       if (all.size() > y.size() / 2 || (!is_usual && all.size() < often)) continue;
       double largest = 0.0;       // step between others
       std::vector<double> jumps;  // from others to the marker, the smaller of those before and behind
@@ -375,7 +376,8 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
       // A few may fall where the motion passes the marker's value.
       constexpr double few = 0.3;
       const bool stands_out = !jumps.empty() && quantile_of(jumps, few) > std::max(3 * largest, 20 * noise);
-      if (stands_out && (is_usual || jumps.size() >= often)) return Marker{is_usual ? rounded : column, all.front(), all.size()};
+      if (stands_out && (is_usual || jumps.size() >= often))
+        return Marker{is_usual ? rounded : column, all.front(), all.size()};
     }
   }
   return std::nullopt;
@@ -391,11 +393,12 @@ void expect_no_markers(const Experiment& experiment) {
       const Series& series = experiment.records[r].sensors[k];
       const std::optional<Marker> found = marker_in(sensor, series);
       if (!found) continue;
-      TomlPlace{experiment.file_of(run.part), sensor.line, "sensor \"" + sensor.name + "\""}.fail(fmt::format(
-          "expected readings of a motion, found {:.10g} {} in run \"{}\", first at {:.6g} s, as loggers write where they "
-          "read nothing; add missing = [{:.10g}], or missing = [] if it was read",
-          found->column, found->count == 1 ? "once" : fmt::format("{} times", found->count), run.name,
-          run.clock_zero + series.time[found->first], found->column));
+      TomlPlace{experiment.file_of(run.part), sensor.line, "sensor \"" + sensor.name + "\""}.fail(
+          fmt::format("expected readings of a motion, found {:.10g} {} in run \"{}\", first at {:.6g} s, as loggers "
+                      "write where they "
+                      "read nothing; add missing = [{:.10g}], or missing = [] if it was read",
+                      found->column, found->count == 1 ? "once" : fmt::format("{} times", found->count), run.name,
+                      run.clock_zero + series.time[found->first], found->column));
     }
   }
 }

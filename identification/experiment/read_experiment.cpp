@@ -487,8 +487,9 @@ class ExperimentReader {
       known.line = table.place().line;
       known.of_clock = path.value == "clock";
       known.of_sensor = find_sensor_number(path);
-      const double unit = known.of_clock    ? 1.0
-                          : known.of_sensor ? unit_of(*known.of_sensor)
+      const double unit = known.of_clock ? 1.0
+                          : known.of_sensor
+                              ? unit_of(*known.of_sensor)
                               : located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
       for (const Unknown& unknown : experiment_.unknowns) {
         if (unknown.path == known.path) {

@@ -27,8 +27,8 @@ std::optional<std::size_t> wrapped_at(const Series& series, double period);
 /// 0.6745 being the median size of normal noise of unit deviation, and 20 = 1 + 9 + 9 + 1. White noise makes all s_h
 /// the same; noise whose correlation falls as exp(-h/n) is too small in s_1 and grows by at most sqrt(2) with each
 /// doubling of h, while a smooth motion grows by 8. So h doubles as long as s_h grows by less than 1.6, and the largest
-/// is taken, less what the next one shows of the motion: an eighth of what it has more. At least that of the resolution q of the readings, q / sqrt(12), and 1e-5 of their root mean square. 0
-/// where there are fewer than 8 readings.
+/// is taken, less what the next one shows of the motion: an eighth of what it has more. At least that of the resolution
+/// q of the readings, q / sqrt(12), and 1e-5 of their root mean square. 0 where there are fewer than 8 readings.
 double noise_of(const Series& series);
 /// The smallest difference of two readings that is none of rounding; 0 where all are alike.
 double resolution_of(const std::vector<double>& readings);

@@ -94,8 +94,10 @@ TEST(ReadRuns, ReadsTheKeptPartOfARecord) {
   const Experiment parts = Bench(twice + "from = 105.1\n", data).read();
   ASSERT_EQ(parts.records.size(), 2u) << "two runs may share a file where their parts are apart";
   EXPECT_DOUBLE_EQ(parts.records[1].sensors[0].value.front(), 11 * degree);
-  EXPECT_EQ(Bench(twice + "from = 105\n", data).error().find("experiment.toml:10: data: expected the column \"a\" of "
-                                                              "\"data.csv\" once, run \"run 1\" reads it too"),
+  EXPECT_EQ(Bench(twice + "from = 105\n", data)
+                .error()
+                .find("experiment.toml:10: data: expected the column \"a\" of "
+                      "\"data.csv\" once, run \"run 1\" reads it too"),
             0u)
       << Bench(twice + "from = 105\n", data).error();
   EXPECT_EQ(error_of_run("data = \"data.csv\"\nfrom = 3\nto = 2\n", data),

@@ -73,7 +73,8 @@ TEST(FitVerdict, SeveralMinimaAreAmbiguous) {
   EXPECT_NE(several.why.find("with frequencies of 1 Hz and 2 Hz; read faster"), std::string::npos) << several.why;
   fitted.alternatives[1].frequency.clear();  // where nothing restores the pose
   const FitVerdict without = verdict_on(problem, fitted, false);
-  EXPECT_NE(without.why.find("2 minima explain the readings equally well; read faster"), std::string::npos) << without.why;
+  EXPECT_NE(without.why.find("2 minima explain the readings equally well; read faster"), std::string::npos)
+      << without.why;
 }
 
 }  // namespace

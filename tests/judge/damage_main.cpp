@@ -39,10 +39,11 @@ int main(int argc, char** argv) {
     not_to_tell += judged.outcome == JudgedDamage::Outcome::wrong && judged.is_right(damage);
     bad += !judged.is_right(damage);
     fmt::print("{:<28} {:<20} {:5.1f} s  {}{}\n", name, to_string(judged.outcome), took.count(),
-               judged.words.substr(0, 400), damage.undetectable.empty() ? "" : " [cannot be told: " + damage.undetectable + "]");
+               judged.words.substr(0, 400),
+               damage.undetectable.empty() ? "" : " [cannot be told: " + damage.undetectable + "]");
     std::fflush(stdout);
   }
-  fmt::print("{} kinds of damage: {} harmless, {} told, {} wrong that nothing can tell, {} bad\n", kinds, harmless, told,
-             not_to_tell, bad);
+  fmt::print("{} kinds of damage: {} harmless, {} told, {} wrong that nothing can tell, {} bad\n", kinds, harmless,
+             told, not_to_tell, bad);
   return bad > 0 ? 1 : 0;
 }

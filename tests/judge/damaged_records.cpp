@@ -111,9 +111,10 @@ Bench driven() {
   Bench out;
   out.scene = arm_scene;
   out.scene.replace(out.scene.find("MOTOR"), 5, motor);
-  out.head = "[[sensor]]\nname = \"phi\"\nangle = \"arm\"\nnoise = 1e-3\n[[sensor]]\nname = \"gyro\"\nangle = "
-             "\"arm\"\nrate = true\nnoise = 5e-3\n" +
-             std::string(arm_unknowns) + "[[unknown]]\npath = \"body.arm.center.x\"\nname = \"a\"\nstart = 0.28\n";
+  out.head =
+      "[[sensor]]\nname = \"phi\"\nangle = \"arm\"\nnoise = 1e-3\n[[sensor]]\nname = \"gyro\"\nangle = "
+      "\"arm\"\nrate = true\nnoise = 5e-3\n" +
+      std::string(arm_unknowns) + "[[unknown]]\npath = \"body.arm.center.x\"\nname = \"a\"\nstart = 0.28\n";
   out.runs = {"inputs = { \"load.motor\" = \"tau\" }", "inputs = { \"load.motor\" = \"tau\" }"};
   out.releases = {"release = { arm = -1.2 }", "release = { arm = -1.9 }"};
   out.duration = 6;
@@ -187,7 +188,8 @@ start = 2500
 )";
   const auto run = [](const char* payload, const char* at) {
     return fmt::format(
-        "set = {{ \"body.payload.mass\" = {} }}\nrest = {{ angle = \"obd\", at = {}, by = \"spring.oil.free_length\" }}",
+        "set = {{ \"body.payload.mass\" = {} }}\nrest = {{ angle = \"obd\", at = {}, by = \"spring.oil.free_length\" "
+        "}}",
         payload, at);
   };
   out.runs = {run("0", "-0.0704"), run("0", "0.3769"), run("200", "0.3769"), run("0", "0.8242")};
@@ -266,7 +268,8 @@ Hurt stretch(const std::string& name, double part, double of, const std::functio
   return [=](Records& all) {
     std::vector<double>& values = all.files.front()[name];
     const auto first = static_cast<std::size_t>(part * static_cast<double>(values.size()));
-    const auto last = std::min(values.size(), first + static_cast<std::size_t>(of * static_cast<double>(values.size())));
+    const auto last =
+        std::min(values.size(), first + static_cast<std::size_t>(of * static_cast<double>(values.size())));
     const double held = values[first];
     for (std::size_t i = first; i < last; ++i) values[i] = change(values[i], held);
   };
@@ -312,7 +315,8 @@ Hurt held(double part) {
     for (std::size_t c = 1; c < file.columns.size(); ++c) {
       std::vector<double>& values = file.columns[c].values;
       const double place = values[from];
-      for (std::size_t i = from; i < values.size(); ++i) values[i] = place + all.bench.noise[c - 1] * all.random.normal();
+      for (std::size_t i = from; i < values.size(); ++i)
+        values[i] = place + all.bench.noise[c - 1] * all.random.normal();
     }
   };
 }
@@ -425,8 +429,7 @@ const std::map<std::string, std::function<Hurt(const Bench&)>>& hurts() {
        [](B b) { return on_column(b.sensors.front(), [](double v) { return wrapped(deg(v + 1.5), 360); }); }},
       {"clipped", [](B b) { return clipped(b.sensors.front(), 0.15); }},
       {"clipped, second", [](B b) { return clipped(b.sensors.back(), 0.15); }},
-      {"stuck",
-       [](B b) { return stretch(b.sensors.front(), 0.4, 0.1, [](double, double held) { return held; }); }},
+      {"stuck", [](B b) { return stretch(b.sensors.front(), 0.4, 0.1, [](double, double held) { return held; }); }},
       {"stuck, second",
        [](B b) { return stretch(b.sensors.back(), 0.3, 0.05, [](double, double held) { return held; }); }},
       {"constant", [](B b) { return stretch(b.sensors.back(), 0, 1.1, [](double, double held) { return held; }); }},
@@ -443,7 +446,8 @@ const std::map<std::string, std::function<Hurt(const Bench&)>>& hurts() {
        [](B b) { return on_column(b.sensors.front(), [](double v) { return 2e-3 * std::round(v / 2e-3); }); }},
       {"correlated noise", [](B b) { return correlated(b.sensors.front(), 2 * b.noise.front()); }},
       {"averaged", [](B b) { return averaged(b.sensors.front(), 15); }},
-      {"relative", [](B b) -> Hurt {
+      {"relative",
+       [](B b) -> Hurt {
          return [a = b.sensors.front(), c = b.sensors.back()](Records& all) {
            for (File& file : all.files) {
              for (std::size_t i = 0; i < file.rows(); ++i) file[c][i] -= file[a][i];
@@ -454,7 +458,8 @@ const std::map<std::string, std::function<Hurt(const Bench&)>>& hurts() {
       {"rows twice",
        [](B) -> Hurt {
          return [](Records& all) {
-           for (Column& column : all.files.front().columns) column.values.insert(column.values.begin() + 99, column.values[99]);
+           for (Column& column : all.files.front().columns)
+             column.values.insert(column.values.begin() + 99, column.values[99]);
          };
        }},
       {"rows exchanged",
@@ -524,7 +529,8 @@ std::string csv(const File& file) {
   for (std::size_t i = 0; i < file.rows(); ++i) {
     std::string row = "\n";
     for (const Column& column : file.columns) {
-      row += (row.size() > 1 ? "," : "") + (std::isnan(column.values[i]) ? "" : fmt::format("{:.9g}", column.values[i]));
+      row +=
+          (row.size() > 1 ? "," : "") + (std::isnan(column.values[i]) ? "" : fmt::format("{:.9g}", column.values[i]));
     }
     out += row;
   }
@@ -555,7 +561,8 @@ Records simulated(const Bench& bench, const Folder& folder, bool saturates, std:
     if (const auto at = states.find(column); at != std::string::npos) {
       states.replace(at, column.size(), "{ column = \"tau\", file = \"input.csv\" }");
     }
-    text += fmt::format("[[run]]\n{}\n{}\nduration = {}\nrate = {}\n", states, bench.releases[r], bench.duration, bench.rate);
+    text += fmt::format("[[run]]\n{}\n{}\nduration = {}\nrate = {}\n", states, bench.releases[r], bench.duration,
+                        bench.rate);
   }
   const Experiment experiment = read_experiment(folder.write("truth.toml", text));
   const FitProblem problem(experiment);
@@ -719,7 +726,8 @@ JudgedDamage judge_damage(const Damage& damage, std::uint64_t seed) {
         constexpr double most_errors = 4.5;
         if (e.withheld || std::abs(e.value - e.truth) <= most_errors * e.standard_error) continue;
         out.outcome = JudgedDamage::Outcome::wrong;
-        out.words = fmt::format("{} = {:.6g} +- {:.2g} for {:.6g}; {}", e.name, e.value, e.standard_error, e.truth, lines);
+        out.words =
+            fmt::format("{} = {:.6g} +- {:.2g} for {:.6g}; {}", e.name, e.value, e.standard_error, e.truth, lines);
         return out;
       }
       out.words = lines;

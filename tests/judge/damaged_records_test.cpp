@@ -16,8 +16,8 @@ TEST(RandomDamagedRecords, AreBorneOrToldWithTheirCause) {
   for (std::size_t i = first; i < damages().size(); i += 7) {
     const Damage& damage = damages()[i];
     const JudgedDamage judged = judge_damage(damage, test::seed(1));
-    EXPECT_TRUE(judged.is_right(damage))
-        << damage.bench << ", " << damage.kind << ": " << to_string(judged.outcome) << ": " << judged.words;
+    EXPECT_TRUE(judged.is_right(damage)) << damage.bench << ", " << damage.kind << ": " << to_string(judged.outcome)
+                                         << ": " << judged.words;
   }
 }
 

@@ -60,7 +60,8 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
          std::none_of(sensors.begin(), sensors.end(), [](const Sensor& s) { return s.noise_known; });
 }
 
-/// "; cured by: sensor "phi2" counts the other way (factor = -1 in the sensor "phi2"), 1.01 times the noise then; or ..."
+/// "; cured by: sensor "phi2" counts the other way (factor = -1 in the sensor "phi2"), 1.01 times the noise then; or
+/// ..."
 std::string causes_in_words(const std::vector<MisfitCause>& causes) {
   if (causes.empty()) return "; none of the usual causes explains it";
   std::string out;

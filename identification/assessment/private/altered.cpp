@@ -24,9 +24,9 @@ void move_input(RunInput& input, const std::function<double(double)>& time,
     for (int k = 1; drives && k <= within; ++k) add(breaks[i] + k * (breaks[i + 1] - breaks[i]) / (within + 1));
   }
   add(breaks.back());
-  input.motion.curve = std::make_shared<const TimeCurve>(
-      drives ? TimeCurve::along(solvers::interpolating_spline(times, values))
-                                                : TimeCurve::through(std::move(times), values));
+  input.motion.curve =
+      std::make_shared<const TimeCurve>(drives ? TimeCurve::along(solvers::interpolating_spline(times, values))
+                                               : TimeCurve::through(std::move(times), values));
 }
 
 void stretch_clock(Experiment& experiment, std::size_t r, double factor) {
@@ -34,7 +34,8 @@ void stretch_clock(Experiment& experiment, std::size_t r, double factor) {
   run.sample_rate /= factor;
   run.duration *= factor;
   for (RunInput& input : run.inputs) {
-    move_input(input, [&](double t) { return factor * t; }, [](double v) { return v; });
+    move_input(
+        input, [&](double t) { return factor * t; }, [](double v) { return v; });
   }
   std::vector<Series>& read = experiment.records[r].sensors;
   for (std::size_t k = 0; k < read.size(); ++k) {

@@ -8,8 +8,8 @@
 
 namespace poise {
 
-/// The input with the points (t, v) of its curve moved to (time(t), value(v)), by increasing `time`: lines of a load, the
-/// spline of degree 5 of a drive.
+/// The input with the points (t, v) of its curve moved to (time(t), value(v)), by increasing `time`: lines of a load,
+/// the spline of degree 5 of a drive.
 void move_input(RunInput& input, const std::function<double(double)>& time, const std::function<double(double)>& value);
 
 /// Lets `factor` seconds pass for each of the clock of run r: of its readings, of impacts that were read, and of its

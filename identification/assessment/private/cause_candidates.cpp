@@ -22,7 +22,8 @@ struct UsualFactor {
 
 /// Of a column or an input that is in another unit than was stated.
 std::vector<UsualFactor> usual_factors(bool is_angle) {
-  std::vector<UsualFactor> out = {{1e-3, "a thousandth"}, {1e3, "a thousand"}, {2 * pi, "2 pi"}, {1 / (2 * pi), "1/2 pi"}};
+  std::vector<UsualFactor> out = {
+      {1e-3, "a thousandth"}, {1e3, "a thousand"}, {2 * pi, "2 pi"}, {1 / (2 * pi), "1/2 pi"}};
   if (is_angle) {
     out.insert(out.begin(), {{pi / 180, "pi/180"}, {180 / pi, "180/pi"}});
     out.push_back({2 * pi / 60, "2 pi/60"});
@@ -244,7 +245,8 @@ class Candidates {
       for (Run& run : e.runs) {
         for (RunInput& input : run.inputs) {
           if (input.path != path) continue;
-          move_input(input, [&](double t) { return time(t, x); }, [&](double v) { return value(v, x); });
+          move_input(
+              input, [&](double t) { return time(t, x); }, [&](double v) { return value(v, x); });
         }
       }
     };
@@ -257,9 +259,10 @@ class Candidates {
       for (const RunInput& input : run.inputs) {
         if (input.path != path) continue;
         drives = input.motion.of == MotionInput::Of::drive;
-        is_angle = drives &&
-                   experiment_.scene_of(run.part).drives[static_cast<std::size_t>(input.motion.item)].on.is_angle();
-        for (const double t : input.motion.curve->breaks()) largest = std::max(largest, std::abs(input.motion.curve->at(t)));
+        is_angle =
+            drives && experiment_.scene_of(run.part).drives[static_cast<std::size_t>(input.motion.item)].on.is_angle();
+        for (const double t : input.motion.curve->breaks())
+          largest = std::max(largest, std::abs(input.motion.curve->at(t)));
       }
     }
     if (!(largest > 0)) return;
@@ -283,7 +286,9 @@ class Candidates {
     add_number(
         name + " is early or late",
         [name](double x) { return fmt::format("{:.6g} s more in the times of {}", x, name); },
-        moves(path, [](double t, double x) { return t + x; }, same), 0.0, -most, most, 1e-3 * most);
+        moves(
+            path, [](double t, double x) { return t + x; }, same),
+        0.0, -most, most, 1e-3 * most);
     if (drives) return;
     add_number(
         fmt::format("{} saturates: the motor gives less than was commanded", name),
@@ -301,9 +306,10 @@ class Candidates {
   void add_times() {
     const bool stated = std::all_of(experiment_.runs.begin(), experiment_.runs.end(),
                                     [](const Run& run) { return run.states_time_factor; });
-    for (const auto& [factor, words] : {std::pair(1e-3, "milliseconds"), std::pair(1e3, "thousands of seconds"),
-                                        std::pair(60.0, "minutes"), std::pair(1 / 60.0, "sixtieths of a second"),
-                                        std::pair(0.1, "tenths of a second"), std::pair(0.01, "hundredths of a second")}) {
+    for (const auto& [factor, words] :
+         {std::pair(1e-3, "milliseconds"), std::pair(1e3, "thousands of seconds"), std::pair(60.0, "minutes"),
+          std::pair(1 / 60.0, "sixtieths of a second"), std::pair(0.1, "tenths of a second"),
+          std::pair(0.01, "hundredths of a second")}) {
       add_plain(fmt::format("the times are {}{}", stated ? "by a factor off, as if they were " : "", words),
                 fmt::format("{} time_factor = {:.6g} in the runs", stated ? "multiply" : "add", factor),
                 [f = factor](Experiment& e, double) { stretch_all(e, f); });
@@ -323,21 +329,20 @@ class Candidates {
   }
 
   void add_parts() {
-    const bool starts_are_sought = std::all_of(experiment_.runs.begin(), experiment_.runs.end(), [](const Run& run) {
-      return run.unknown_start && run.release.empty();
-    });
+    const bool starts_are_sought = std::all_of(experiment_.runs.begin(), experiment_.runs.end(),
+                                               [](const Run& run) { return run.unknown_start && run.release.empty(); });
     for (const double part : {0.05, 0.15, 0.3, 0.5}) {
       if (starts_are_sought) {
         add_plain(fmt::format("the first {:.0f} % of the records are something else", 100 * part),
-                  fmt::format("from = {:.4g} in the run", experiment_.runs.front().clock_zero +
-                                                              part * span_of(experiment_.records.front())),
+                  fmt::format("from = {:.4g} in the run",
+                              experiment_.runs.front().clock_zero + part * span_of(experiment_.records.front())),
                   [part](Experiment& e, double) {
                     for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, part, 1.0);
                   });
       }
       add_plain(fmt::format("the last {:.0f} % of the records are something else", 100 * part),
-                fmt::format("to = {:.4g} in the run", experiment_.runs.front().clock_zero +
-                                                          (1 - part) * span_of(experiment_.records.front())),
+                fmt::format("to = {:.4g} in the run",
+                            experiment_.runs.front().clock_zero + (1 - part) * span_of(experiment_.records.front())),
                 [part](Experiment& e, double) {
                   for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, 0.0, 1 - part);
                 });
@@ -357,7 +362,8 @@ class Candidates {
       for (double& t : series.time) t -= begin;
     }
     for (RunInput& input : e.runs[r].inputs) {
-      move_input(input, [&](double t) { return t - begin; }, [](double v) { return v; });
+      move_input(
+          input, [&](double t) { return t - begin; }, [](double v) { return v; });
     }
   }
 

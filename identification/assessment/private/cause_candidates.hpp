@@ -25,7 +25,8 @@ struct CauseCandidate {
   bool has_number() const { return step > 0; }
 };
 
-/// Candidates for an experiment with measured runs, the likeliest first. `worst`: indices of the runs, by their residuals.
+/// Candidates for an experiment with measured runs, the likeliest first. `worst`: indices of the runs, by their
+/// residuals.
 std::vector<CauseCandidate> cause_candidates(const Experiment& experiment, const std::vector<std::size_t>& worst);
 
 }  // namespace poise

@@ -400,11 +400,12 @@ class RunsReader {
       const auto is_next = [](double before, double after) { return after - before != 1.0; };
       if (std::adjacent_find(time.begin(), time.end(), is_next) != time.end()) continue;
       const DataFile& file = source.files[*source.columns[c].file];
-      source.place.fail(fmt::format(
-          "expected seconds in the column \"{}\" of \"{}\", found {:g}, {:g}, {:g}, ... as the numbers of readings are; "
-          "add time_factor = SECONDS from one reading to the next, or time_factor = 1 if they are seconds",
-          file.time, file.path.filename().string(), data.clock_zero + time[0], data.clock_zero + time[1],
-          data.clock_zero + time[2]));
+      source.place.fail(
+          fmt::format("expected seconds in the column \"{}\" of \"{}\", found {:g}, {:g}, {:g}, ... as the numbers of "
+                      "readings are; "
+                      "add time_factor = SECONDS from one reading to the next, or time_factor = 1 if they are seconds",
+                      file.time, file.path.filename().string(), data.clock_zero + time[0], data.clock_zero + time[1],
+                      data.clock_zero + time[2]));
     }
   }
 
@@ -418,8 +419,7 @@ class RunsReader {
       std::vector<ReadColumn>& readers = columns_[std::tuple(file, run.segment, column.name)];
       for (const ReadColumn& other : readers) {
         if (other.kept.to < source.kept.from || source.kept.to < other.kept.from) continue;
-        const std::string read =
-            fmt::format("the column \"{}\" of \"{}\" once", column.name, file.filename().string());
+        const std::string read = fmt::format("the column \"{}\" of \"{}\" once", column.name, file.filename().string());
         if (other.run != run.name) {
           source.place.fail(fmt::format(
               "expected {}, run \"{}\" reads it too; leave one of the runs out, or part them with from and to", read,

@@ -82,8 +82,7 @@ void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wr
   // Degrees, gons and counts that are taken for another unit.
   for (const double period : {360.0, 400.0, 1024.0, 4096.0, 8192.0, 16384.0, 65536.0}) {
     const double factor = turn / period;
-    expect_none(period * std::abs(unit),
-                fmt::format("and, if that is a turn, factor = {:.10g} for radians", factor));
+    expect_none(period * std::abs(unit), fmt::format("and, if that is a turn, factor = {:.10g} for radians", factor));
   }
 }
 

@@ -55,9 +55,9 @@ WrongSizes wrong_sizes(const std::vector<TestedNoise>& tests, double least) {
   for (const TestedNoise& one : tests) {
     if (one.test.chance() >= least) continue;
     out.any_larger = out.any_larger || one.test.ratio > 1;
-    out.words += fmt::format("{}{:.3g} times the stated noise{}, expected {:.3g} ± {:.2g} (95 %)",
-                             out.words.empty() ? "" : "; ", one.test.size, one.of, one.test.expected(),
-                             one.test.expected() * one.test.reach());
+    out.words +=
+        fmt::format("{}{:.3g} times the stated noise{}, expected {:.3g} ± {:.2g} (95 %)", out.words.empty() ? "" : "; ",
+                    one.test.size, one.of, one.test.expected(), one.test.expected() * one.test.reach());
   }
   return out;
 }
