@@ -233,26 +233,31 @@ class RunFaults {
     std::vector<double> spacings;
     for (std::size_t i = 1; i < read.time.size(); ++i) spacings.push_back(read.time[i] - read.time[i - 1]);
     const double spacing = quantile_of(spacings, 0.5);
+    // Each side half a spacing from its edge: between them passes what the clock says beyond one spacing.
     std::vector<double> sizes, slopes;
-    struct Sides {
-      At left, right;
+    struct Gap {
+      double extra, jump, slope;
+      bool slopes_agree;
     };
-    std::vector<Sides> all;
+    std::vector<Gap> all;
     for (std::size_t i = parabola; i + parabola <= read.value.size(); ++i) {
-      const double middle = (read.time[i - 1] + read.time[i]) / 2;
-      all.push_back({parabola_at(read, i - parabola, middle, spacing), parabola_at(read, i, middle, spacing)});
-      sizes.push_back(std::abs(all.back().right.value - all.back().left.value));
-      slopes.push_back(std::abs(all.back().left.slope));
+      const At left = parabola_at(read, i - parabola, read.time[i - 1] + spacing / 2, spacing);
+      const At right = parabola_at(read, i, read.time[i] - spacing / 2, spacing);
+      const double slope = (left.slope + right.slope) / 2;
+      all.push_back({read.time[i] - read.time[i - 1] - spacing, right.value - left.value, slope,
+                     std::abs(left.slope - right.slope) < 0.3 * std::abs(slope)});
+      sizes.push_back(std::abs(all.back().jump - slope * all.back().extra));
+      slopes.push_back(std::abs(slope));
     }
     const double usual = std::max(quantile_of(sizes, 0.5), 1e-9 * quantile_of(slopes, 0.9) * spacing);
     const double fast = 0.3 * quantile_of(slopes, 0.75);
     std::optional<Jump> largest;
     for (std::size_t n = 0; n < all.size(); ++n) {
-      const auto& [left, right] = all[n];
-      const double slope = (left.slope + right.slope) / 2;
-      const bool agree = std::abs(left.slope - right.slope) < 0.3 * std::abs(slope);
-      if (!agree || std::abs(slope) < fast || sizes[n] < 10 * usual || !stands_out(sizes, n)) continue;
-      const double lost = (right.value - left.value) / slope;
+      const auto& [extra, jump, slope, slopes_agree] = all[n];
+      if (!slopes_agree || std::abs(slope) < fast || sizes[n] < 10 * usual || !stands_out(sizes, n)) continue;
+      // Over a long gap that was only not read the motion is no straight line.
+      if (extra > 0.5 * spacing && std::abs(jump) > 0.3 * std::abs(slope) * extra) continue;
+      const double lost = jump / slope - extra;
       if (std::abs(lost) < 0.7 * spacing) continue;
       const double over = sizes[n] / usual;
       if (!largest || over > largest->over) largest = Jump{n + parabola, lost, over};

@@ -17,7 +17,7 @@ void unwrap(Series& series, double period) {
   }
 }
 
-std::optional<std::size_t> wrapped_at(const Series& series, double period) {
+std::optional<std::size_t> wrapped_at(const Series& series, double period, double part) {
   const auto largest_step = [](const std::vector<double>& values) {
     std::size_t largest = 0;
     double size = 0.0;
@@ -33,21 +33,21 @@ std::optional<std::size_t> wrapped_at(const Series& series, double period) {
   if (!(jump > 0.75 * period && jump < 1.25 * period)) return std::nullopt;
   Series continuous = series;
   unwrap(continuous, period);
-  if (largest_step(continuous.value).second > 0.25 * period) return std::nullopt;
+  if (largest_step(continuous.value).second > part * period) return std::nullopt;
   return at;
 }
 
 double resolution_of(const std::vector<double>& readings) {
-  std::vector<double> sorted = readings;
-  std::sort(sorted.begin(), sorted.end());
-  if (sorted.empty()) return 0.0;
-  const double rounding = 1e-12 * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
-  double least = 0.0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    const double step = sorted[i] - sorted[i - 1];
-    if (step > rounding && (least == 0 || step < least)) least = step;
+  constexpr std::size_t one_in = 50, tenth = 10;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    if (readings[i] != readings[i - 1]) steps.push_back(std::abs(readings[i] - readings[i - 1]));
   }
-  return least;
+  const std::size_t alike = readings.size() - std::min(readings.size(), steps.size() + 1);
+  if (steps.empty() || alike * one_in < readings.size()) return 0.0;
+  const auto at = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / tenth);
+  std::nth_element(steps.begin(), at, steps.end());
+  return *at;
 }
 
 double noise_of(const Series& series) {

@@ -276,15 +276,9 @@ Hurt stretch(const std::string& name, double part, double of, const std::functio
 }
 Hurt clipped(const std::string& name, double part) {
   return [=](Records& all) {
-    double low = INFINITY, high = -INFINITY;
     for (File& file : all.files) {
-      for (const double v : file[name]) {
-        low = std::min(low, v);
-        high = std::max(high, v);
-      }
-    }
-    const double most = high - part * (high - low);
-    for (File& file : all.files) {
+      const auto [low, high] = std::minmax_element(file[name].begin(), file[name].end());
+      const double most = *high - part * (*high - *low);
       for (double& v : file[name]) v = std::min(v, most);
     }
   };
@@ -605,7 +599,7 @@ const std::vector<Damage>& damages() {
       {"swing", "clock stands", "lost"},
       {"swing", "milliseconds", "time_factor"},
       {"swing", "minutes", "time_factor"},
-      {"swing", "tenths", "tenths"},
+      {"swing", "tenths", "", "a slower motion of the same shape is that of another inertia"},
       {"swing", "row numbers", "time_factor"},
       {"swing", "row numbers from 1", "time_factor"},
       {"swing", "wrapped", "wraps"},
@@ -634,7 +628,7 @@ const std::vector<Damage>& damages() {
       {"driven", "none", ""},
       {"driven", "sign", "counts the other way"},
       {"driven", "sign of the second", "counts the other way"},
-      {"driven", "all signs", "counts the other way"},
+      {"driven", "all signs", "the other way"},
       {"driven", "sign of the input", "counts the other way"},
       {"driven", "degrees", "pi/180"},
       {"driven", "degrees, second", "pi/180"},
@@ -661,7 +655,7 @@ const std::vector<Damage>& damages() {
       // Two arms, noise stated.
       {"double", "none", ""},
       {"double", "sign of the second", "counts the other way"},
-      {"double", "all signs", "counts the other way"},
+      {"double", "all signs", "the other way"},
       {"double", "degrees, all", "pi/180"},
       {"double", "exchanged", "exchanged"},
       {"double", "relative", "counts from"},
@@ -673,8 +667,8 @@ const std::vector<Damage>& damages() {
       {"double", "clock 2 % fast", "clock"},
       // A lift on a shut cylinder: four runs, equilibria and starts unknown.
       {"lift", "none", ""},
-      {"lift", "sign", "counts the other way"},
-      {"lift", "degrees", "pi/180"},
+      {"lift", "sign", "can have at once"},
+      {"lift", "degrees", "can have at once"},
       {"lift", "milliseconds", "time_factor"},
       {"lift", "clipped", "cut off"},
       {"lift", "clock jump", "clock jumped"},

@@ -70,19 +70,20 @@ void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wr
     if (*wraps > 0) unwrap(series, *wraps);
     return;
   }
-  const auto expect_none = [&](double period, const std::string& remedy) {
-    const std::optional<std::size_t> at = wrapped_at(series, period);
+  const auto expect_none = [&](double period, double part, const std::string& remedy) {
+    const std::optional<std::size_t> at = wrapped_at(series, period, part);
     if (!at) return;
     wanted_by.fail(fmt::format(
         "expected readings of a continuous angle, found a jump by {:.4g} at {:.6g} s of run \"{}\", as of an encoder "
         "that starts again after each turn; add wraps = {:.10g} ({}), or wraps = 0 if it does not",
         (series.value[*at] - series.value[*at - 1]) / unit, series.time[*at], run, period / std::abs(unit), remedy));
   };
-  expect_none(turn, "a turn in the column's unit");
+  expect_none(turn, 0.25, "a turn in the column's unit");
   // Degrees, gons and counts that are taken for another unit.
   for (const double period : {360.0, 400.0, 1024.0, 4096.0, 8192.0, 16384.0, 65536.0}) {
     const double factor = turn / period;
-    expect_none(period * std::abs(unit), fmt::format("and, if that is a turn, factor = {:.10g} for radians", factor));
+    expect_none(period * std::abs(unit), 0.05,
+                fmt::format("and, if that is a turn, factor = {:.10g} for radians", factor));
   }
 }
 
