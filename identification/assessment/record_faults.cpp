@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -71,7 +70,7 @@ class RunFaults {
   }
 
  private:
-  static constexpr std::size_t least_readings = 10, least_without_noise = 10, parabola = 6;
+  static constexpr std::size_t least_readings = 10, least_stuck = 10, parabola = 6;
 
   const Sensor& sensor(std::size_t k) const { return experiment_.sensors[k]; }
   const Series& series(std::size_t k) const { return record_.sensors[k]; }
@@ -105,19 +104,16 @@ class RunFaults {
     const std::vector<double>& y = series(k).value;
     const double resolution = resolution_of(y), noise = noise_of(series(k)), unsure = std::max(noise, resolution);
     const auto [low, high] = std::minmax_element(y.begin(), y.end());
-    // The chance that neighbours of normal noise round to the same value, and the longest run that it makes.
-    constexpr double least_part = 2e-5;  // of the readings: above what noise_of() takes at least
-    const bool has_noise = noise > 3 * resolution && noise > least_part * std::max(std::abs(*low), std::abs(*high));
-    const double same = std::min(0.5, resolution / (2 * std::sqrt(std::numbers::pi) * noise));
-    const double longest = 3 + std::log(static_cast<double>(y.size())) / std::log(1 / same);
     std::vector<Stretch> clipped, stuck;
-    for (const Stretch& one : alike(y, least)) {
-      const bool is_end = y[one.first] == *low || y[one.first] == *high;
-      const bool by_chance = static_cast<double>(one.count()) <= longest;
-      if (is_end && (exceeds(y, one, unsure) || (has_noise && !by_chance))) {
+    const std::vector<Stretch> all = alike(y, least);
+    for (const Stretch& one : all) {
+      const double value = y[one.first];
+      const bool is_end = value == *low || value == *high;
+      const auto again =
+          std::count_if(all.begin(), all.end(), [&](const Stretch& other) { return y[other.first] == value; });
+      if (is_end && exceeds(y, one, unsure, again > 1)) {
         clipped.push_back(one);
-      } else if (has_noise ? !by_chance && is_stuck(y, one, resolution)
-                           : one.count() >= least_without_noise && is_stuck(y, one, resolution)) {
+      } else if (one.count() >= least_stuck && is_stuck(y, one, resolution)) {
         stuck.push_back(one);
       }
     }
@@ -125,15 +121,18 @@ class RunFaults {
     report_alike(k, stuck, false);
   }
 
-  /// Whether a smooth curve with the slopes at both ends of the stretch leaves its value.
-  static bool exceeds(const std::vector<double>& y, const Stretch& one, double unsure) {
+  /// Whether a smooth curve with the slopes at both ends of the stretch leaves its value, by more than noise and the
+  /// steps of an encoder that turns round there explain; that does not stop twice at the same value, as `again` says.
+  static bool exceeds(const std::vector<double>& y, const Stretch& one, double unsure, bool again) {
     constexpr std::size_t slope_over = 3;
     if (one.first < slope_over || one.last + slope_over >= y.size()) return false;
     const double before = (y[one.first] - y[one.first - slope_over]) / slope_over;
     const double behind = (y[one.last + slope_over] - y[one.last]) / slope_over;
     const double by = std::abs(before - behind) * static_cast<double>(one.count()) / 8;
     const double slope_error = 0.5 * unsure;  // sqrt(2) sqrt(2) / 3, of the difference of two slopes, and some more
-    return before * behind < 0 && by > 4 * unsure + 3 * slope_error * static_cast<double>(one.count()) / 8;
+    const double edge = std::max(std::abs(y[one.first] - y[one.first - 1]), std::abs(y[one.last + 1] - y[one.last]));
+    return before * behind < 0 && by > (again ? 1.5 : 3.0) * edge &&
+           by > 4 * unsure + 3 * slope_error * static_cast<double>(one.count()) / 8;
   }
 
   /// Whether the sensor alone stands still: its readings jump behind the stretch, or halt within one.
@@ -146,7 +145,7 @@ class RunFaults {
     const double jump = goes_on ? std::abs(y[one.last + 1] - y[one.last]) : 0.0;
     const double before = one.first > 0 ? std::abs(y[one.first] - y[one.first - 1]) : 0.0;
     const double usual = quantile_of(others, 0.5);
-    const bool halts = one.count() >= least_without_noise && before > 0.3 * usual && usual > 3 * resolution;
+    const bool halts = one.count() >= least_stuck && before > 0.3 * usual && usual > 3 * resolution;
     return jump > 5 * quantile_of(others, 0.95) || halts;
   }
 
