@@ -111,9 +111,10 @@ class RunFaults {
       const bool is_end = value == *low || value == *high;
       const auto again =
           std::count_if(all.begin(), all.end(), [&](const Stretch& other) { return y[other.first] == value; });
-      if (is_end && exceeds(y, one, unsure, again > 1)) {
+      const bool stops = one.count() >= least_stuck && is_stuck(y, one, resolution);
+      if (is_end && (stops || exceeds(y, one, unsure, again > 1))) {
         clipped.push_back(one);
-      } else if (one.count() >= least_stuck && is_stuck(y, one, resolution)) {
+      } else if (stops) {
         stuck.push_back(one);
       }
     }
