@@ -92,31 +92,26 @@ class ExperimentReader {
     for (const std::string& setting : options.settings) set_parameter(experiment_.scene, setting);
   }
 
-  /// A first guess where the noise is not stated: third differences of readings contain little but noise, whose
-  /// variance they multiply by 20. Of readings that are all alike, a part of their size.
+  /// A first guess where the noise is not stated: the root mean square of noise_of() the runs, by their readings.
   void guess_noise() {
+    constexpr double least_noise = 1e-12;
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       Sensor& sensor = experiment_.sensors[k];
       if (sensor.noise_known) continue;
-      double differences = 0.0;
       double squares = 0.0;
-      std::size_t count = 0;
+      double readings = 0.0;
       for (std::size_t r = 0; r < experiment_.runs.size(); ++r) {
         if (experiment_.runs[r].is_simulated() && experiment_.runs[r].reads(k)) {
           TomlPlace{experiment_.file, sensor.line, "sensor \"" + sensor.name + "\".noise"}.fail(
               "expected a number, since run \"" + experiment_.runs[r].name + "\" is simulated; add noise = NUMBER");
         }
         if (experiment_.runs[r].is_simulated()) continue;
-        const std::vector<double>& y = experiment_.records[r].sensors[k].value;
-        for (std::size_t i = 3; i < y.size(); ++i, ++count) {
-          const double third = y[i] - 3 * y[i - 1] + 3 * y[i - 2] - y[i - 3];
-          differences += third * third / 20;
-          squares += y[i] * y[i];
-        }
+        const Series& series = experiment_.records[r].sensors[k];
+        const auto count = static_cast<double>(series.value.size());
+        squares += count * std::pow(noise_of(series), 2);
+        readings += count;
       }
-      const double n = static_cast<double>(std::max<std::size_t>(count, 1));
-      const double size = std::sqrt(squares / n);
-      sensor.noise = std::max(std::sqrt(differences / n), size > 0 ? 1e-5 * size : 1e-12);
+      sensor.noise = readings > 0 ? std::max(std::sqrt(squares / readings), least_noise) : least_noise;
     }
   }
 
@@ -140,7 +135,7 @@ class ExperimentReader {
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
     table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "impacts", "rate", "column",
-                      "gaps", "wraps", "noise", "zero", "factor", "delay"});
+                      "gaps", "missing", "wraps", "noise", "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -154,7 +149,7 @@ class ExperimentReader {
       table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
     }
     if (sensor.reads_impacts()) {
-      for (const char* const key : {"rate", "gaps", "delay"}) {
+      for (const char* const key : {"rate", "gaps", "missing", "delay"}) {
         if (table.has(key)) table.place_of(key).fail("expected no such key of a sensor of impacts; leave it out");
       }
       if (!table.has("noise")) table.place().fail("expected the deviation of its times, s; add noise = NUMBER");
@@ -173,6 +168,7 @@ class ExperimentReader {
       sensor.column = column->value;
     }
     sensor.gaps = table.flag("gaps", false);
+    if (table.has("missing")) sensor.missing = table.numbers("missing");
     if (table.has("wraps") && !sensor.reads_angle()) {
       table.place_of("wraps").fail("expected wraps of a sensor of an angle only; leave it out");
     }
@@ -511,8 +507,10 @@ class ExperimentReader {
       KnownNumber known;
       known.path = path.value;
       known.line = table.place().line;
+      known.of_clock = path.value == "clock";
       known.of_sensor = find_sensor_number(path);
-      const double unit = known.of_sensor
+      const double unit = known.of_clock ? 1.0
+                          : known.of_sensor
                               ? unit_of(*known.of_sensor)
                               : located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
       for (const Unknown& unknown : experiment_.unknowns) {
@@ -523,13 +521,14 @@ class ExperimentReader {
                           unknown.line));
         }
       }
-      if (!known.of_sensor) {
+      const bool of_scene = !known.of_sensor && !known.of_clock;
+      if (of_scene) {
         located(path.place, [&] { check_is_free(experiment_.scene, parameter(experiment_.scene, path.value)); });
       }
-      if (!known.of_sensor && !SceneParameter::find(experiment_.scene, known.path)) {
+      if (of_scene && !SceneParameter::find(experiment_.scene, known.path)) {
         path.place.fail(
             "expected a number that the motion or a reading has derivatives by: of a body, an element, a load or a "
-            "sensor");
+            "sensor, or \"clock\"");
       }
       if (table.has("deviation") + table.has("relative") != 1) {
         table.place().fail(

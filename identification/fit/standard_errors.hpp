@@ -15,6 +15,7 @@ namespace poise {
 /// solvers::Autoregression; of white residuals tr H R is the number of values estimated from them, and spread 1. Of
 /// robust fits the ratio is that of the median |e| to the one of normal noise, of as many degrees as that is worth.
 struct NoiseTest {
+  double size = 0.0;     ///< root mean square of e, of robust fits that of the median; NaN without readings
   double ratio = 0.0;    ///< NaN without readings
   double degrees = 0.0;  ///< independent residuals that they are worth
   double offset = 0.0;   ///< sum e over its standard deviation with this autocorrelation
@@ -22,6 +23,8 @@ struct NoiseTest {
   /// Half the width of the interval in which 95 % of the ratios are where the noise is as stated: 1.96 / sqrt(2
   /// degrees).
   double reach() const;
+  /// The size that noise as stated, with this correlation, would have: size / ratio.
+  double expected() const { return size / ratio; }
   /// Of a ratio at least so far from 1, to either side, where the noise is as stated.
   double chance() const;
 };

@@ -78,6 +78,40 @@ TEST(ReadRuns, ReadsSimulatedRunsInSi) {
   EXPECT_FALSE(runs[1].unknown_start);
 }
 
+TEST(ReadRuns, ReadsTheKeptPartOfARecord) {
+  std::string data = "time,a\n";
+  for (int i = 0; i < 30; ++i) data += fmt::format("{},{}\n", 100 + 0.5 * i, i == 12 ? -9999 : i);
+  const auto read = [&](const std::string& keys) {
+    return Bench(header + sensor + "missing = [-9999]\n" + measured + keys, data).read();
+  };
+  const Experiment kept = read("from = 102\nto = 107.2\nskip = [[103, 103.6], [105, 105]]\n");
+  const Series& series = kept.records.at(0).sensors.at(0);
+  EXPECT_EQ(series.time, (Numbers{0, 0.5, 2, 2.5, 3.5, 4.5, 5})) << "s since the first reading, without the marker";
+  EXPECT_DOUBLE_EQ(series.value.front(), 4 * degree);
+  EXPECT_DOUBLE_EQ(series.value.back(), 14 * degree);
+  EXPECT_DOUBLE_EQ(kept.runs.at(0).clock_zero, 102);
+  const std::string twice = header + sensor + "missing = [-9999]\n" + measured + "to = 105\n" + measured;
+  const Experiment parts = Bench(twice + "from = 105.1\n", data).read();
+  ASSERT_EQ(parts.records.size(), 2u) << "two runs may share a file where their parts are apart";
+  EXPECT_DOUBLE_EQ(parts.records[1].sensors[0].value.front(), 11 * degree);
+  EXPECT_EQ(Bench(twice + "from = 105\n", data)
+                .error()
+                .find("experiment.toml:10: data: expected the column \"a\" of "
+                      "\"data.csv\" once, run \"run 1\" reads it too"),
+            0u)
+      << Bench(twice + "from = 105\n", data).error();
+  EXPECT_EQ(error_of_run("data = \"data.csv\"\nfrom = 3\nto = 2\n", data),
+            "experiment.toml:9: run 1.to: expected to > from; exchange them");
+}
+
+TEST(ReadRuns, RefusesNumbersOfReadingsAsTimes) {
+  std::string data = "time,a\n";
+  for (int i = 0; i < 30; ++i) data += fmt::format("{},{}\n", i + 1, std::sin(i));
+  const std::string said = Bench(header + sensor + measured, data).error();
+  EXPECT_NE(said.find("found 1, 2, 3, ... as the numbers of readings are; add time_factor"), std::string::npos) << said;
+  EXPECT_EQ(Bench(header + sensor + measured + "time_factor = 1\n", data).error(), "");
+}
+
 TEST(ReadRuns, SimulatedRunsHaveEmptyRecords) {
   const Experiment experiment = Bench(header + sensor + run + run).read();
   ASSERT_EQ(experiment.records.size(), 2u);

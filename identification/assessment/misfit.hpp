@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/fit/fit.hpp"
+
+namespace poise {
+
+/// A misfit that no noise makes, of the sensor where it is worst.
+struct GrossMisfit {
+  std::size_t sensor = 0;
+  /// Root mean square residual over the noise: what is stated or, where that is not, noise_of() the readings, never
+  /// what the fit has estimated. Of robust losses the scale of the residuals in place of their root mean square.
+  double over_noise = 0.0;
+  double of_signal = 0.0;  ///< the same over the standard deviation of the readings about their means in each run
+  std::string words;       ///< "residuals of phi2 are 8.2 times the stated noise"
+};
+
+/// Residuals above 3 times the noise; or, whatever the noise, above a tenth of the signal and correlated from one
+/// reading to the next. None of a fit that is not usable.
+std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fitted,
+                                        const std::vector<Record>& records);
+
+/// One plain thing that may be wrong with what was read or written, and what then is left of a misfit.
+struct MisfitCause {
+  std::string words;        ///< "sensor "phi2" counts the other way"
+  std::string cure;         ///< what to write: "factor = -1 in the sensor "phi2""
+  double over_noise = 0.0;  ///< root mean square of all residuals over the noise, with it
+  bool cures = false;       ///< no residuals are above 3 times the noise then
+};
+
+struct CauseOptions {
+  int jobs = 0;  ///< threads; 0: all cores. The result does not depend on it.
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+/// Causes of a misfit, measured runs only, the likeliest first: those that cure it, or that lower the residuals to less
+/// than a third. Tried are, one at a time: sign, usual factors, an unknown factor, zero and delay of each sensor; sign
+/// and factors of all sensors of a kind; two columns exchanged; angles counted from another body; sign, factors, zero,
+/// delay and a largest value (a motor that saturates) of each input; other units of time, a clock that is fast or slow;
+/// the beginning or the end of the records; a run without which the others fit; and another minimum.
+///
+/// Each is judged by a few steps of Levenberg and Marquardt's method from the experiment's starts and from the
+/// estimates of the fit, over the first 12 % of the records. The best 24 go on over 40 %, the best 12 over all: at most
+/// some 250 evaluations of all runs with derivatives in sum. An unknown number of a cause is one more unknown.
+std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
+                                       const CauseOptions& options = {});
+
+}  // namespace poise
