@@ -127,6 +127,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   }
   leave_out_alike(models);
   for (const Experiment& experiment : experiments) {
+    expect_no_markers(experiment);
     problems.emplace_back(experiment);
     check_spans(problems.back());
     all.push_back(&problems.back());

@@ -52,7 +52,7 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
   say("fitting");
   out.fit = fit(problem, out.records, shared);
   out.misfit = gross_misfit(problem, out.fit, out.records);
-  if (out.misfit || out.fit.status == FitStatus::failed) {
+  if ((out.misfit || out.fit.status == FitStatus::failed) && !out.has_wrong_records()) {
     say("seeking the cause of the misfit");
     out.causes = misfit_causes(problem, out.fit, out.records, {.jobs = shared.jobs, .interrupt = shared.interrupt});
   }

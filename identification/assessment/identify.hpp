@@ -32,14 +32,15 @@ struct Identification {
   std::optional<Bootstrap> bootstrap;
   std::vector<RecordFault> faults;  ///< record_faults()
   std::optional<GrossMisfit> misfit;
-  std::vector<MisfitCause> causes;  ///< of it, or of a fit that failed
+  std::vector<MisfitCause> causes;  ///< of it, or of a fit that failed; not sought where records are wrong
 
-  /// Whether the estimates are those of the mechanism as far as the records can show: the fit is usable, no gross
-  /// misfit, and of records without faults that are wrong.
-  bool is_believable() const {
-    return fit.usable() && !misfit &&
-           std::none_of(faults.begin(), faults.end(), [](const RecordFault& fault) { return fault.is_wrong; });
+  /// Whether some readings are no measurements.
+  bool has_wrong_records() const {
+    return std::any_of(faults.begin(), faults.end(), [](const RecordFault& fault) { return fault.is_wrong; });
   }
+  /// Whether the estimates are those of the mechanism as far as the records can show: the fit is usable, no gross
+  /// misfit, and of records that are not wrong.
+  bool is_believable() const { return fit.usable() && !misfit && !has_wrong_records(); }
 
   /// Finds the estimate of this name, "k" or "k (low)". Throws InputError with the nearest name where there is none, or
   /// the fit has no estimates.

@@ -20,8 +20,9 @@ namespace poise {
 namespace {
 
 constexpr double gross_from = 3.0, part_of_signal = 0.1;
-/// A cause that leaves more than this part of the residuals is none.
-constexpr double lowers_to = 1.0 / 3.0;
+/// A cause that leaves more than this part of the residuals of the columns is none, or, where what it leaves may be
+/// noise, more than this part.
+constexpr double lowers_to = 1.0 / 3.0, cures_to = 0.5;
 
 /// Per sensor: standard deviation of the readings about their means in the runs, SI.
 std::vector<double> signals(const std::vector<Record>& records, std::size_t sensors) {
@@ -41,6 +42,19 @@ std::vector<double> signals(const std::vector<Record>& records, std::size_t sens
   return out;
 }
 
+/// The largest noise that the readings of a sensor can have, SI.
+double largest_noise(const std::vector<Record>& records, std::size_t sensor) {
+  double squares = 0.0;
+  double count = 0.0;
+  for (const Record& record : records) {
+    const Series& series = record.sensors[sensor];
+    if (series.value.empty()) continue;
+    squares += static_cast<double>(series.value.size()) * std::pow(noise_at_most(series), 2);
+    count += static_cast<double>(series.value.size());
+  }
+  return count > 0 ? std::sqrt(squares / count) : INFINITY;
+}
+
 /// An experiment as a candidate with its number has it.
 struct Altered {
   std::unique_ptr<const Experiment> experiment;
@@ -54,6 +68,9 @@ struct Reached {
   double number = 0.0;
   double over_noise = INFINITY;  ///< of all residuals in the window
   double worst = INFINITY;       ///< of the sensor with the largest
+  /// The same as over_noise, each residual in the unit that its column was taken to have. With a factor of 1/1000 any
+  /// readings are noise, but in their own unit they are as unexplained as before.
+  double of_columns = INFINITY;
 };
 
 /// The fit of one candidate.
@@ -66,7 +83,7 @@ class CauseFit {
   }
 
   const Reached& reached() const { return at_; }
-  void give_up() { at_.over_noise = at_.worst = INFINITY; }
+  void give_up() { at_.over_noise = at_.worst = at_.of_columns = INFINITY; }
 
   /// Begins from the better one of the experiment's starts and the estimates.
   void begin(double window, int steps) {
@@ -102,7 +119,7 @@ class CauseFit {
     Altered altered = at(at_.number);
     std::vector<Eigen::MatrixXd> rows;
     if (!linearize(altered, window, at_, rows)) {
-      at_.over_noise = at_.worst = INFINITY;
+      give_up();
       return;
     }
     double damping = 1e-3;
@@ -169,14 +186,19 @@ class CauseFit {
       }
     }
     double all = 0.0;
+    double all_of_columns = 0.0;
     double readings = 0.0;
     at.worst = 0.0;
     for (std::size_t k = 0; k < sensors; ++k) {
+      const Sensor& now = altered.experiment->sensors[k];
+      const Sensor& was = experiment_.sensors[k];
       all += squares[k];
+      all_of_columns += squares[k] * std::pow(now.noise / was.noise * was.unit / now.unit, 2);
       readings += counts[k];
       if (counts[k] > 0) at.worst = std::max(at.worst, std::sqrt(squares[k] / counts[k]));
     }
     at.over_noise = std::sqrt(all / std::max(readings, 1.0));
+    at.of_columns = std::sqrt(all_of_columns / std::max(readings, 1.0));
     return std::isfinite(at.over_noise);
   }
 
@@ -269,15 +291,15 @@ class CauseFit {
   Reached at_;
 };
 
-/// A root mean square of all residuals over the noise that is stated or that of the readings.
-double over_noise_of(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records) {
+/// A root mean square of all residuals over the noise.
+double over_noise_of(const std::vector<double>& noise, const Fit& fitted, const std::vector<Record>& records) {
   double squares = 0.0;
   double readings = 0.0;
   for (std::size_t k = 0; k < fitted.rms.size(); ++k) {
     double count = 0.0;
     for (const Record& record : records) count += static_cast<double>(record.sensors[k].value.size());
     if (count == 0) continue;
-    squares += count * std::pow(fitted.rms[k] / problem.experiment().sensors[k].noise, 2);
+    squares += count * std::pow(fitted.rms[k] / noise[k], 2);
     readings += count;
   }
   return readings > 0 ? std::sqrt(squares / readings) : INFINITY;
@@ -285,25 +307,37 @@ double over_noise_of(const FitProblem& problem, const Fit& fitted, const std::ve
 
 }  // namespace
 
+std::vector<double> compared_noise(const Experiment& experiment, const std::vector<Record>& records) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    out.push_back(sensor.noise_known ? sensor.noise : largest_noise(records, k));
+  }
+  return out;
+}
+
 std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fitted,
                                         const std::vector<Record>& records) {
   if (!fitted.usable()) return std::nullopt;
   const std::vector<Sensor>& sensors = problem.experiment().sensors;
   const std::vector<double> signal = signals(records, sensors.size());
+  const std::vector<double> noise = compared_noise(problem.experiment(), records);
   std::optional<GrossMisfit> out;
   for (std::size_t k = 0; k < sensors.size() && k < fitted.rms.size(); ++k) {
     if (std::isnan(fitted.rms[k])) continue;
     const bool is_robust = fitted.weighting.loss != Loss::squares && k < fitted.errors.sensors.size();
     const double size = is_robust ? fitted.errors.sensors[k].ratio * fitted.weighting.noise[k] : fitted.rms[k];
-    GrossMisfit one{.sensor = k, .over_noise = size / sensors[k].noise, .of_signal = size / signal[k], .words = {}};
-    const bool is_correlated = std::any_of(fitted.runs.begin(), fitted.runs.end(),
-                                           [&](const RunFit& run) -> bool { return run.correlated[k]; });
+    GrossMisfit one{.sensor = k, .over_noise = size / noise[k], .of_signal = size / signal[k], .words = {}};
     const bool by_noise = one.over_noise > gross_from;
-    if (!by_noise && !(one.of_signal > part_of_signal && is_correlated)) continue;
+    const auto by_signal = [&] {
+      return one.of_signal > part_of_signal && size > gross_from * largest_noise(records, k) &&
+             std::any_of(fitted.runs.begin(), fitted.runs.end(), [&](const RunFit& run) { return run.correlated[k]; });
+    };
+    if (!by_noise && !by_signal()) continue;
     if (out && one.over_noise <= out->over_noise) continue;
     one.words = by_noise
                     ? fmt::format("residuals of {} are {:.3g} times the {}", sensors[k].name, one.over_noise,
-                                  sensors[k].noise_known ? "stated noise" : "noise of its readings")
+                                  sensors[k].noise_known ? "stated noise" : "largest noise that its readings can have")
                     : fmt::format("residuals of {} are {:.2g} % of its readings' variation, and no independent noise",
                                   sensors[k].name, 100 * one.of_signal);
     out = std::move(one);
@@ -314,11 +348,16 @@ std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fi
 std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                                        const CauseOptions& options) {
   Experiment experiment = problem.experiment();
-  if (std::any_of(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return run.is_simulated(); })) {
+  // What is tried is about clocks and columns of measured motion.
+  if (std::any_of(experiment.runs.begin(), experiment.runs.end(),
+                  [](const Run& run) { return run.is_simulated() || run.is_at_rest(); })) {
     return {};
   }
   experiment.records = records;
   experiment.loss = Loss::squares;
+  const std::vector<double> noise = compared_noise(experiment, records);
+  if (std::any_of(noise.begin(), noise.end(), [](double n) { return !std::isfinite(n); })) return {};
+  for (std::size_t k = 0; k < noise.size(); ++k) experiment.sensors[k].noise = noise[k];
   const std::vector<CauseCandidate> candidates =
       cause_candidates(experiment, fitted.runs.empty() ? std::vector<std::size_t>{} : worst_first(fitted));
   std::vector<std::unique_ptr<CauseFit>> fits;
@@ -328,7 +367,7 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   // Of causes that explain the readings equally well, the one without an unknown number is likelier.
   constexpr double for_number = 1.1;
   const auto size = [&](std::size_t i) {
-    return fits[i]->reached().over_noise * (candidates[i].has_number() ? for_number : 1.0);
+    return fits[i]->reached().of_columns * (candidates[i].has_number() ? for_number : 1.0);
   };
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < fits.size(); ++i) left.push_back(i);
@@ -362,15 +401,17 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
     return {{candidates.front().words, candidates.front().cure(0.0), as_written.over_noise, true}};
   }
   const double written =
-      std::min(as_written.over_noise, fitted.usable() ? over_noise_of(problem, fitted, records) : INFINITY);
+      std::min(as_written.over_noise, fitted.usable() ? over_noise_of(noise, fitted, records) : INFINITY);
   std::vector<MisfitCause> out;
+  std::optional<double> first;
   constexpr double as_good = 1.3;
   constexpr std::size_t most_causes = 4;
   for (const std::size_t i : left) {
     const Reached& reached = fits[i]->reached();
-    const bool cures = reached.worst <= gross_from;
-    if (i == 0 || !(cures || reached.over_noise < lowers_to * written) || out.size() == most_causes) continue;
-    if (!out.empty() && size(i) > as_good * out.front().over_noise) break;
+    const bool cures = reached.worst <= gross_from && reached.of_columns < cures_to * written;
+    if (i == 0 || !(cures || reached.of_columns < lowers_to * written) || out.size() == most_causes) continue;
+    if (first && size(i) > as_good * *first) break;
+    if (!first) first = reached.of_columns;
     if (!out.empty() && candidates[i].has_number()) continue;
     out.push_back({candidates[i].words, candidates[i].cure(reached.number), reached.over_noise, cures});
   }

@@ -8,18 +8,24 @@
 
 namespace poise {
 
+/// What the residuals of each sensor are compared with, SI: the noise that is stated or, where none is, the largest
+/// that the readings can have: noise_at_most() of the runs, their root mean square by readings. It is never what a fit
+/// has estimated, for which any misfit is noise. Infinite where there are too few readings.
+std::vector<double> compared_noise(const Experiment& experiment, const std::vector<Record>& records);
+
 /// A misfit that no noise makes, of the sensor where it is worst.
 struct GrossMisfit {
   std::size_t sensor = 0;
-  /// Root mean square residual over the noise: what is stated or, where that is not, noise_of() the readings, never
-  /// what the fit has estimated. Of robust losses the scale of the residuals in place of their root mean square.
+  /// Root mean square residual over compared_noise(). Of robust losses the scale of the residuals in place of their
+  /// root mean square.
   double over_noise = 0.0;
   double of_signal = 0.0;  ///< the same over the standard deviation of the readings about their means in each run
   std::string words;       ///< "residuals of phi2 are 8.2 times the stated noise"
 };
 
-/// Residuals above 3 times the noise; or, whatever the noise, above a tenth of the signal and correlated from one
-/// reading to the next. None of a fit that is not usable.
+/// Residuals above 3 times compared_noise(); or, where the noise is stated so large that it hides a misfit, above a
+/// tenth of the signal, 3 times the largest noise that the readings can have, and correlated from one reading to the
+/// next. Noise alone makes neither, be it white or with correlations up to 0.9. None of a fit that is not usable.
 std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fitted,
                                         const std::vector<Record>& records);
 

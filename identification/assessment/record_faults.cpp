@@ -53,6 +53,9 @@ std::vector<Stretch> alike(const std::vector<double>& y, std::size_t least) {
   return out;
 }
 
+/// Whether a run has readings of a motion.
+bool has_motion(const Run& run) { return !run.is_simulated() && !run.is_at_rest(); }
+
 class RunFaults {
  public:
   RunFaults(const Experiment& experiment, std::size_t r, std::vector<RecordFault>& out)
@@ -102,7 +105,7 @@ class RunFaults {
   void find_alike(std::size_t k) {
     constexpr std::size_t least = 4;
     const std::vector<double>& y = series(k).value;
-    const double resolution = resolution_of(y), noise = noise_of(series(k)), unsure = std::max(noise, resolution);
+    const double resolution = resolution_of(y), noise = noise_at_most(series(k)), unsure = std::max(noise, resolution);
     const auto [low, high] = std::minmax_element(y.begin(), y.end());
     std::vector<Stretch> clipped, stuck;
     const std::vector<Stretch> all = alike(y, least);
@@ -180,7 +183,7 @@ class RunFaults {
       medians[i] = quantile_of({at - 2, at + 3}, 0.5);
     }
     const std::vector<double> steps = step_sizes({medians.begin() + 2, medians.end() - 2});
-    const double far = std::max(20 * noise_of(series(k)), 3 * *std::max_element(steps.begin(), steps.end()));
+    const double far = std::max(20 * noise_at_most(series(k)), 3 * *std::max_element(steps.begin(), steps.end()));
     std::vector<std::size_t> wild;
     for (std::size_t i = 0; i < y.size(); ++i) {
       if (std::abs(y[i] - medians[i]) > far) wild.push_back(i);
@@ -307,7 +310,7 @@ class RunFaults {
     for (std::size_t k = 0; k < record_.sensors.size(); ++k) {
       const Series& read = series(k);
       if (read.value.size() < least_readings || sensor(k).rate || sensor(k).reads_impacts()) continue;
-      const double unsure = noise_of(read);
+      const double unsure = noise_at_most(read);
       const double place = quantile_of({read.value.begin(), read.value.begin() + 5}, 0.5);
       std::size_t i = 0;
       for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -348,7 +351,7 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
   constexpr std::size_t least_readings = 10, often = 3;
   const std::vector<double>& y = series.value;
   if (y.size() < least_readings || sensor.missing || sensor.reads_impacts()) return std::nullopt;
-  const double noise = noise_of(series);
+  const double noise = noise_at_most(series);
   std::map<double, std::vector<std::size_t>> places;
   for (std::size_t i = 0; i < y.size(); ++i) places[y[i]].push_back(i);
   const std::vector<double> steps = step_sizes(y);
@@ -393,7 +396,7 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
 void expect_no_markers(const Experiment& experiment) {
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
     const Run& run = experiment.runs[r];
-    for (std::size_t k = 0; !run.is_simulated() && k < experiment.records[r].sensors.size(); ++k) {
+    for (std::size_t k = 0; has_motion(run) && k < experiment.records[r].sensors.size(); ++k) {
       const Sensor& sensor = experiment.sensors[k];
       const Series& series = experiment.records[r].sensors[k];
       const std::optional<Marker> found = marker_in(sensor, series);
@@ -411,7 +414,7 @@ void expect_no_markers(const Experiment& experiment) {
 std::vector<RecordFault> record_faults(const Experiment& experiment) {
   std::vector<RecordFault> out;
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
-    if (!experiment.runs[r].is_simulated()) RunFaults(experiment, r, out).find();
+    if (has_motion(experiment.runs[r])) RunFaults(experiment, r, out).find();
   }
   return out;
 }

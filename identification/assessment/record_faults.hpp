@@ -27,8 +27,8 @@ void expect_no_markers(const Experiment& experiment);
 /// Finds in the records of measured runs
 ///   constant:  all of at least 10 readings are alike, while others of the run change: not is_wrong by itself;
 ///   clipped:   readings alike at the largest or least value, where those around them would make a smooth curve exceed
-///              it: by (slope before - slope behind) readings / 8, more than 4 times noise and resolution, and 3 times the
-///              steps at both ends, 1.5 where several stretches have that value;
+///              it: by (slope before - slope behind) readings / 8, more than 4 times noise and resolution, and 3 times
+///              the steps at both ends, 1.5 where several stretches have that value;
 ///   stuck:     readings alike elsewhere, 10 or more of them, with a jump behind or a sudden halt before;
 ///   wild:      single readings differ from the median of five around them by more than 20 times the noise and 3 times
 ///              the largest step of those medians, of positions and rates; where the loss does not limit them;

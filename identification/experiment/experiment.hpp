@@ -108,7 +108,7 @@ struct Unknown {
 struct KnownNumber {
   std::string path;
   std::optional<SensorNumber> of_sensor{};  ///< as of Unknown
-  bool of_clock = false;  ///< the path "clock": seconds per second of the clocks of the records and their inputs, 1
+  bool of_clock = false;   ///< the path "clock": seconds per second of the clocks of the records and their inputs, 1
   std::string per;         ///< as of Unknown: one error for all runs, one for each label's value, or for each run
   double deviation = 0.0;  ///< standard deviation, SI; with `relative` a part of the number, as each run has it
   bool relative = false;

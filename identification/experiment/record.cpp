@@ -50,33 +50,25 @@ double resolution_of(const std::vector<double>& readings) {
   return *at;
 }
 
-double noise_of(const Series& series) {
+double noise_at_most(const Series& series) {
   const std::vector<double>& y = series.value;
-  constexpr std::size_t least_readings = 8, most_lag = 64, differences = 5;
-  constexpr double median_of_normal = 0.6745, most_growth = 1.6, least_part = 1e-5;
-  if (y.size() < least_readings) return 0.0;
-  double noise = 0.0;
-  double before = 0.0;  // of the lag before
-  for (std::size_t lag = 1; lag <= most_lag && y.size() >= 3 * lag + differences; lag *= 2) {
+  constexpr std::size_t most_lag = 64, least_lags = 10;
+  constexpr double median_of_normal = 0.6745, correlation = 0.9, least_part = 1e-5;
+  double out = INFINITY;
+  for (std::size_t lag = 1; lag <= most_lag && y.size() >= (3 + least_lags) * lag; lag *= 2) {
     std::vector<double> sizes;
     for (std::size_t i = 3 * lag; i < y.size(); ++i) {
       sizes.push_back(std::abs(y[i] - 3 * y[i - lag] + 3 * y[i - 2 * lag] - y[i - 3 * lag]));
     }
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    const double found = *middle / (median_of_normal * std::sqrt(20.0));
-    if (lag > 1 && found > most_growth * noise) {
-      const double motion = (found * found - noise * noise) / 64;  // squared, in what was taken last
-      noise = std::sqrt(std::max(before * before, noise * noise - motion));
-      break;
-    }
-    before = noise;
-    noise = std::max(noise, found);
+    const double r = std::pow(correlation, lag);
+    out = std::min(out, *middle / (median_of_normal * std::sqrt(20 - 30 * r + 12 * r * r - 2 * r * r * r)));
   }
   double squares = 0.0;
   for (const double value : y) squares += value * value;
-  const double size = std::sqrt(squares / static_cast<double>(y.size()));
-  return std::max({noise, resolution_of(y) / std::sqrt(12.0), least_part * size});
+  const double size = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(y.size(), 1)));
+  return std::max({out, resolution_of(y) / std::sqrt(12.0), least_part * size});
 }
 
 std::size_t Record::count() const {

@@ -22,14 +22,14 @@ void unwrap(Series& series, double period);
 /// unwrapped, never by more than `part` of it. None where there is no such jump.
 std::optional<std::size_t> wrapped_at(const Series& series, double period, double part = 0.25);
 
-/// Standard deviation of the noise of evenly spaced readings, SI, from their third differences at lags of h readings,
-///   d_h(i) = y_i - 3 y_{i-h} + 3 y_{i-2h} - y_{i-3h},  s_h = median |d_h| / (0.6745 sqrt(20)),
-/// 0.6745 being the median size of normal noise of unit deviation, and 20 = 1 + 9 + 9 + 1. White noise makes all s_h
-/// the same; noise whose correlation falls as exp(-h/n) is too small in s_1 and grows by at most sqrt(2) with each
-/// doubling of h, while a smooth motion grows by 8. So h doubles as long as s_h grows by less than 1.6, and the largest
-/// is taken, less what the next one shows of the motion: an eighth of what it has more. At least that of the resolution
-/// q of the readings, q / sqrt(12), and 1e-5 of their root mean square. 0 where there are fewer than 8 readings.
-double noise_of(const Series& series);
+/// The largest standard deviation, SI, that noise of evenly spaced readings can have, be it white or with correlations
+/// r^i over i readings, r <= 0.9. Third differences at lags of h readings,
+///   d(i) = y_i - 3 y_{i-h} + 3 y_{i-2h} - y_{i-3h},
+/// of such noise have the variance (20 - 30 r^h + 12 r^2h - 2 r^3h) sigma^2, least with r = 0.9, and motion adds to it.
+/// So for each of h = 1, 2, 4, ... 64 sigma is at most their deviation, median |d| / 0.6745, over the root of that with
+/// r = 0.9; the least of these is returned, or, where it is more, the resolution q of the readings as q / sqrt(12), or
+/// 1e-5 of their root mean square. Infinite where there are fewer than 13 readings.
+double noise_at_most(const Series& series);
 /// The step of readings that are counts of an encoder or digits of a display: where one in 50 or more is like the one
 /// before, the tenth part of the steps that are not 0 is smaller. 0 where readings are seldom alike.
 double resolution_of(const std::vector<double>& readings);

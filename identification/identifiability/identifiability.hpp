@@ -62,7 +62,7 @@ struct Identifiability {
   double gap = 0.0;  ///< ratio of the singular values on both sides of the nulls; 0 with full rank
   std::vector<Direction> null_directions;
   std::vector<Combination> combinations;
-  std::vector<bool> identifiable;  ///< per parameter: no part in a null
+  std::vector<bool> identifiable;       ///< per parameter: no part in a null
   std::vector<bool> poorly_determined;  ///< per parameter: identifiable, but its standard error is large
   std::vector<double> standard_error;   ///< per parameter: Cramer-Rao bound, SI; infinite where it has a part in a null
   /// Of all parameters, SI, for white noise as stated; of changes in the nulls it knows nothing.

@@ -50,22 +50,26 @@ bool says(const Experiment& experiment, const std::string& words) {
   return all.find(words) != std::string::npos;
 }
 
-TEST(NoiseOf, IsThatOfWhiteNoiseAndNearlyThatOfCorrelated) {
-  Experiment sound = measured();
-  EXPECT_NEAR(noise_of(readings(sound)), noise, 0.1 * noise);
-  // x = 0.9 x + u: third differences at a lag of 1 have sqrt(1.26 / 20) = 0.25 of its deviation.
-  Series series;
-  solvers::RandomStream random(2);
-  double x = 0.0;
-  for (int i = 0; i < 5000; ++i) {
-    x = 0.9 * x + std::sqrt(1 - 0.81) * random.normal();
-    series.time.push_back(i);
-    series.value.push_back(x);
+TEST(NoiseAtMost, IsNotLessThanWhiteOrCorrelatedNoiseBesideAMotion) {
+  for (const double correlation : {0.0, 0.5, 0.9}) {
+    for (const double rate : {20.0, 200.0, 2000.0}) {
+      Series series;
+      solvers::RandomStream random(2);
+      double x = 0.0;
+      for (int i = 0; i < 5000; ++i) {
+        x = correlation * x + std::sqrt(1 - correlation * correlation) * random.normal();
+        series.time.push_back(i / rate);
+        series.value.push_back(noise * x + std::cos(5 * series.time.back()));
+      }
+      const double most = noise_at_most(series);
+      EXPECT_GT(most, 0.9 * noise) << correlation << " at " << rate << " Hz";
+      // The noise is seen to no better than the motion changes within a few readings.
+      EXPECT_LT(most, 4.5 * noise + std::pow(5 / rate, 3)) << correlation << " at " << rate << " Hz";
+      for (double& value : series.value) value = 0.05 * std::round(value / 0.05);
+      EXPECT_GE(noise_at_most(series), 0.05 / std::sqrt(12.0)) << "coarse steps are noise too";
+    }
   }
-  EXPECT_GT(noise_of(series), 0.7);
-  EXPECT_LT(noise_of(series), 1.2);
-  for (double& value : series.value) value = std::round(value / 5) * 5;
-  EXPECT_GE(noise_of(series), 5 / std::sqrt(12.0)) << "coarse steps are noise too";
+  EXPECT_TRUE(std::isinf(noise_at_most({{0, 1, 2}, {0, 1, 2}}))) << "three readings show none";
 }
 
 TEST(RecordFaults, ASoundRecordHasNone) {

@@ -61,12 +61,13 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
          std::none_of(sensors.begin(), sensors.end(), [](const Sensor& s) { return s.noise_known; });
 }
 
-/// "; cured by: sensor "phi2" counts the other way (factor = -1 in the sensor "phi2"), 1.01 times the noise then; or
-/// ..."
-std::string causes_in_words(const std::vector<MisfitCause>& causes) {
-  if (causes.empty()) return "; none of the usual causes explains it";
+/// What explains a misfit, or why there is no fit: "; the sensor "phi2" counts the other way (factor = -1 in the sensor
+/// "phi2"), 1.01 times the noise then; or ..."
+std::string causes_in_words(const Identification& answer) {
+  if (answer.has_wrong_records()) return "; the records have faults, which are named below";
+  if (answer.causes.empty()) return answer.misfit ? "; none of the usual causes explains it" : "";
   std::string out;
-  for (const MisfitCause& cause : causes) {
+  for (const MisfitCause& cause : answer.causes) {
     out += fmt::format("{}{} ({}), {} times the noise then", out.empty() ? "; " : "; or ", cause.words, cause.cure,
                        significant(cause.over_noise, residual_digits));
   }
@@ -76,7 +77,10 @@ std::string causes_in_words(const std::vector<MisfitCause>& causes) {
 Line verdict(const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   if (answer.misfit && fitted.usable()) {
-    return bad(fmt::format("Gross misfit: {}{}.", answer.misfit->words, causes_in_words(answer.causes)));
+    return bad(fmt::format("Gross misfit: {}{}.", answer.misfit->words, causes_in_words(answer)));
+  }
+  if (answer.has_wrong_records() && fitted.usable()) {
+    return bad("Converged, but on records with faults, which are named below: what follows is no measurement.");
   }
   const bool independent = std::all_of(fitted.runs.begin(), fitted.runs.end(),
                                        [](const RunFit& run) { return run.is_white() && !run.is_shifted(); });
@@ -99,7 +103,8 @@ Line verdict(const FitProblem& problem, const Identification& answer) {
     case FitStatus::interrupted:
       break;
   }
-  return bad(fmt::format("No fit: {}{}.", fitted.why, answer.causes.empty() ? "" : causes_in_words(answer.causes)));
+  return bad(fmt::format("No fit: {}{}.", fitted.why,
+                         fitted.status == FitStatus::failed ? causes_in_words(answer) : std::string()));
 }
 
 /// "Run \"low\" disagrees with the others: without it k changes by +2.3 standard errors.": the number it changes most.
@@ -722,8 +727,9 @@ void add_fit_data(Group& content, const FitProblem& problem, const Identificatio
   sensors.data("expected_over_noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
                  return tested ? fitted.errors.sensors[k].expected() : not_a_number;
                }));
+  const std::vector<double> compared = compared_noise(experiment, answer.records);
   sensors.data("noise_compared", each(places(experiment.sensors.size()), [&](std::size_t k) {
-                 return experiment.sensors[k].noise / experiment.sensors[k].dimension().unit(units);
+                 return compared[k] / experiment.sensors[k].dimension().unit(units);
                }));
   content.data("loss", to_string(fitted.weighting.loss));
   Table& outliers = content.table("outliers", "", Rows::list, Verbosity::data);
