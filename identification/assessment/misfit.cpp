@@ -402,18 +402,28 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   }
   const double written =
       std::min(as_written.over_noise, fitted.usable() ? over_noise_of(noise, fitted, records) : INFINITY);
+  const auto cures = [&](std::size_t i) {
+    return fits[i]->reached().worst <= gross_from && fits[i]->reached().of_columns < cures_to * written;
+  };
+  const auto part_cures = [&](CauseCandidate::LeavesOut part) {
+    return std::any_of(left.begin(), left.end(),
+                       [&](std::size_t i) { return candidates[i].leaves_out == part && cures(i); });
+  };
+  // Where the records fit without their beginning as well as without their end, neither is something else: what is
+  // wrong adds up along them.
+  const bool adds_up = part_cures(CauseCandidate::LeavesOut::beginning) && part_cures(CauseCandidate::LeavesOut::end);
   std::vector<MisfitCause> out;
   std::optional<double> first;
   constexpr double as_good = 1.3;
   constexpr std::size_t most_causes = 4;
   for (const std::size_t i : left) {
     const Reached& reached = fits[i]->reached();
-    const bool cures = reached.worst <= gross_from && reached.of_columns < cures_to * written;
-    if (i == 0 || !(cures || reached.of_columns < lowers_to * written) || out.size() == most_causes) continue;
+    if (i == 0 || !(cures(i) || reached.of_columns < lowers_to * written) || out.size() == most_causes) continue;
+    if (adds_up && candidates[i].leaves_out != CauseCandidate::LeavesOut::nothing) continue;
     if (first && size(i) > as_good * *first) break;
     if (!first) first = reached.of_columns;
     if (!out.empty() && candidates[i].has_number()) continue;
-    out.push_back({candidates[i].words, candidates[i].cure(reached.number), reached.over_noise, cures});
+    out.push_back({candidates[i].words, candidates[i].cure(reached.number), reached.over_noise, cures(i)});
   }
   return out;
 }

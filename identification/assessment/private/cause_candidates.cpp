@@ -339,6 +339,7 @@ class Candidates {
                   [part](Experiment& e, double) {
                     for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, part, 1.0);
                   });
+        out_.back().leaves_out = CauseCandidate::LeavesOut::beginning;
       }
       add_plain(fmt::format("the last {:.0f} % of the records are something else", 100 * part),
                 fmt::format("to = {:.4g} in the run",
@@ -346,6 +347,7 @@ class Candidates {
                 [part](Experiment& e, double) {
                   for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, 0.0, 1 - part);
                 });
+      out_.back().leaves_out = CauseCandidate::LeavesOut::end;
     }
   }
 

@@ -21,6 +21,8 @@ struct CauseCandidate {
   /// The number, where it is not known: where its search begins, its range, and the step of its differences; a step of
   /// 0: there is none.
   double start = 0.0, least = 0.0, most = 0.0, step = 0.0;
+  /// Leaves out the beginning or the end of the records.
+  enum class LeavesOut { nothing, beginning, end } leaves_out = LeavesOut::nothing;
 
   bool has_number() const { return step > 0; }
 };
