@@ -376,7 +376,7 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
     int steps;
     std::size_t most;  // of the candidates
   };
-  constexpr std::array stages = {Stage{0.12, 4, 1000}, Stage{0.4, 4, 24}, Stage{1.0, 12, 12}};
+  constexpr std::array stages = {Stage{0.12, 6, 1000}, Stage{0.3, 6, 24}, Stage{0.6, 8, 8}, Stage{1.0, 15, 6}};
   for (const Stage& stage : stages) {
     if (left.size() > stage.most) left.resize(stage.most);
     // What is written is always fitted to all.

@@ -51,8 +51,9 @@ struct CauseOptions {
 /// another minimum.
 ///
 /// Each is judged by a few steps of Levenberg and Marquardt's method from the experiment's starts and from the
-/// estimates of the fit, over the first 12 % of the records. The best 24 go on over 40 %, the best 12 over all: at most
-/// some 250 evaluations of all runs with derivatives in sum. An unknown number of a cause is one more unknown.
+/// estimates of the fit, over the first 12 % of the records. The best 24 go on over 30 %, the best 8 over 60 %, the
+/// best 6 over all: at most some 250 evaluations of all runs with derivatives in sum. An unknown number of a cause is
+/// one more unknown.
 std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                                        const CauseOptions& options = {});
 

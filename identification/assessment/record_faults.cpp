@@ -62,14 +62,18 @@ class RunFaults {
       : experiment_(experiment), r_(r), run_(experiment.runs[r]), record_(experiment.records[r]), out_(out) {}
 
   void find() {
+    const auto found = std::ssize(out_);
     for (std::size_t k = 0; k < record_.sensors.size(); ++k) {
       if (record_.sensors[k].value.size() < least_readings || experiment_.sensors[k].reads_impacts()) continue;
       if (find_constant(k)) continue;
-      find_alike(k);
+      if (!can_halt()) find_alike(k);
       find_wild(k);
     }
     find_lost();
-    find_idle();
+    // What is cut off stands still too.
+    const bool is_wrong =
+        std::any_of(out_.begin() + found, out_.end(), [](const RecordFault& one) { return one.is_wrong; });
+    if (!is_wrong) find_idle();
   }
 
  private:
@@ -83,6 +87,12 @@ class RunFaults {
   std::string clock(double time) const { return fmt::format("{:.6g}", run_.clock_zero + time); }
   void add(std::size_t k, std::string words, std::string cure, bool is_wrong = true) {
     out_.push_back({r_, k, std::move(words), std::move(cure), is_wrong});
+  }
+
+  /// Whether the mechanism itself may halt at once, or jump: at a stop, or as it is driven.
+  bool can_halt() const {
+    const Scene& scene = experiment_.scene_of(run_.part);
+    return !scene.stops.empty() || !scene.drives.empty();
   }
 
   bool find_constant(std::size_t k) {
@@ -107,17 +117,24 @@ class RunFaults {
     const std::vector<double>& y = series(k).value;
     const double resolution = resolution_of(y), noise = noise_at_most(series(k)), unsure = std::max(noise, resolution);
     const auto [low, high] = std::minmax_element(y.begin(), y.end());
-    std::vector<Stretch> clipped, stuck;
     const std::vector<Stretch> all = alike(y, least);
+    std::vector<double> steps = step_sizes(y);
+    std::sort(steps.begin(), steps.end());
+    // Where readings are cut off once, all that have that value are.
+    std::vector<double> limits;
     for (const Stretch& one : all) {
       const double value = y[one.first];
-      const bool is_end = value == *low || value == *high;
+      const bool is_known = std::find(limits.begin(), limits.end(), value) != limits.end();
+      if (is_known || (value != *low && value != *high)) continue;
       const auto again =
           std::count_if(all.begin(), all.end(), [&](const Stretch& other) { return y[other.first] == value; });
-      const bool stops = one.count() >= least_stuck && is_stuck(y, one, resolution);
-      if (is_end && (stops || exceeds(y, one, unsure, again > 1))) {
+      if (stops(y, one, steps, resolution) || exceeds(y, one, unsure, again > 1)) limits.push_back(value);
+    }
+    std::vector<Stretch> clipped, stuck;
+    for (const Stretch& one : all) {
+      if (std::find(limits.begin(), limits.end(), y[one.first]) != limits.end()) {
         clipped.push_back(one);
-      } else if (stops) {
+      } else if (stops(y, one, steps, resolution)) {
         stuck.push_back(one);
       }
     }
@@ -139,18 +156,19 @@ class RunFaults {
            by > 4 * unsure + 3 * slope_error * static_cast<double>(one.count()) / 8;
   }
 
-  /// Whether the sensor alone stands still: its readings jump behind the stretch, or halt within one.
-  static bool is_stuck(const std::vector<double>& y, const Stretch& one, double resolution) {
-    std::vector<double> others;
-    for (std::size_t i = 1; i < y.size(); ++i) {
-      if (i <= one.first || i > one.last + 1) others.push_back(std::abs(y[i] - y[i - 1]));
-    }
-    const bool goes_on = one.last + 1 < y.size();
-    const double jump = goes_on ? std::abs(y[one.last + 1] - y[one.last]) : 0.0;
+  /// Whether the sensor alone stands still: its readings jump behind a long stretch, or halt within one. `steps`: all
+  /// sizes of steps, ascending, of which those within the stretch are 0.
+  static bool stops(const std::vector<double>& y, const Stretch& one, const std::vector<double>& steps,
+                    double resolution) {
+    if (one.count() < least_stuck) return false;
+    const std::size_t within = one.count() - 1;
+    const auto of_others = [&](double part) {
+      return steps[within + static_cast<std::size_t>(part * static_cast<double>(steps.size() - 1 - within))];
+    };
+    const double jump = one.last + 1 < y.size() ? std::abs(y[one.last + 1] - y[one.last]) : 0.0;
     const double before = one.first > 0 ? std::abs(y[one.first] - y[one.first - 1]) : 0.0;
-    const double usual = quantile_of(others, 0.5);
-    const bool halts = one.count() >= least_stuck && before > 0.3 * usual && usual > 3 * resolution;
-    return jump > 5 * quantile_of(others, 0.95) || halts;
+    const double usual = of_others(0.5);
+    return jump > 5 * of_others(0.95) || (before > 0.5 * usual && usual > 4 * resolution);
   }
 
   void report_alike(std::size_t k, const std::vector<Stretch>& found, bool clipped) {
@@ -279,7 +297,7 @@ class RunFaults {
   }
 
   void find_lost() {
-    if (!experiment_.scene_of(run_.part).stops.empty()) return;
+    if (can_halt()) return;
     std::optional<Jump> worst;
     std::size_t in = 0;
     for (std::size_t k = 0; k < record_.sensors.size(); ++k) {

@@ -29,13 +29,15 @@ void expect_no_markers(const Experiment& experiment);
 ///   clipped:   readings alike at the largest or least value, where those around them would make a smooth curve exceed
 ///              it: by (slope before - slope behind) readings / 8, more than 4 times noise and resolution, and 3 times
 ///              the steps at both ends, 1.5 where several stretches have that value;
-///   stuck:     readings alike elsewhere, 10 or more of them, with a jump behind or a sudden halt before;
+///   stuck:     readings alike elsewhere, 10 or more of them, with a jump behind or a sudden halt before; these and
+///   those
+///              that are clipped where no stop or drive halts the mechanism itself;
 ///   wild:      single readings differ from the median of five around them by more than 20 times the noise and 3 times
 ///              the largest step of those medians, of positions and rates; where the loss does not limit them;
 ///   lost:      between two readings the quantity jumps by what `lost` seconds of motion make, at least 0.7 of the
 ///              usual spacing: samples were lost, the clock jumped, or (lost < 0) it stopped. Of positions, where
-///              nothing can be hit and the slopes on both sides agree: parabolas through 6 readings on each side, whose
-///              values between the two differ by more than 10 times the median of such differences;
+///              no stop or drive makes the motion jump and the slopes on both sides agree: parabolas through 6 readings
+///              on each side, whose values between the two differ by more than 10 times the median of such differences;
 ///   idle:      a free run stands still for its first readings and moves then. The times T at which it has left its
 ///              place by 8, 32 and 128 times the noise tell when it began: from rest places grow as the square of the
 ///              time since, at 2 T_8 - T_32, which must be 3 (T_32 - T_8) at least; those of an unstable equilibrium

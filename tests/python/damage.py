@@ -48,7 +48,8 @@ class Rig:
     rate: float
     stated: bool            # the noise of the sensors
     torque: object = None   # of time, as its column says
-    most: float = np.inf    # what the motor gives of it
+    digit: float = 0.0      # that readings are rounded to
+    dry: float = 0.0        # friction over inertia, which acts beside `acceleration` and may hold a single body
 
     @property
     def names(self):
@@ -190,12 +191,23 @@ rail = 0.02
                **{"stated": True} | changed)
 
 
-RIGS = {"swing": swing, "driven": driven, "rubbing": rubbing, "double": double, "cart": cart}
+def sticking(**changed):
+    """A free arm with dry friction that comes to rest and stays there; an encoder of 2 mrad reads it."""
+    return Rig(scene=ARM.replace("[start]", RUBS.replace("width = 0.05", "width = 0") + "[start]"),
+               unknowns=J | C | {"friction.seal.torque": ("T", 0.1, 0.08)},
+               sensors=[("phi", 'angle = "arm"', 3e-4, lambda q, v: q[0])],
+               starts=[[-0.77], [-2.1]], bodies=["arm"], acceleration=arm(False), duration=7, rate=200, digit=2e-3,
+               dry=0.1 / (0.02 + 1.2 * 0.09), **{"stated": True} | changed)
+
+
+RIGS = {"swing": swing, "driven": driven, "rubbing": rubbing, "double": double, "cart": cart, "sticking": sticking}
 
 
 def motion(rig, start):
     """q and v at the times of the readings."""
     finer = 5
+    if rig.dry:
+        return sticking_motion(rig, start[0], 10 * finer)
     h = 1 / (finer * rig.rate)
     q, v, out = np.array(start, float), np.zeros(len(start)), []
     for i in range(int(rig.duration * rig.rate) + 1):
@@ -208,6 +220,29 @@ def motion(rig, start):
             a4 = np.asarray(rig.acceleration(t + h, q + h * v + h * h / 2 * a2, v + h * a3))
             q = q + h * v + h * h / 6 * (a1 + a2 + a3)
             v = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    return out
+
+
+def sticking_motion(rig, q, finer):
+    """The same of one body with dry friction: the side to which it slides changes where it has come to a halt."""
+    out, v, side = [], 0.0, 0.0
+    for i in range(int(rig.duration * rig.rate) + 1):
+        out.append((np.array([q]), np.array([v])))
+        for _ in range(finer):
+            left = 1 / (finer * rig.rate)
+            while left > 0:
+                if v == 0.0:
+                    pull = rig.acceleration(0, q, 0.0)
+                    if abs(pull) <= rig.dry:
+                        break
+                    side = np.sign(pull)
+                a = rig.acceleration(0, q, v) - side * rig.dry
+                b = rig.acceleration(0, q + left / 2 * v, v + left / 2 * a) - side * rig.dry
+                if side * (v + left * b) >= 0:
+                    q, v, left = q + left * v + left * left / 2 * a, v + left * b, 0.0
+                else:
+                    halt = -v / b
+                    q, v, left = q + halt * v / 2, 0.0, left - halt
     return out
 
 
@@ -224,6 +259,8 @@ class Records:
             for name, _, deviation, value in rig.sensors:
                 true = np.array([value(q, v) for q, v in states])
                 file[name] = true + deviation * self.noise(len(time), correlation)
+                if rig.digit:
+                    file[name] = rig.digit * np.round(file[name] / rig.digit)
             if rig.torque:
                 file["tau"] = rig.torque(time)
             self.files.append(file)
@@ -240,7 +277,7 @@ class Records:
         for name, table, deviation, _ in self.rig.sensors:
             unit = 1e-3 if "factor = 0.001" in table else 1.0
             text += f'[[sensor]]\nname = "{name}"\n{table}\n'
-            text += f"noise = {unit * deviation:.6g}\n" if self.rig.stated else ""
+            text += f"noise = {unit * np.hypot(deviation, self.rig.digit / 12**0.5):.6g}\n" if self.rig.stated else ""
         for path, (name, _, start) in self.rig.unknowns.items():
             text += f'[[unknown]]\npath = "{path}"\nname = "{name}"\nstart = {start}\n'
         for r, file in enumerate(self.files):

@@ -328,23 +328,26 @@ class Candidates {
     return out;
   }
 
+  /// "from = 1.5 in run "low", and so in the others": where a part of a run begins on the clock of its files.
+  std::string part_of_run(const char* key, double part) const {
+    const Run& run = experiment_.runs.front();
+    return fmt::format("{} = {:.4g} in run \"{}\"{}", key, run.clock_zero + part * span_of(experiment_.records.front()),
+                       run.name, experiment_.runs.size() > 1 ? ", and so in the others" : "");
+  }
+
   void add_parts() {
     const bool starts_are_sought = std::all_of(experiment_.runs.begin(), experiment_.runs.end(),
                                                [](const Run& run) { return run.unknown_start && run.release.empty(); });
     for (const double part : {0.05, 0.15, 0.3, 0.5}) {
       if (starts_are_sought) {
         add_plain(fmt::format("the first {:.0f} % of the records are something else", 100 * part),
-                  fmt::format("from = {:.4g} in the run",
-                              experiment_.runs.front().clock_zero + part * span_of(experiment_.records.front())),
-                  [part](Experiment& e, double) {
+                  part_of_run("from", part), [part](Experiment& e, double) {
                     for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, part, 1.0);
                   });
         out_.back().leaves_out = CauseCandidate::LeavesOut::beginning;
       }
       add_plain(fmt::format("the last {:.0f} % of the records are something else", 100 * part),
-                fmt::format("to = {:.4g} in the run",
-                            experiment_.runs.front().clock_zero + (1 - part) * span_of(experiment_.records.front())),
-                [part](Experiment& e, double) {
+                part_of_run("to", 1 - part), [part](Experiment& e, double) {
                   for (std::size_t r = 0; r < e.runs.size(); ++r) keep(e, r, 0.0, 1 - part);
                 });
       out_.back().leaves_out = CauseCandidate::LeavesOut::end;
