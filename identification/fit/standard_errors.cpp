@@ -270,7 +270,7 @@ class Analysis {
     const double degrees = (readings - leverage) / spread_[k];
     const bool squares = weighting_.loss == Loss::squares;
     const double size = squares ? e.norm() / std::sqrt(readings) : robust_scale({e.begin(), e.end()});
-    return {size, correction * size, squares ? degrees : degrees / (median_deviation * median_deviation), 0.0};
+    return {correction * size, squares ? degrees : degrees / (median_deviation * median_deviation), 0.0, size};
   }
 
   // The mean square of sensor k's residuals that errors are computed with: at least that of the noise where it is

@@ -15,10 +15,10 @@ namespace poise {
 /// solvers::Autoregression; of white residuals tr H R is the number of values estimated from them, and spread 1. Of
 /// robust fits the ratio is that of the median |e| to the one of normal noise, of as many degrees as that is worth.
 struct NoiseTest {
-  double size = 0.0;     ///< root mean square of e, of robust fits that of the median; NaN without readings
   double ratio = 0.0;    ///< NaN without readings
   double degrees = 0.0;  ///< independent residuals that they are worth
   double offset = 0.0;   ///< sum e over its standard deviation with this autocorrelation
+  double size = 0.0;     ///< root mean square of e, of robust fits that of the median; NaN without readings
 
   /// Half the width of the interval in which 95 % of the ratios are where the noise is as stated: 1.96 / sqrt(2
   /// degrees).

@@ -190,6 +190,7 @@ class Assessment {
       const auto at = static_cast<std::size_t>(i);
       const FitProblem::Scale scale = problem.scale_of(at, parameters[at] + problem.unknown_of(at).includes);
       known_scale_.push_back(scale.size > 0);
+      own_size_.push_back(scale.is_own_size);
       scale_[i] = scale.size_or(problem.unknown_of(at).unit);
     }
   }
@@ -245,8 +246,8 @@ class Assessment {
       const double error = free ? infinity : std::sqrt(covariance(i, i));
       out_.standard_error.push_back(scale_[i] * error);
       const bool large = known_scale_[at] && error > 1.0 / identifiable_from;
-      out_.identifiable.push_back(!free);
-      out_.poorly_determined.push_back(!free && large);
+      out_.identifiable.push_back(!free && !(large && own_size_[at]));
+      out_.poorly_determined.push_back(out_.identifiable[at] && large);
       for (Index j = 0; j < n_ && !free; ++j) {
         if (all.touches(j)) continue;
         out_.correlation[at][static_cast<std::size_t>(j)] =
@@ -276,7 +277,7 @@ class Assessment {
     std::vector<bool> weak(static_cast<std::size_t>(singular_.size()), false);
     for (Index i = 0; i < n_; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      if (!out_.poorly_determined[at]) continue;
+      if (std::isinf(out_.standard_error[at]) || (out_.identifiable[at] && !out_.poorly_determined[at])) continue;
       Index largest = 0;
       weighted_.row(i).cwiseAbs().maxCoeff(&largest);
       weak[static_cast<std::size_t>(largest)] = true;
@@ -382,7 +383,7 @@ class Assessment {
   const std::vector<double>& parameters_;
   Index n_;
   VectorXd scale_;
-  std::vector<bool> known_scale_;
+  std::vector<bool> known_scale_, own_size_;
   MatrixXd A_;  // columns in scales
   VectorXd singular_;
   MatrixXd directions_, weighted_;  // right singular vectors; the same over the singular values

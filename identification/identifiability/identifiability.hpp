@@ -22,9 +22,9 @@ namespace poise {
 /// than its inverse (Cramer and Rao). Nuisances are unknowns of a run of no interest themselves: its initial state, its
 /// equilibrium pose.
 ///
-/// Finite standard errors are judged by the scale of each parameter (FitProblem::scale_of): above a third of it a
-/// parameter is poorly determined. Without a scale there is no such judgement. It is identifiable all the same: to
-/// withhold estimates that are small beside their errors would bias those that are left.
+/// Finite standard errors are judged by the scale of each parameter (FitProblem::scale_of). With one above a third of
+/// its own size a parameter is not identifiable; above a third of a scale that the experiment gives it is poorly
+/// determined. Without a scale there is no such judgement.
 struct Identifiability {
   /// A direction of the parameters along which the readings do not change, or not measurably.
   struct Direction {
@@ -62,7 +62,7 @@ struct Identifiability {
   double gap = 0.0;  ///< ratio of the singular values on both sides of the nulls; 0 with full rank
   std::vector<Direction> null_directions;
   std::vector<Combination> combinations;
-  std::vector<bool> identifiable;       ///< per parameter: no part in a null
+  std::vector<bool> identifiable;  ///< per parameter: no part in a null, and a standard error that its scale allows
   std::vector<bool> poorly_determined;  ///< per parameter: identifiable, but its standard error is large
   std::vector<double> standard_error;   ///< per parameter: Cramer-Rao bound, SI; infinite where it has a part in a null
   /// Of all parameters, SI, for white noise as stated; of changes in the nulls it knows nothing.

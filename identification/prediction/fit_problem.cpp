@@ -163,12 +163,12 @@ bool FitProblem::scales_with_force(int parameter) const {
 FitProblem::Scale FitProblem::scale_of(std::size_t parameter, double estimated) const {
   const Parameter& p = parameters_[parameter];
   const Unknown& unknown = unknown_of(parameter);
-  if (unknown.scale) return {*unknown.scale};
-  if (std::isfinite(p.max - p.min)) return {p.max - p.min};
-  if (unknown.prior) return {*unknown.prior != 0 ? std::abs(*unknown.prior) : unknown.prior_deviation};
+  if (unknown.scale) return {*unknown.scale, false};
+  if (std::isfinite(p.max - p.min)) return {p.max - p.min, false};
+  if (unknown.prior) return {*unknown.prior != 0 ? std::abs(*unknown.prior) : unknown.prior_deviation, false};
   const double truth = p.truth + unknown.includes;
   const double own = std::abs(truth != 0 ? truth : p.start + unknown.includes);
-  return {own > 0 ? std::max(own, std::abs(estimated)) : 0.0};
+  return {own > 0 ? std::max(own, std::abs(estimated)) : 0.0, true};
 }
 
 double FitProblem::reach(std::size_t parameter) const {

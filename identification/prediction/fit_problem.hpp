@@ -73,6 +73,7 @@ class FitProblem {
   /// what is not zero there. 0 where none of these is known or other than zero.
   struct Scale {
     double size = 0.0;
+    bool is_own_size = false;  ///< the last of these
 
     double size_or(double otherwise) const { return size > 0 ? size : otherwise; }
   };

@@ -96,7 +96,7 @@ TEST(ReadRuns, ReadsTheKeptPartOfARecord) {
   EXPECT_DOUBLE_EQ(parts.records[1].sensors[0].value.front(), 11 * degree);
   EXPECT_EQ(Bench(twice + "from = 105\n", data)
                 .error()
-                .find("experiment.toml:10: data: expected the column \"a\" of "
+                .find("experiment.toml:11: run 2.data: expected the column \"a\" of "
                       "\"data.csv\" once, run \"run 1\" reads it too"),
             0u)
       << Bench(twice + "from = 105\n", data).error();
@@ -302,10 +302,10 @@ TEST(ReadRuns, LeavesGapsOut) {
       "\"b\" (experiment.toml:7)");
   EXPECT_EQ(Bench(header + sensor + gaps + measured, "time,a,b\n0,inf,1\n1,2,2\n2,3,3\n").error(),
             "data.csv:2: a: expected a finite number, found \"inf\"; correct it or leave the row out");
-  EXPECT_EQ(
-      Bench(header + sensor + "gaps = true\n" + measured, "time,a\n0,1\n1,2\n2,\n").error(),
-      "experiment.toml:8: run 1.data: expected at least 3 readings in run \"run 1\", found 2, all others are gaps; "
-      "leave the run out");
+  EXPECT_EQ(Bench(header + sensor + "gaps = true\n" + measured, "time,a\n0,1\n1,2\n2,\n").error(),
+            "experiment.toml:8: run 1.data: expected at least 3 readings in run \"run 1\", found 2, all others are "
+            "gaps or left out; "
+            "leave the run out");
   EXPECT_EQ(Bench(header + sensor + "gaps = true\ncolumn = \"time\"\n" + measured, "time\n0\n\"\"\n2\n").error(),
             "data.csv:3: time: expected a value, found a gap; fill it or leave the row out")
       << "times are never left out";
@@ -325,7 +325,7 @@ TEST(ReadRuns, ReadingsCountOnce) {
   EXPECT_EQ(
       Bench(header + sensor + measured + measured + "name = \"again\"\n", data).error(),
       "experiment.toml:9: run \"again\".data: expected the column \"a\" of \"data.csv\" once, run \"run 1\" reads it "
-      "too; leave one of the runs out");
+      "too; leave one of the runs out, or part them with from and to");
   EXPECT_EQ(
       Bench(header + sensor + "[[sensor]]\nname = \"b\"\nangle = \"rod\"\ncolumn = \"a\"\nnoise = 1\n" + measured, data)
           .error(),

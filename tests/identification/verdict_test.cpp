@@ -17,8 +17,8 @@ FitVerdict verdict_at(double ratio, bool is_aliased = false, int tries = 1) {
   fitted.weighting = problem.weighting();
   fitted.tries = tries;
   fitted.residual_over_noise = ratio;
-  fitted.errors.sensors = {{.size = ratio, .ratio = ratio, .degrees = 1000}};
-  fitted.errors.runs_noise = {{{.size = ratio, .ratio = ratio, .degrees = 1000}}};
+  fitted.errors.sensors = {{.ratio = ratio, .degrees = 1000, .size = ratio}};
+  fitted.errors.runs_noise = {{{.ratio = ratio, .degrees = 1000, .size = ratio}}};
   return verdict_on(problem, fitted, is_aliased);
 }
 
@@ -45,8 +45,8 @@ TEST(FitVerdict, SaysTheSizeOfCorrelatedResidualsItselfAndWhatNoiseWouldLeave) {
   const FitProblem problem(wheel.experiment);
   Fit fitted;
   fitted.weighting = problem.weighting();
-  fitted.errors.sensors = {{.size = 1.28, .ratio = 2.22, .degrees = 50}};
-  fitted.errors.runs_noise = {{{.size = 1.28, .ratio = 2.22, .degrees = 50}}};
+  fitted.errors.sensors = {{.ratio = 2.22, .degrees = 50, .size = 1.28}};
+  fitted.errors.runs_noise = {{{.ratio = 2.22, .degrees = 50, .size = 1.28}}};
   const std::string why = verdict_on(problem, fitted, false).why;
   EXPECT_NE(why.find("1.28 times the stated noise, expected 0.577 ± 0.11 (95 %)"), std::string::npos) << why;
 }

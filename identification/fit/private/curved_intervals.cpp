@@ -24,8 +24,10 @@ void widen(const FitProblem& problem, std::size_t i, double low, double high, Fi
   if (longer <= (1 + nearly_straight) * reach) return;
   estimate.is_curved = true;
   estimate.standard_error = fitted.errors.error[i] * longer / reach;
-  const double scale = problem.scale_of(i, estimate.value).size;
-  estimate.poorly_determined = scale > 0 && estimate.standard_error > scale / identifiable_from;
+  const FitProblem::Scale scale = problem.scale_of(i, estimate.value);
+  const bool large = scale.size > 0 && estimate.standard_error > scale.size / identifiable_from;
+  estimate.poorly_determined = large;
+  if (large && scale.is_own_size && !estimate.withheld) withhold(fitted, i, "not identifiable from these data");
 }
 
 /// The minimum near a fit with a lower cost.
