@@ -37,6 +37,7 @@ void stretch_clock(Experiment& experiment, std::size_t r, double factor) {
     move_input(
         input, [&](double t) { return factor * t; }, [](double v) { return v; });
   }
+  if (r >= experiment.records.size()) return;  // of an experiment that is simulated
   std::vector<Series>& read = experiment.records[r].sensors;
   for (std::size_t k = 0; k < read.size(); ++k) {
     for (double& t : read[k].time) t *= factor;
