@@ -28,6 +28,7 @@ struct IdentifyRequest {
   std::vector<std::string> profiles;
   int bootstrap = 0;
   int jobs = 0;
+  bool accept_misfit = false;
 };
 
 /// Throws InputError for a name that no unknown has.
@@ -59,6 +60,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   }
   if (!common.written_scene.empty())
     expect_beside_files(read_text_file(experiment.scene.file), experiment.scene.file, common.written_scene);
+  expect_no_markers(experiment);
   const FitProblem problem(experiment);
   check_spans(problem);
   OutputFiles files(common, files_read(experiment));
@@ -88,7 +90,8 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
                             std::make_move_iterator(estimates.begin()), std::make_move_iterator(estimates.end()));
   }
   const bool is_whole = !answer.bootstrap || !answer.bootstrap->interrupted;
-  return finish(common, result, &files, pictures, answer.fit.usable() && is_whole, progress, palette, scene.text);
+  const bool is_taken = answer.is_believable() || (request.accept_misfit && answer.fit.usable());
+  return finish(common, result, &files, pictures, is_taken && is_whole, progress, palette, scene.text);
 }
 
 /// Several models of the same readings.
@@ -124,6 +127,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   }
   leave_out_alike(models);
   for (const Experiment& experiment : experiments) {
+    expect_no_markers(experiment);
     problems.emplace_back(experiment);
     check_spans(problems.back());
     all.push_back(&problems.back());
@@ -153,6 +157,8 @@ Command identify_command() {
        "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});
   command.add({"--profile", &request->profiles, "NAME",
                "Find the profile likelihood of an unknown, and its 95 % interval;\ncan be given several times"});
+  command.add({"--accept-misfit", &request->accept_misfit, "",
+               "Exit with 0 although residuals are above 3 times the noise, or\nrecords have faults that are named"});
   command
       .add({"--scene", &request->experiment.common.written_scene, "FILE",
             "Write the scene with the estimates in place to FILE"})

@@ -10,6 +10,7 @@
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/read_fit.hpp"
 #include "identification/assessment/check_spans.hpp"
+#include "identification/assessment/record_faults.hpp"
 #include "identification/fit/first_readings.hpp"
 
 namespace poise::app {
@@ -35,6 +36,7 @@ int run_validate(const ValidateRequest& request, const Palette& palette) {
   const FittedModel model = read_fit(request.with);
   Experiment experiment = load_experiment(request.experiment);
   take_noise(model, experiment);
+  expect_no_markers(experiment);
   const FitProblem problem(experiment);
   parameters_of(problem, model);
   check_spans(problem);

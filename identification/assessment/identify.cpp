@@ -48,8 +48,14 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
   Identification out;
   say("simulating the runs");
   out.records = problem.records();
+  out.faults = record_faults(experiment);
   say("fitting");
   out.fit = fit(problem, out.records, shared);
+  out.misfit = gross_misfit(problem, out.fit, out.records);
+  if ((out.misfit || out.fit.status == FitStatus::failed) && !out.has_wrong_records()) {
+    say("seeking the cause of the misfit");
+    out.causes = misfit_causes(problem, out.fit, out.records, {.jobs = shared.jobs, .interrupt = shared.interrupt});
+  }
   if (!out.fit.usable()) return out;
 
   // What its starts have to do with it.
@@ -82,6 +88,7 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
 }
 
 Identification identify(const Experiment& experiment, const IdentifyOptions& options) {
+  expect_no_markers(experiment);
   const FitProblem problem(experiment);
   check_spans(problem);
   return identify(problem, options);

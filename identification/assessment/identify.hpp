@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "identification/assessment/bootstrap.hpp"
 #include "identification/assessment/known_numbers.hpp"
+#include "identification/assessment/misfit.hpp"
 #include "identification/assessment/profile.hpp"
+#include "identification/assessment/record_faults.hpp"
 #include "identification/fit/fit.hpp"
 
 namespace poise {
@@ -27,6 +30,17 @@ struct Identification {
   std::vector<KnownEffect> inputs;          ///< input_effects()
   std::vector<LikelihoodProfile> profiles;  ///< of those asked for whose standard errors are finite
   std::optional<Bootstrap> bootstrap;
+  std::vector<RecordFault> faults;  ///< record_faults()
+  std::optional<GrossMisfit> misfit;
+  std::vector<MisfitCause> causes;  ///< of it, or of a fit that failed; not sought where records are wrong
+
+  /// Whether some readings are no measurements.
+  bool has_wrong_records() const {
+    return std::any_of(faults.begin(), faults.end(), [](const RecordFault& fault) { return fault.is_wrong; });
+  }
+  /// Whether the estimates are those of the mechanism as far as the records can show: the fit is usable, no gross
+  /// misfit, and of records that are not wrong.
+  bool is_believable() const { return fit.usable() && !misfit && !has_wrong_records(); }
 
   /// Finds the estimate of this name, "k" or "k (low)". Throws InputError with the nearest name where there is none, or
   /// the fit has no estimates.
@@ -38,7 +52,7 @@ struct Identification {
 /// Fit::status.
 Identification identify(const FitProblem& problem, const IdentifyOptions& options = {});
 
-/// Estimates them after check_spans(). Throws InputError where that does.
+/// Estimates them after check_spans() and expect_no_markers(). Throws InputError where these do.
 Identification identify(const Experiment& experiment, const IdentifyOptions& options = {});
 
 /// Finds the parameter of this name, or all values of the unknown of this name. Throws InputError with the nearest name

@@ -6,9 +6,42 @@
 #include <stdexcept>
 #include <utility>
 
+#include "identification/assessment/private/altered.hpp"
 #include "identification/fit/projection.hpp"
 
 namespace poise {
+namespace {
+
+/// d e_r/d clock at 1: the readings of run r are those of the motion at `clock` times the times that are written.
+Eigen::VectorXd change_by_clock(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
+                                std::size_t r) {
+  constexpr double step = 1e-4;
+  const RunModel& run = problem.run(r);
+  const std::vector<double> unknowns = problem.unknowns_of(r, fitted.parameters);
+  const auto predicted = [&](double clock) {
+    Experiment experiment = problem.experiment();
+    stretch_clock(experiment, r, clock);
+    const RunModel other(experiment, r, run.numbers(), run.sensor_numbers());
+    Prediction out;
+    other.predict(unknowns.data(), fitted.runs[r].nuisances.data(), INFINITY, problem.accuracy(r), false, out);
+    if (!out.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + out.why);
+    return out.reading;
+  };
+  const std::vector<double> above = predicted(1 + step), below = predicted(1 - step);
+  Eigen::VectorXd out(static_cast<Eigen::Index>(above.size()));
+  Eigen::Index row = 0;
+  for (std::size_t k = 0; k < records[r].sensors.size(); ++k) {
+    for (const double read : records[r].sensors[k].value) {
+      const auto i = static_cast<std::size_t>(row);
+      // What a sensor of impacts reads are times of the clock themselves.
+      const double itself = problem.experiment().sensors[k].reads_impacts() ? read : 0.0;
+      out[row++] = ((above[i] - below[i]) / (2 * step) - itself) / fitted.weighting.noise[k];
+    }
+  }
+  return out;
+}
+
+}  // namespace
 
 std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fitted,
                                        const std::vector<Record>& records) {
@@ -31,11 +64,13 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     std::vector<double> values(unknowns.begin(), unknowns.begin() + of_scene);
     std::vector<double> sensor_values(unknowns.begin() + of_scene, unknowns.end());
     // Known numbers of this run: those of its scene behind its unknowns of the scene, those of sensors likewise.
-    std::vector<std::size_t> own, own_of_sensors;
+    std::vector<std::size_t> own, own_of_sensors, of_clock;
     for (std::size_t n = 0; n < experiment.known.size(); ++n) {
       const KnownNumber& known = experiment.known[n];
       if (known.part != run.run().part) continue;
-      if (known.of_sensor) {
+      if (known.of_clock) {
+        of_clock.push_back(n);
+      } else if (known.of_sensor) {
         own_of_sensors.push_back(n);
         sensor_numbers.push_back(*known.of_sensor);
         sensor_values.push_back(experiment.sensors[known.of_sensor->sensor].number(known.of_sensor->of));
@@ -64,16 +99,23 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     Eigen::MatrixXd a(rows, of_scene + of_sensors);
     a << jacobian.leftCols(of_scene), jacobian.middleCols(of_scene + known_of_scene, of_sensors);
     a = unexplained(std::move(a), jacobian.rightCols(extended.nuisances()));
+    const auto add = [&](const KnownNumber& known, const Eigen::VectorXd& by_error) {
+      Eigen::VectorXd& sum =
+          sums.try_emplace({first_of(known), group_of(known.per, run.run())}, Eigen::VectorXd::Zero(count))
+              .first->second;
+      sum(problem.parameters_of(r)) += by_error;
+    };
     for (std::size_t i = 0; i < own.size(); ++i) {
       const KnownNumber& known = experiment.known[own[i]];
       const auto place = static_cast<Eigen::Index>(i);
       const Eigen::Index column = of_scene + place + (place < known_of_scene ? 0 : of_sensors);
       const double value = values[static_cast<std::size_t>(column)];
       const double deviation = known.relative ? known.deviation * std::abs(value) : known.deviation;
-      Eigen::VectorXd& sum =
-          sums.try_emplace({first_of(known), group_of(known.per, run.run())}, Eigen::VectorXd::Zero(count))
-              .first->second;
-      sum(problem.parameters_of(r)) += a.transpose() * jacobian.col(column) * deviation;
+      add(known, a.transpose() * jacobian.col(column) * deviation);
+    }
+    for (const std::size_t n : of_clock) {
+      const KnownNumber& known = experiment.known[n];
+      add(known, a.transpose() * change_by_clock(problem, fitted, records, r) * known.deviation);
     }
   }
   std::vector<KnownEffect> out;

@@ -41,6 +41,7 @@ struct Sensor {
   std::string name;
   std::string column;  ///< of a data file
   bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
+  std::optional<std::vector<double>> missing{};  ///< numbers of the column that mean the same; absent: none is expected
   std::optional<double>
       wraps{};              ///< the column starts again after so much, SI; 0: it does not; absent: expected not to
   bool rate = false;        ///< the time derivative of the above (not of a force)
@@ -107,6 +108,7 @@ struct Unknown {
 struct KnownNumber {
   std::string path;
   std::optional<SensorNumber> of_sensor{};  ///< as of Unknown
+  bool of_clock = false;   ///< the path "clock": seconds per second of the clocks of the records and their inputs, 1
   std::string per;         ///< as of Unknown: one error for all runs, one for each label's value, or for each run
   double deviation = 0.0;  ///< standard deviation, SI; with `relative` a part of the number, as each run has it
   bool relative = false;
@@ -167,6 +169,7 @@ struct Run {
   bool states_time_factor = false;          ///< seconds per unit of these columns; else 1, which check_spans() checks
   std::optional<std::string> segment;       ///< value of the split column; absent: all of the files
   std::vector<std::size_t> sensors;         ///< those that are read in it, ascending; empty: all
+  double clock_zero = 0.0;                  ///< s of the files' clock at the run's time 0
   std::size_t left_out = 0;                 ///< readings of the files that compared_times() leaves out
   std::size_t rows = 0;                     ///< at rest: how often it is read, at the "times" 1, 2, ...; else 0
   std::vector<RowInput> row_inputs;         ///< of these

@@ -140,7 +140,7 @@ class ExperimentReader {
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
     table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "impacts", "rate", "column",
-                      "gaps", "wraps", "noise", "zero", "factor", "delay"});
+                      "gaps", "missing", "wraps", "noise", "zero", "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -154,7 +154,7 @@ class ExperimentReader {
       table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
     }
     if (sensor.reads_impacts()) {
-      for (const char* const key : {"rate", "gaps", "delay"}) {
+      for (const char* const key : {"rate", "gaps", "missing", "delay"}) {
         if (table.has(key)) table.place_of(key).fail("expected no such key of a sensor of impacts; leave it out");
       }
       if (!table.has("noise")) table.place().fail("expected the deviation of its times, s; add noise = NUMBER");
@@ -173,6 +173,7 @@ class ExperimentReader {
       sensor.column = column->value;
     }
     sensor.gaps = table.flag("gaps", false);
+    if (table.has("missing")) sensor.missing = table.numbers("missing");
     if (table.has("wraps") && !sensor.reads_angle()) {
       table.place_of("wraps").fail("expected wraps of a sensor of an angle only; leave it out");
     }
@@ -511,8 +512,10 @@ class ExperimentReader {
       KnownNumber known;
       known.path = path.value;
       known.line = table.place().line;
+      known.of_clock = path.value == "clock";
       known.of_sensor = find_sensor_number(path);
-      const double unit = known.of_sensor
+      const double unit = known.of_clock ? 1.0
+                          : known.of_sensor
                               ? unit_of(*known.of_sensor)
                               : located(path.place, [&] { return value_unit(experiment_.scene, path.value); });
       for (const Unknown& unknown : experiment_.unknowns) {
@@ -523,13 +526,14 @@ class ExperimentReader {
                           unknown.line));
         }
       }
-      if (!known.of_sensor) {
+      const bool of_scene = !known.of_sensor && !known.of_clock;
+      if (of_scene) {
         located(path.place, [&] { check_is_free(experiment_.scene, parameter(experiment_.scene, path.value)); });
       }
-      if (!known.of_sensor && !SceneParameter::find(experiment_.scene, known.path)) {
+      if (of_scene && !SceneParameter::find(experiment_.scene, known.path)) {
         path.place.fail(
             "expected a number that the motion or a reading has derivatives by: of a body, an element, a load or a "
-            "sensor");
+            "sensor, or \"clock\"");
       }
       if (table.has("deviation") + table.has("relative") != 1) {
         table.place().fail(

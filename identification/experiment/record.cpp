@@ -17,7 +17,7 @@ void unwrap(Series& series, double period) {
   }
 }
 
-std::optional<std::size_t> wrapped_at(const Series& series, double period) {
+std::optional<std::size_t> wrapped_at(const Series& series, double period, double part) {
   const auto largest_step = [](const std::vector<double>& values) {
     std::size_t largest = 0;
     double size = 0.0;
@@ -30,11 +30,45 @@ std::optional<std::size_t> wrapped_at(const Series& series, double period) {
     return std::pair(largest, size);
   };
   const auto [at, jump] = largest_step(series.value);
-  if (!(jump > 0.75 * period)) return std::nullopt;
+  if (!(jump > 0.75 * period && jump < 1.25 * period)) return std::nullopt;
   Series continuous = series;
   unwrap(continuous, period);
-  if (largest_step(continuous.value).second > 0.25 * period) return std::nullopt;
+  if (largest_step(continuous.value).second > part * period) return std::nullopt;
   return at;
+}
+
+double resolution_of(const std::vector<double>& readings) {
+  constexpr std::size_t one_in = 50, tenth = 10;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < readings.size(); ++i) {
+    if (readings[i] != readings[i - 1]) steps.push_back(std::abs(readings[i] - readings[i - 1]));
+  }
+  const std::size_t alike = readings.size() - std::min(readings.size(), steps.size() + 1);
+  if (steps.empty() || alike * one_in < readings.size()) return 0.0;
+  const auto at = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / tenth);
+  std::nth_element(steps.begin(), at, steps.end());
+  return *at;
+}
+
+double noise_at_most(const Series& series) {
+  const std::vector<double>& y = series.value;
+  constexpr std::size_t most_lag = 64, least_lags = 10;
+  constexpr double median_of_normal = 0.6745, correlation = 0.9, least_part = 1e-5;
+  double out = INFINITY;
+  for (std::size_t lag = 1; lag <= most_lag && y.size() >= (3 + least_lags) * lag; lag *= 2) {
+    std::vector<double> sizes;
+    for (std::size_t i = 3 * lag; i < y.size(); ++i) {
+      sizes.push_back(std::abs(y[i] - 3 * y[i - lag] + 3 * y[i - 2 * lag] - y[i - 3 * lag]));
+    }
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double r = std::pow(correlation, lag);
+    out = std::min(out, *middle / (median_of_normal * std::sqrt(20 - 30 * r + 12 * r * r - 2 * r * r * r)));
+  }
+  double squares = 0.0;
+  for (const double value : y) squares += value * value;
+  const double size = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(y.size(), 1)));
+  return std::max({out, resolution_of(y) / std::sqrt(12.0), least_part * size});
 }
 
 std::size_t Record::count() const {

@@ -18,9 +18,21 @@ struct Series {
 /// Adds whole periods to readings of a column that starts again after each, so that no two successive ones differ by
 /// more than half a period.
 void unwrap(Series& series, double period);
-/// The reading before which a series must have started again: where it jumps by more than 3/4 of the period and,
-/// unwrapped, never by more than 1/4. None where there is no such jump.
-std::optional<std::size_t> wrapped_at(const Series& series, double period);
+/// The reading before which a series must have started again: where it jumps by 3/4 to 5/4 of the period at most and,
+/// unwrapped, never by more than `part` of it. None where there is no such jump.
+std::optional<std::size_t> wrapped_at(const Series& series, double period, double part = 0.25);
+
+/// The largest standard deviation, SI, that noise of evenly spaced readings can have, be it white or with correlations
+/// r^i over i readings, r <= 0.9. Third differences at lags of h readings,
+///   d(i) = y_i - 3 y_{i-h} + 3 y_{i-2h} - y_{i-3h},
+/// of such noise have the variance (20 - 30 r^h + 12 r^2h - 2 r^3h) sigma^2, least with r = 0.9, and motion adds to it.
+/// So for each of h = 1, 2, 4, ... 64 sigma is at most their deviation, median |d| / 0.6745, over the root of that with
+/// r = 0.9; the least of these is returned, or, where it is more, the resolution q of the readings as q / sqrt(12), or
+/// 1e-5 of their root mean square. Infinite where there are fewer than 13 readings.
+double noise_at_most(const Series& series);
+/// The step of readings that are counts of an encoder or digits of a display: where one in 50 or more is like the one
+/// before, the tenth part of the steps that are not 0 is smaller. 0 where readings are seldom alike.
+double resolution_of(const std::vector<double>& readings);
 
 /// What was read in one run.
 struct Record {

@@ -265,11 +265,12 @@ class Analysis {
   // In least squares the root mean square; of a robust fit the median size, which outliers leave as it is.
   NoiseTest test(const Eigen::VectorXd& e, double leverage, std::size_t k) const {
     const auto readings = static_cast<double>(e.size());
-    if (!(readings > leverage)) return {not_a_number, not_a_number, not_a_number};
+    if (!(readings > leverage)) return {not_a_number, not_a_number, not_a_number, not_a_number};
     const double correction = std::sqrt(readings / (readings - leverage));
     const double degrees = (readings - leverage) / spread_[k];
-    if (weighting_.loss == Loss::squares) return {correction * e.norm() / std::sqrt(readings), degrees, 0.0};
-    return {correction * robust_scale({e.begin(), e.end()}), degrees / (median_deviation * median_deviation), 0.0};
+    const bool squares = weighting_.loss == Loss::squares;
+    const double size = squares ? e.norm() / std::sqrt(readings) : robust_scale({e.begin(), e.end()});
+    return {correction * size, squares ? degrees : degrees / (median_deviation * median_deviation), 0.0, size};
   }
 
   // The mean square of sensor k's residuals that errors are computed with: at least that of the noise where it is

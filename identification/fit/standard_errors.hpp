@@ -18,10 +18,13 @@ struct NoiseTest {
   double ratio = 0.0;    ///< NaN without readings
   double degrees = 0.0;  ///< independent residuals that they are worth
   double offset = 0.0;   ///< sum e over its standard deviation with this autocorrelation
+  double size = 0.0;     ///< root mean square of e, of robust fits that of the median; NaN without readings
 
   /// Half the width of the interval in which 95 % of the ratios are where the noise is as stated: 1.96 / sqrt(2
   /// degrees).
   double reach() const;
+  /// The size that noise as stated, with this correlation, would have: size / ratio.
+  double expected() const { return size / ratio; }
   /// Of a ratio at least so far from 1, to either side, where the noise is as stated.
   double chance() const;
 };

@@ -364,6 +364,11 @@ RunModel::Built RunModel::build(const double* unknowns, double equilibrium, bool
   if (!sets_numbers(unknowns, scene, out.why)) return out;
   try {
     auto model = std::make_shared<const MotionModel>(std::move(scene), scales_, varying_);
+    // Bodies that nothing gives inertia or force have no coordinates.
+    if (model->mechanism().coordinates() != std::ssize(closed_)) {
+      out.why = "with these values other bodies move than in the scene as written";
+      return out;
+    }
     out.q = closed_;
     if (!varying_.empty()) out.q = model->to_si(closed_from(*model, model->from_si(closed_)));
     const std::vector<double> assembled = out.q;

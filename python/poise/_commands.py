@@ -907,6 +907,7 @@ def identify(
     start: str | None = None,
     bootstrap: int | None = None,
     profile: Words | None = None,
+    accept_misfit: bool = False,
     scene: Path | None = None,
     jobs: int | None = None,
     progress: Progress | None = None,
@@ -933,6 +934,8 @@ def identify(
         errors that assume no model of them
     profile: Find the profile likelihood of an unknown, and its 95 % interval;
         can be given several times
+    accept_misfit: Exit with 0 although residuals are above 3 times the noise, or
+        records have faults that are named
     scene: Write the scene with the estimates in place to FILE
     jobs: Threads for the motions of the runs and for profiles (0,
         the default: all cores)
@@ -944,6 +947,7 @@ def identify(
         "--start": start,
         "--bootstrap": bootstrap,
         "--profile": profile,
+        "--accept-misfit": accept_misfit,
         "--scene": scene,
         "--jobs": jobs,
     }, None, progress)

@@ -34,7 +34,7 @@ TEST(IdentifyCommand, PutsTheEstimatesBeforeTheNumerics) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::size_t at = 0;
   for (const char* part : {"Converged: residuals agree with the stated noise.\n", "\nEstimates\n", "standard error",
-                           "error / sigma", "\nResiduals\n", "expected 1 ±", "\nNumerics\n",
+                           "error / sigma", "\nResiduals\n", ", expected ", "\nNumerics\n",
                            "1 simulated run; 1200 "
                            "readings of 1 sensor; 2 parameters, 2 nuisances (start of each run)",
                            "Levenberg-Marquardt"}) {

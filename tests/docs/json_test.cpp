@@ -1035,6 +1035,9 @@ TEST(JsonDocs, Identify) {
     scattered +=
         std::string("[[run]]\nname = \"") + wheel + "\"\ndata = \"" + wheel + ".csv\"\nrelease = { wheel = 0.1 }\n";
   }
+  // Read with a zero that is off: a gross misfit with its cause.
+  std::string shifted = scattered.substr(0, scattered.find("[[run]]\nname = \"1.99\""));
+  shifted.replace(shifted.find("column = \"wheel\""), 16, "column = \"wheel\"\nzero = 0.05");
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
@@ -1045,6 +1048,7 @@ TEST(JsonDocs, Identify) {
        {{"identify", folder.write("curved.toml", curved)}},
        {{"identify", folder.write("ratios.toml", ratios)}},
        {{"identify", folder.write("scattered.toml", scattered)}},
+       {{"identify", folder.write("shifted.toml", shifted)}},
        {{"identify", folder.write("joint.toml", "experiments = [\"ratios.toml\", \"again.toml\"]\n")}}},
       Shared::all);
 }

@@ -288,6 +288,44 @@ TEST(Fit, StopsWhenInterrupted) {
   EXPECT_FALSE(found.why.empty());
 }
 
+// Wherever it is interrupted; of a motion that an interrupt ends there are no residuals.
+TEST(Fit, CanBeInterruptedAtAnyMoment) {
+  const Experiment e = test::experiment("lift_experiment_four_runs");
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  std::atomic<bool> stop{false};
+  FitOptions options;
+  options.interrupt = &stop;
+  bool was_interrupted = true;
+  for (int after = 1; was_interrupted; after += 3) {
+    stop = false;
+    int said = 0;
+    options.progress = [&](const std::string&) { stop = stop || ++said == after; };
+    const Fit found = fit(problem, records, options);
+    was_interrupted = stop;
+    EXPECT_TRUE(found.status == FitStatus::interrupted || found.usable()) << after << ": " << found.why;
+  }
+}
+
+// The values to which a step of a fit may lead: without mass nothing moves the arm, and it has no coordinate.
+TEST(FitProblem, AnArmWithoutMassHasNoMotion) {
+  Experiment e;
+  e.scene = test::chain(1, 1.0, 1.0);
+  e.scene.gravity = {0, -9.81};
+  e.scene.bodies[1].center = {0.5, 0};
+  e.scene.bodies[1].inertia = 0.0;
+  e.sensors = {test::angle_of(e.scene, "1", 1e-3)};
+  e.unknowns = {test::unknown("body.1.mass")};
+  e.unknowns[0].min = 0.0;
+  e.runs = {test::simulated(100, 100)};
+  const FitProblem problem(e);
+  EXPECT_EQ(problem.why_no_motion(0, {1.0}, problem.run(0).released()), "");
+  EXPECT_NE(problem.why_no_motion(0, {0.0}, problem.run(0).released()), "");
+  EXPECT_EQ(
+      problem.linearized(0, {0.0}, problem.run(0).released(), nullptr, INFINITY, 1e-8, problem.weighting()).rows.size(),
+      0);
+}
+
 // A pendulum that oscillates widely for a long time: a fit of the whole record that starts with a wrong frequency ends
 // in a local minimum with a wrong number of oscillations.
 Experiment wide_pendulum() {

@@ -56,6 +56,19 @@ TEST(KnownNumbers, PayloadOfTheLift) {
   }
 }
 
+// A clock that is fast by a part of its time makes k = w^2 I smaller by twice that part.
+TEST(KnownNumbers, ClockActsOnTheStiffnessTwice) {
+  test::Wheel wheel(2);
+  wheel.experiment.known = {{.path = "clock", .of_clock = true, .per = "", .deviation = 0.01}};
+  const FitProblem problem(wheel.experiment);
+  const std::vector<Record> records = problem.records();
+  const Fit found = fit(problem, records);
+  const std::vector<KnownEffect> effects = known_effects(problem, found, records);
+  ASSERT_EQ(effects.size(), 1U);
+  EXPECT_EQ(effects[0].name, "clock");
+  EXPECT_NEAR(effects[0].change[0], -0.02 * found.parameters[0], 1e-3 * found.parameters[0]);
+}
+
 TEST(KnownNumbers, ErrorsPerRunAreIndependent) {
   test::Wheel wheel(4);
   wheel.experiment.known = {{.path = "body.wheel.inertia", .per = "", .deviation = 0.01, .relative = true}};

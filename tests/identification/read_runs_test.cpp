@@ -78,6 +78,40 @@ TEST(ReadRuns, ReadsSimulatedRunsInSi) {
   EXPECT_FALSE(runs[1].unknown_start);
 }
 
+TEST(ReadRuns, ReadsTheKeptPartOfARecord) {
+  std::string data = "time,a\n";
+  for (int i = 0; i < 30; ++i) data += fmt::format("{},{}\n", 100 + 0.5 * i, i == 12 ? -9999 : i);
+  const auto read = [&](const std::string& keys) {
+    return Bench(header + sensor + "missing = [-9999]\n" + measured + keys, data).read();
+  };
+  const Experiment kept = read("from = 102\nto = 107.2\nskip = [[103, 103.6], [105, 105]]\n");
+  const Series& series = kept.records.at(0).sensors.at(0);
+  EXPECT_EQ(series.time, (Numbers{0, 0.5, 2, 2.5, 3.5, 4.5, 5})) << "s since the first reading, without the marker";
+  EXPECT_DOUBLE_EQ(series.value.front(), 4 * degree);
+  EXPECT_DOUBLE_EQ(series.value.back(), 14 * degree);
+  EXPECT_DOUBLE_EQ(kept.runs.at(0).clock_zero, 102);
+  const std::string twice = header + sensor + "missing = [-9999]\n" + measured + "to = 105\n" + measured;
+  const Experiment parts = Bench(twice + "from = 105.1\n", data).read();
+  ASSERT_EQ(parts.records.size(), 2u) << "two runs may share a file where their parts are apart";
+  EXPECT_DOUBLE_EQ(parts.records[1].sensors[0].value.front(), 11 * degree);
+  EXPECT_EQ(Bench(twice + "from = 105\n", data)
+                .error()
+                .find("experiment.toml:11: run 2.data: expected the column \"a\" of "
+                      "\"data.csv\" once, run \"run 1\" reads it too"),
+            0u)
+      << Bench(twice + "from = 105\n", data).error();
+  EXPECT_EQ(error_of_run("data = \"data.csv\"\nfrom = 3\nto = 2\n", data),
+            "experiment.toml:9: run 1.to: expected to > from; exchange them");
+}
+
+TEST(ReadRuns, RefusesNumbersOfReadingsAsTimes) {
+  std::string data = "time,a\n";
+  for (int i = 0; i < 30; ++i) data += fmt::format("{},{}\n", i + 1, std::sin(i));
+  const std::string said = Bench(header + sensor + measured, data).error();
+  EXPECT_NE(said.find("found 1, 2, 3, ... as the numbers of readings are; add time_factor"), std::string::npos) << said;
+  EXPECT_EQ(Bench(header + sensor + measured + "time_factor = 1\n", data).error(), "");
+}
+
 TEST(ReadRuns, SimulatedRunsHaveEmptyRecords) {
   const Experiment experiment = Bench(header + sensor + run + run).read();
   ASSERT_EQ(experiment.records.size(), 2u);
@@ -268,10 +302,10 @@ TEST(ReadRuns, LeavesGapsOut) {
       "\"b\" (experiment.toml:7)");
   EXPECT_EQ(Bench(header + sensor + gaps + measured, "time,a,b\n0,inf,1\n1,2,2\n2,3,3\n").error(),
             "data.csv:2: a: expected a finite number, found \"inf\"; correct it or leave the row out");
-  EXPECT_EQ(
-      Bench(header + sensor + "gaps = true\n" + measured, "time,a\n0,1\n1,2\n2,\n").error(),
-      "experiment.toml:8: run 1.data: expected at least 3 readings in run \"run 1\", found 2, all others are gaps; "
-      "leave the run out");
+  EXPECT_EQ(Bench(header + sensor + "gaps = true\n" + measured, "time,a\n0,1\n1,2\n2,\n").error(),
+            "experiment.toml:8: run 1.data: expected at least 3 readings in run \"run 1\", found 2, all others are "
+            "gaps or left out; "
+            "leave the run out");
   EXPECT_EQ(Bench(header + sensor + "gaps = true\ncolumn = \"time\"\n" + measured, "time\n0\n\"\"\n2\n").error(),
             "data.csv:3: time: expected a value, found a gap; fill it or leave the row out")
       << "times are never left out";
@@ -291,7 +325,7 @@ TEST(ReadRuns, ReadingsCountOnce) {
   EXPECT_EQ(
       Bench(header + sensor + measured + measured + "name = \"again\"\n", data).error(),
       "experiment.toml:9: run \"again\".data: expected the column \"a\" of \"data.csv\" once, run \"run 1\" reads it "
-      "too; leave one of the runs out");
+      "too; leave one of the runs out, or part them with from and to");
   EXPECT_EQ(
       Bench(header + sensor + "[[sensor]]\nname = \"b\"\nangle = \"rod\"\ncolumn = \"a\"\nnoise = 1\n" + measured, data)
           .error(),

@@ -1,6 +1,7 @@
 #include "app/results/identification/identify.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -60,7 +61,27 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
          std::none_of(sensors.begin(), sensors.end(), [](const Sensor& s) { return s.noise_known; });
 }
 
-Line verdict(const FitProblem& problem, const Fit& fitted) {
+/// What explains a misfit, or why there is no fit: "; the sensor "phi2" counts the other way (factor = -1 in the sensor
+/// "phi2"), 1.01 times the noise then; or ..."
+std::string causes_in_words(const Identification& answer) {
+  if (answer.has_wrong_records()) return "; the records have faults, which are named below";
+  if (answer.causes.empty()) return answer.misfit ? "; none of the usual causes explains it" : "";
+  std::string out;
+  for (const MisfitCause& cause : answer.causes) {
+    out += fmt::format("{}{} ({}), {} times the noise then", out.empty() ? "; " : "; or ", cause.words, cause.cure,
+                       significant(cause.over_noise, residual_digits));
+  }
+  return out;
+}
+
+Line verdict(const FitProblem& problem, const Identification& answer) {
+  const Fit& fitted = answer.fit;
+  if (answer.misfit && fitted.usable()) {
+    return bad(fmt::format("Gross misfit: {}{}.", answer.misfit->words, causes_in_words(answer)));
+  }
+  if (answer.has_wrong_records() && fitted.usable()) {
+    return bad("Converged, but on records with faults, which are named below: what follows is no measurement.");
+  }
   const bool independent = std::all_of(fitted.runs.begin(), fitted.runs.end(),
                                        [](const RunFit& run) { return run.is_white() && !run.is_shifted(); });
   switch (fitted.status) {
@@ -82,7 +103,8 @@ Line verdict(const FitProblem& problem, const Fit& fitted) {
     case FitStatus::interrupted:
       break;
   }
-  return bad(fmt::format("No fit: {}.", fitted.why));
+  return bad(fmt::format("No fit: {}{}.", fitted.why,
+                         fitted.status == FitStatus::failed ? causes_in_words(answer) : std::string()));
 }
 
 /// "Run \"low\" disagrees with the others: without it k changes by +2.3 standard errors.": the number it changes most.
@@ -174,6 +196,11 @@ std::vector<Line> warnings(const FitProblem& problem, const Identification& answ
     if (!run.mobility().is_shaky()) continue;
     out.push_back(
         doubtful(fmt::format("At the start of run \"{}\" {}.", run.run().name, shaky_in_words(run.mobility()))));
+  }
+  for (const RecordFault& fault : answer.faults) {
+    std::string words = fmt::format("{}; {}.", fault.words, fault.cure);
+    words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+    out.push_back(fault.is_wrong ? bad(words) : doubtful(words));
   }
   if (!fitted.usable()) return out;
   if (withheld(fitted) > 0) {
@@ -569,9 +596,10 @@ std::string over_noise_in_words(const FitProblem& problem, const Fit& fitted) {
   for (std::size_t k = 0; k < fitted.errors.sensors.size(); ++k) {
     const NoiseTest& test = fitted.errors.sensors[k];
     if (std::isnan(test.ratio)) continue;
-    out +=
-        fmt::format("{}{}{}, expected 1 ± {}", out.empty() ? "" : "; ", sensors.size() > 1 ? sensors[k].name + " " : "",
-                    significant(test.ratio, 4), significant(test.reach(), 2));
+    const double reach = test.expected() * test.reach();
+    out += fmt::format("{}{}{}, expected {} ± {}", out.empty() ? "" : "; ",
+                       sensors.size() > 1 ? sensors[k].name + " " : "", significant(test.size, 4),
+                       rounded_to(test.expected(), reach), significant(reach, 2));
   }
   return out.empty() ? significant(fitted.residual_over_noise, 4) : out + " (95 %)";
 }
@@ -636,6 +664,37 @@ void add_residuals(Group& content, const FitProblem& problem, const Identificati
   add_outliers(section, problem, fitted);
 }
 
+/// What is wrong with the records, and what may explain a misfit.
+void add_misfit_data(Group& content, const FitProblem& problem, const Identification& answer) {
+  const Experiment& experiment = problem.experiment();
+  content.data("believable", answer.is_believable());
+  if (answer.misfit) {
+    Group& misfit = content.group("gross_misfit", "", Verbosity::data);
+    misfit.data("sensor", experiment.sensors[answer.misfit->sensor].name);
+    misfit.data("over_noise", answer.misfit->over_noise);
+    misfit.data("of_signal", answer.misfit->of_signal);
+  } else {
+    content.data("gross_misfit", Value());
+  }
+  Branch& causes = content.array("causes");
+  for (const MisfitCause& cause : answer.causes) {
+    Group& one = causes.parts.emplace_back();
+    one.data("cause", cause.words);
+    one.data("cure", cause.cure);
+    one.data("over_noise", cause.over_noise);
+    one.data("cures", cause.cures);
+  }
+  Branch& faults = content.array("record_faults");
+  for (const RecordFault& fault : answer.faults) {
+    Group& one = faults.parts.emplace_back();
+    one.data("run", experiment.runs[fault.run].name);
+    one.data("sensor", experiment.sensors[fault.sensor].name);
+    one.data("fault", fault.words);
+    one.data("cure", fault.cure);
+    one.data("wrong", fault.is_wrong);
+  }
+}
+
 void add_fit_data(Group& content, const FitProblem& problem, const Identification& answer) {
   const Fit& fitted = answer.fit;
   const Experiment& experiment = problem.experiment();
@@ -663,7 +722,14 @@ void add_fit_data(Group& content, const FitProblem& problem, const Identificatio
       .kind = Column::Kind::flag;
   const bool tested = !fitted.errors.sensors.empty();
   sensors.data("over_noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
-                 return tested ? fitted.errors.sensors[k].ratio : not_a_number;
+                 return tested ? fitted.errors.sensors[k].size : not_a_number;
+               }));
+  sensors.data("expected_over_noise", each(places(experiment.sensors.size()), [&](std::size_t k) {
+                 return tested ? fitted.errors.sensors[k].expected() : not_a_number;
+               }));
+  const std::vector<double> compared = compared_noise(experiment, answer.records);
+  sensors.data("noise_compared", each(places(experiment.sensors.size()), [&](std::size_t k) {
+                 return compared[k] / experiment.sensors[k].dimension().unit(units);
                }));
   content.data("loss", to_string(fitted.weighting.loss));
   Table& outliers = content.table("outliers", "", Rows::list, Verbosity::data);
@@ -727,7 +793,7 @@ Result identify_result(const FitProblem& problem, const Identification& answer,
                        const std::vector<std::string>& settings) {
   const Fit& fitted = answer.fit;
   Result out = experiment_result(problem, settings);
-  out.verdict = verdict(problem, fitted);
+  out.verdict = verdict(problem, answer);
   out.warnings = warnings(problem, answer);
   Group& content = out.content;
   add_mobilities(content, problem);
@@ -749,6 +815,7 @@ Result identify_result(const FitProblem& problem, const Identification& answer,
   add_identifiability_data(content, problem, fitted.identifiability);
   add_residuals(content, problem, answer);
   add_fit_data(content, problem, answer);
+  add_misfit_data(content, problem, answer);
   Group& numerics = content.group("", "Numerics", Verbosity::verbose);
   numerics.fact("data", data_in_words(problem));
   if (!fitted.start.empty()) numerics.fact("start", fitted.start);

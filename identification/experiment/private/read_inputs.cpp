@@ -160,6 +160,7 @@ std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder
     DataColumn column;
     column.wanted_by = {input.place.file, input.place.line, "input \"" + path + "\""};
     column.begins = !measured;
+    column.trimmed = false;
     if (table->holds_table(path)) {
       read_table(*table->find_table(path), folder, input, column, scene, source);
     } else {

@@ -75,13 +75,14 @@ class RunsReader {
       expect_none(table, {"duration", "rate", "seed"},
                   "of a simulated run only, this one has data; leave it out, or leave data out to simulate");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
-                        "data", "time", "time_factor", "split", "segments", "every"});
+                        "data", "time", "time_factor", "split", "segments", "every", "from", "to", "skip"});
       written.measured = true;
       written.source = read_source(table, folder);
+      read_kept(table, written.source);
       run.time_column = written.source.files.front().time;
       run.states_time_factor = read_time_factors(table, written.source);
     } else {
-      expect_none(table, {"time", "time_factor", "split", "segments", "every"},
+      expect_none(table, {"time", "time_factor", "split", "segments", "every", "from", "to", "skip"},
                   "of a measured run only, this one has no data; leave it out, or add data = \"...\"");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
                         "data", "duration", "rate", "seed"});
@@ -116,6 +117,7 @@ class RunsReader {
       source.columns.push_back({.name = sensor.column,
                                 .wanted_by = {experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""},
                                 .gaps = sensor.gaps || lists_times,
+                                .missing = sensor.missing.value_or(std::vector<double>()),
                                 .begins = !lists_times,
                                 .lists_times = lists_times});
     }
@@ -165,6 +167,20 @@ class RunsReader {
     }
     source.every = static_cast<std::size_t>(table.whole_number("every", 1, 1));
     return source;
+  }
+
+  /// The part of the record that is read:  from = 1.2, to = 8, skip = [[3.1, 3.4], ...].
+  static void read_kept(const TomlTable& table, RunSource& source) {
+    source.kept.from = table.find_number("from", 1.0, Range::finite).value_or(source.kept.from);
+    source.kept.to = table.find_number("to", 1.0, Range::finite).value_or(source.kept.to);
+    if (!(source.kept.from < source.kept.to)) {
+      table.place_of(table.has("to") ? "to" : "from").fail("expected to > from; exchange them");
+    }
+    if (!table.has("skip")) return;
+    for (const TomlTable::Pair& span : table.pairs("skip", 1.0, 1.0)) {
+      if (!(span.value.x <= span.value.y)) span.place.fail("expected [FROM, TO], TO >= FROM; exchange them");
+      source.skip.push_back({span.value.x, span.value.y});
+    }
   }
 
   /// One for all data files, or one for each. Whether there are any.
@@ -297,8 +313,10 @@ class RunsReader {
     }
     for (RunData& data : files.read(source)) {
       Run run = written.run;
+      if (written.measured && !run.states_time_factor) expect_no_row_numbers(source, data);
       if (data.segment) run.name += " " + *data.segment;
       run.segment = data.segment;
+      run.clock_zero = data.clock_zero;
       Record record;
       std::size_t column = 0;
       if (written.measured) {
@@ -312,7 +330,7 @@ class RunsReader {
         }
         if (record.count() < least_run_readings) {
           source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
-                            std::to_string(record.count()) + ", all others are gaps; leave the run out");
+                            std::to_string(record.count()) + ", all others are gaps or left out; leave the run out");
         }
       }
       if (written.measured) expect_own_columns(run, source);
@@ -333,6 +351,24 @@ class RunsReader {
     }
   }
 
+  /// Whole numbers in steps of one are seldom seconds.
+  static void expect_no_row_numbers(const RunSource& source, const RunData& data) {
+    constexpr std::size_t least_rows = 20;
+    for (std::size_t c = 0; c < data.columns.size(); ++c) {
+      const std::vector<double>& time = data.columns[c].time;
+      if (source.every > 1 || source.columns[c].lists_times || time.size() < least_rows) continue;
+      const auto is_next = [](double before, double after) { return after - before != 1.0; };
+      if (std::adjacent_find(time.begin(), time.end(), is_next) != time.end()) continue;
+      const DataFile& file = source.files[*source.columns[c].file];
+      source.place.fail(
+          fmt::format("expected seconds in the column \"{}\" of \"{}\", found {:g}, {:g}, {:g}, ... as the numbers of "
+                      "readings are; "
+                      "add time_factor = SECONDS from one reading to the next, or time_factor = 1 if they are seconds",
+                      file.time, file.path.filename().string(), data.clock_zero + time[0], data.clock_zero + time[1],
+                      data.clock_zero + time[2]));
+    }
+  }
+
   /// Readings that count twice would make the estimates look better than they are.
   void expect_own_columns(const Run& run, const RunSource& source) {
     const std::vector<std::size_t> sensors = sensors_of(run);
@@ -340,17 +376,20 @@ class RunsReader {
       const DataColumn& column = source.columns[i];
       const fs::path& file = source.files[*column.file].path;
       const std::string& sensor = experiment_.sensors[sensors[i]].name;
-      const auto [other, is_new] =
-          columns_.emplace(std::tuple(file, run.segment, column.name), std::pair(run.name, sensor));
-      if (is_new) continue;
-      const std::string read = fmt::format("the column \"{}\" of \"{}\" once", column.name, file.filename().string());
-      if (other->second.first != run.name) {
-        source.place.fail(
-            fmt::format("expected {}, run \"{}\" reads it too; leave one of the runs out", read, other->second.first));
+      std::vector<ReadColumn>& readers = columns_[std::tuple(file, run.segment, column.name)];
+      for (const ReadColumn& other : readers) {
+        if (other.kept.to < source.kept.from || source.kept.to < other.kept.from) continue;
+        const std::string read = fmt::format("the column \"{}\" of \"{}\" once", column.name, file.filename().string());
+        if (other.run != run.name) {
+          source.place.fail(fmt::format(
+              "expected {}, run \"{}\" reads it too; leave one of the runs out, or part them with from and to", read,
+              other.run));
+        }
+        TomlPlace{experiment_.file, experiment_.sensors[sensors[i]].line, "sensor \"" + sensor + "\""}.fail(
+            fmt::format("expected {}, sensor \"{}\" reads it too; leave one of the two out, or give it its own column",
+                        read, other.sensor));
       }
-      TomlPlace{experiment_.file, experiment_.sensors[sensors[i]].line, "sensor \"" + sensor + "\""}.fail(
-          fmt::format("expected {}, sensor \"{}\" reads it too; leave one of the two out, or give it its own column",
-                      read, other->second.second));
+      readers.push_back({run.name, sensor, source.kept});
     }
   }
 
@@ -424,8 +463,12 @@ class RunsReader {
   const SceneNames& names_;
   Experiment& experiment_;
   NameLines taken_;
-  /// Of a file and segment: the run and sensor that read it.
-  std::map<std::tuple<fs::path, std::optional<std::string>, std::string>, std::pair<std::string, std::string>> columns_;
+  /// Who reads a column, and which part of it.
+  struct ReadColumn {
+    std::string run, sensor;
+    TimeSpan kept;
+  };
+  std::map<std::tuple<fs::path, std::optional<std::string>, std::string>, std::vector<ReadColumn>> columns_;
 };
 
 }  // namespace

@@ -21,10 +21,21 @@ void add_once(std::vector<std::string>& names, const std::string& name) {
   if (!holds(names, name)) names.push_back(name);
 }
 
-void expect_no_gaps(const CsvTable& table, const DataColumn& column, const CsvPart& rows, std::size_t every) {
+/// Whether a cell holds no reading.
+bool is_gap(const DataColumn& column, double value) {
+  return std::isnan(value) || std::find(column.missing.begin(), column.missing.end(), value) != column.missing.end();
+}
+
+/// Whether a row of a column is one of those that a run is read from.
+bool takes(const RunSource& source, const DataColumn& column, const DataFile& file, double time) {
+  return !column.trimmed || source.takes(file.time_factor * time);
+}
+
+void expect_no_gaps(const CsvTable& table, const DataColumn& column, const CsvPart& rows, const RunSource& source) {
   const std::vector<double>& values = table.column(column.name);
-  for (std::size_t row = rows.first; row < rows.last; row += every) {
-    if (!std::isnan(values[row])) continue;
+  const DataFile& file = source.files[*column.file];
+  for (std::size_t row = rows.first; row < rows.last; row += source.every) {
+    if (!std::isnan(values[row]) || !takes(source, column, file, table.column(file.time)[row])) continue;
     TomlPlace{table.file, table.line[row], column.name}.fail(
         fmt::format("expected a value, found a gap; fill it, leave the row out, or add gaps = true to the {} ({}:{})",
                     column.wanted_by.item, column.wanted_by.file, column.wanted_by.line));
@@ -59,13 +70,21 @@ void make_continuous(const TomlPlace& wanted_by, const std::optional<double>& wr
     if (*wraps > 0) unwrap(series, *wraps);
     return;
   }
-  const std::optional<std::size_t> at = wrapped_at(series, turn);
-  if (!at) return;
-  wanted_by.fail(fmt::format(
-      "expected readings of a continuous angle, found a jump by {:.4g} at {:.6g} s of run \"{}\", as of an encoder "
-      "that "
-      "starts again after each turn; add wraps = {:.10g} (a turn in the column's unit), or wraps = 0 if it does not",
-      (series.value[*at] - series.value[*at - 1]) / unit, series.time[*at], run, turn / std::abs(unit)));
+  const auto expect_none = [&](double period, double part, const std::string& remedy) {
+    const std::optional<std::size_t> at = wrapped_at(series, period, part);
+    if (!at) return;
+    wanted_by.fail(fmt::format(
+        "expected readings of a continuous angle, found a jump by {:.4g} at {:.6g} s of run \"{}\", as of an encoder "
+        "that starts again after each turn; add wraps = {:.10g} ({}), or wraps = 0 if it does not",
+        (series.value[*at] - series.value[*at - 1]) / unit, series.time[*at], run, period / std::abs(unit), remedy));
+  };
+  expect_none(turn, 0.25, "a turn in the column's unit");
+  // Degrees, gons and counts that are taken for another unit.
+  for (const double period : {360.0, 400.0, 1024.0, 4096.0, 8192.0, 16384.0, 65536.0}) {
+    const double factor = turn / period;
+    expect_none(period * std::abs(unit), 0.05,
+                fmt::format("and, if that is a turn, factor = {:.10g} for radians", factor));
+  }
 }
 
 void DataFiles::want(RunSource& source) {
@@ -170,22 +189,27 @@ std::vector<RunData> DataFiles::read(const RunSource& source) {
       const CsvTable& table = this->table(file);
       const std::vector<double>& values = table.column(column.name);
       std::size_t row = rows[*column.file].first;
-      const auto is_gap = [&] { return !source.begins_at_first_row && std::isnan(values[row]); };
-      while (row < rows[*column.file].last && is_gap()) row += source.every;
+      const auto is_before = [&] {
+        return !takes(source, column, file, table.column(file.time)[row]) ||
+               (!source.begins_at_first_row && is_gap(column, values[row]));
+      };
+      while (row < rows[*column.file].last && is_before()) row += source.every;
       if (row < rows[*column.file].last) begin = std::min(begin, file.time_factor * table.column(file.time)[row]);
     }
     // Times alone count from that of their clock.
     if (begin == std::numeric_limits<double>::infinity()) begin = 0.0;
+    run.clock_zero = begin;
     for (const DataColumn& column : source.columns) {
       const CsvTable& table = this->table(source.files[*column.file]);
       const CsvPart& part = rows[*column.file];
-      if (!column.gaps) expect_no_gaps(table, column, part, source.every);
-      const std::vector<double>& time = table.column(source.files[*column.file].time);
+      if (!column.gaps) expect_no_gaps(table, column, part, source);
+      const DataFile& file = source.files[*column.file];
+      const std::vector<double>& time = table.column(file.time);
       const std::vector<double>& values = table.column(column.name);
       Series& series = run.columns.emplace_back();
       for (std::size_t row = part.first; row < part.last; row += source.every) {
-        if (std::isnan(values[row])) continue;
-        series.time.push_back(source.files[*column.file].time_factor * time[row] - begin);
+        if (is_gap(column, values[row]) || !takes(source, column, file, time[row])) continue;
+        series.time.push_back(file.time_factor * time[row] - begin);
         series.value.push_back(column.lists_times ? series.time.back() : values[row]);
       }
     }

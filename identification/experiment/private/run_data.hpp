@@ -2,7 +2,9 @@
 
 // Where the readings of runs come from.
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,11 +24,20 @@ struct DataFile {
   bool replaceable = true;   ///< by --data
 };
 
+/// A part of the files' clock, s, both ends included.
+struct TimeSpan {
+  double from = -std::numeric_limits<double>::infinity(), to = std::numeric_limits<double>::infinity();
+
+  bool holds(double time) const { return time >= from && time <= to; }
+};
+
 /// A column of numbers that a run needs.
 struct DataColumn {
   std::string name;
   TomlPlace wanted_by;                ///< the sensor or input
   bool gaps = false;                  ///< empty cells and NaN mean: not read at that time
+  std::vector<double> missing{};      ///< cells with one of these values mean the same
+  bool trimmed = true;                ///< only what RunSource::takes() is read; all of an input, which goes on
   bool begins = true;                 ///< the run does not begin after the first row of its file
   bool lists_times = false;           ///< its rows are no samples, what is read of them is their time
   std::optional<std::size_t> file{};  ///< index into RunSource::files; absent: found by DataFiles::want()
@@ -46,13 +57,22 @@ struct RunSource {
   std::size_t every = 1;
   /// Time 0 is the first row; else the first in which a column that begins was read.
   bool begins_at_first_row = false;
+  TimeSpan kept;               ///< rows at other times are left out
+  std::vector<TimeSpan> skip;  ///< and those of these
   std::vector<DataColumn> columns;
+
+  /// Whether rows of that time of the files' clock, s, are read.
+  bool takes(double time) const {
+    return kept.holds(time) &&
+           std::none_of(skip.begin(), skip.end(), [&](const TimeSpan& span) { return span.holds(time); });
+  }
 };
 
 /// Readings of one run as they are written.
 struct RunData {
   std::optional<std::string> segment;
   std::vector<Series> columns;  ///< one per column of the source; time 0 is the earliest row of those that begin
+  double clock_zero = 0.0;      ///< time 0 on the files' clock, s
 };
 
 /// Data files, each of which is read once, with all the columns that any run needs of it.

@@ -43,16 +43,19 @@ std::vector<Alternative> alternatives_among(const FitTask& task, std::vector<Min
 std::string ambiguity_in_words(const std::vector<Alternative>& alternatives) {
   std::vector<std::string> frequencies;
   for (const Alternative& one : alternatives) {
-    std::string text;
-    for (const double f : one.frequency) text += fmt::format("{}{:.4g}", text.empty() ? "" : " with ", f);
-    frequencies.push_back(text + " Hz");
+    // Where nothing oscillates there is none.
+    if (!one.frequency.empty()) frequencies.push_back(fmt::format("{:.4g} Hz", fmt::join(one.frequency, " with ")));
   }
-  const std::string last = frequencies.back();
-  frequencies.pop_back();
+  std::string of;
+  if (frequencies.size() == alternatives.size()) {
+    const std::string last = frequencies.back();
+    frequencies.pop_back();
+    of = fmt::format(", with frequencies of {} and {}", fmt::join(frequencies, ", "), last);
+  }
   return fmt::format(
-      "{} minima explain the readings equally well, with frequencies of {} and {}; read faster or at uneven times, "
-      "or narrow min and max of the unknowns",
-      alternatives.size(), fmt::join(frequencies, ", "), last);
+      "{} minima explain the readings equally well{}; read faster or at uneven times, or narrow min and max of the "
+      "unknowns",
+      alternatives.size(), of);
 }
 
 }  // namespace poise

@@ -29,9 +29,10 @@ RunFit run_as_fitted(const FitTask& task, std::size_t r, const std::vector<doubl
   out.name = task.problem.run(r).run().name;
   out.nuisances = nuisances;
   // One of all that are compared, of runs and sensors, exceeds it by chance.
+  const std::size_t sensors = task.problem.experiment().sensors.size();
   const double remarkable = boost::math::quantile(
-      complement(boost::math::normal(), chance_level / static_cast<double>(2 * task.problem.runs() * e.size())));
-  for (std::size_t k = 0; k < e.size(); ++k) {
+      complement(boost::math::normal(), chance_level / static_cast<double>(2 * task.problem.runs() * sensors)));
+  for (std::size_t k = 0; k < sensors; ++k) {
     const auto samples = static_cast<double>(e[k].size());
     const double noise = weighting.noise[k];
     out.rms.push_back(e[k].empty() ? not_a_number : noise * std::sqrt(sum_of_squares(e[k]) / samples));
@@ -64,7 +65,8 @@ void add_residuals(const FitTask& task, const WeightedMinimum& at, const LinearF
   std::vector<std::size_t> readings(sensors, 0);
   double squares_over_noise = 0.0;
   for (std::size_t r = 0; r < task.problem.runs(); ++r) {
-    const Residuals e = residuals_in(linear.runs[r]);
+    Residuals e = residuals_in(linear.runs[r]);
+    e.resize(sensors);  // of a motion that fails, or an interrupt has ended
     out.runs.push_back(run_as_fitted(task, r, at.minimum.point.nuisances[r], e, at.weighting, linear.errors));
     for (std::size_t k = 0; k < e.size(); ++k) {
       const double noise = at.weighting.noise[k];
@@ -158,6 +160,13 @@ Fit describe_fit(const FitTask& task, const FoundMinimum& found, const WeightedM
   out.identifiability = linear.identifiability;
   out.errors = linear.errors;
   add_residuals(task, at, linear, out);
+  for (std::size_t r = 0; r < linear.runs.size() && out.status == FitStatus::not_run; ++r) {
+    if (linear.runs[r].rows.size() > 0) continue;
+    out.status = task.stopped() ? FitStatus::interrupted : FitStatus::failed;
+    out.why = task.stopped()
+                  ? "interrupted while the minimum was examined; the values reached are shown"
+                  : fmt::format("the motion of run \"{}\" cannot be computed at the values reached", out.runs[r].name);
+  }
   if (out.status == FitStatus::not_run) {
     FitVerdict verdict = verdict_on(task.problem, out, found.is_aliased);
     out.status = verdict.status;

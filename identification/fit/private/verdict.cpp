@@ -45,7 +45,7 @@ std::vector<TestedNoise> tests_by_run(const FitProblem& problem, const Fit& fitt
 
 /// Residuals that are not as large as stated.
 struct WrongSizes {
-  std::string words;  ///< "1.4 times the stated noise, expected 1 ± 0.1 (95 %)"; empty where there are none
+  std::string words;  ///< "1.4 times the stated noise, expected 0.998 ± 0.1 (95 %)"; empty where there are none
   bool any_larger = false;
 };
 
@@ -55,8 +55,9 @@ WrongSizes wrong_sizes(const std::vector<TestedNoise>& tests, double least) {
   for (const TestedNoise& one : tests) {
     if (one.test.chance() >= least) continue;
     out.any_larger = out.any_larger || one.test.ratio > 1;
-    out.words += fmt::format("{}{:.3g} times the stated noise{}, expected 1 ± {:.2g} (95 %)",
-                             out.words.empty() ? "" : "; ", one.test.ratio, one.of, one.test.reach());
+    out.words +=
+        fmt::format("{}{:.3g} times the stated noise{}, expected {:.3g} ± {:.2g} (95 %)", out.words.empty() ? "" : "; ",
+                    one.test.size, one.of, one.test.expected(), one.test.expected() * one.test.reach());
   }
   return out;
 }
@@ -69,7 +70,7 @@ std::string reason_in_words(const FitProblem& problem, const Fit& fitted, bool l
   }
   const std::vector<std::string> inputs = measured_inputs(problem.experiment());
   std::string out = fmt::format(
-      "the model is incomplete, {}; standard errors are multiplied by that factor",
+      "the model is incomplete, {}; standard errors are multiplied by what is found over what is expected",
       inputs.empty() ? "or the noise is larger than stated"
                      : fmt::format("the noise is larger than stated, or inputs that count as exact have errors ({})",
                                    fmt::join(inputs, ", ")));
