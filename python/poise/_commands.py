@@ -110,6 +110,7 @@ class SceneCommands:
         set: Settings | None = None,
         vary: Ranges | None = None,
         at_rest: bool = False,
+        with_: Path | Found | None = None,
         progress: Progress | None = None,
     ) -> Found:
         """Whether friction holds a position, by what margin, and for which loads.
@@ -127,11 +128,15 @@ class SceneCommands:
             body.B.mass, slide.S.friction.coefficient; loads: a factor of all loads;
             or a dictionary, {NAME: (FROM, TO)} or {NAME: None}
         at_rest: In the equilibrium without friction, not in the position as drawn
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         """
         return run(Found, "hold", self._core, {
             "--set": set,
             "--vary": vary,
             "--at-rest": at_rest,
+            "--with": with_,
         }, ("--vary", name, low, high), progress)
 
     def path(
@@ -724,6 +729,7 @@ class SceneCommands:
         steps: int | None = None,
         motion: Path | Found | None = None,
         show: Words | None = None,
+        with_: Path | Found | None = None,
         progress: Progress | None = None,
     ) -> Found:
         """Find the forces of drives and joints, in a position or along a motion.
@@ -758,6 +764,9 @@ class SceneCommands:
         show: Quantities to show, with commas between: angle.BODY, x.BODY.POINT,
             length.ELEMENT, force.ELEMENT, reaction.JOINT, push.BODY.POINT.x,
             d(A)/d(B), energy, ..., and expressions of them (docs/quantities.md)
+        with_: Result of poise identify --json FILE: the scene takes its estimates, and
+            every result gets an interval from their errors (docs/predictions.md);
+            or the fit itself
         """
         return run(Found, "forces", self._core, {
             "--set": set,
@@ -768,6 +777,7 @@ class SceneCommands:
             "--steps": steps,
             "--motion": motion,
             "--show": show,
+            "--with": with_,
         }, ("--drive", name, low, high), progress)
 
     def equations_of_motion(
