@@ -17,8 +17,8 @@ std::vector<int> controllers_of(const Scene& scene);
 /// The same, so that each comes behind those on which what it decides depends at once.
 std::vector<int> in_order_of_decisions(const Scene& scene);
 
-/// Controllers of which each depends at once on what the next one gives, and the last on the first; empty where there are
-/// none.
+/// Controllers of which each depends at once on what the next one gives, and the last on the first; empty where there
+/// are none.
 std::vector<int> circle_of_decisions(const Scene& scene);
 
 /// The bodies that are states of controllers (Feedback), as a set that is empty in most scenes.
