@@ -321,8 +321,8 @@ const char* const recorded =
     "  done({sent: window.sent, seen: window.seen}); window.sent = 0; window.seen = []; }; look(); })";
 
 TEST_P(RandomDrags, AreAnsweredAndShown) {
-  constexpr int moves = 10, drags_between_solutions = 5;
-  const int drags = test::cases(5, 20);
+  constexpr int moves = 10, drags_between_solutions = 2;
+  const int drags = test::cases(2, 20);
   // Without motions, for which the next move would have to wait.
   browser().emulate({.width = 700, .height = 600, .less_motion = true});
   show(GetParam());
