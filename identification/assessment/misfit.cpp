@@ -57,8 +57,8 @@ double largest_noise(const std::vector<Record>& records, std::size_t sensor) {
 
 /// An experiment as a candidate with its number has it.
 struct Altered {
-  std::unique_ptr<const Experiment> experiment;
-  std::unique_ptr<const FitProblem> problem;
+  std::shared_ptr<const Experiment> experiment;
+  std::shared_ptr<const FitProblem> problem;
 };
 
 /// Where a candidate has got to.
@@ -125,12 +125,11 @@ class CauseFit {
     double damping = 1e-3;
     for (int step = 0; step < steps && damping < most_damping && !is_stopped(); ++step) {
       Reached next = moved(*altered.problem, rows, damping);
-      Altered there = next.number == at_.number ? std::move(altered) : at(next.number);
+      Altered there = next.number == at_.number ? altered : at(next.number);
       std::vector<Eigen::MatrixXd> rows_there;
       const bool better = linearize(there, window, next, rows_there) && next.over_noise < at_.over_noise;
       if (!better) {
         damping *= more;
-        if (next.number == at_.number) altered = std::move(there);
         continue;
       }
       const bool is_settled = next.over_noise > (1 - settled) * at_.over_noise;
@@ -146,9 +145,9 @@ class CauseFit {
   bool is_stopped() const { return interrupt_ != nullptr && interrupt_->load(); }
 
   Altered at(double number) const {
-    auto experiment = std::make_unique<Experiment>(experiment_);
+    auto experiment = std::make_shared<Experiment>(experiment_);
     candidate_.change(*experiment, number);
-    auto problem = std::make_unique<const FitProblem>(*experiment);
+    auto problem = std::make_shared<const FitProblem>(*experiment);
     return {std::move(experiment), std::move(problem)};
   }
 
