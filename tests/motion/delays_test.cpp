@@ -330,14 +330,16 @@ TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
   for (const double T : {0.0, 0.06}) {
     const std::string text =
         blocks(fmt::format("proportional = {}\nderivative = {}\nintegral = {}\n{}\n[[force]]\nname = \"P\"\n"
-                           "point = \"block.c\"\nvector = [1, 0]",
+                           "at = \"block.c\"\nvector = [1, 0]",
                            kp, kd, ki, T > 0.0 ? fmt::format("delay = {}", T) : ""));
     const Scene scene = parse_scene(text, "blocks.toml");
     const MotionModel model(scene);
     const ControlLoop loop = loop_of(scene);
     ASSERT_TRUE(loop.known) << loop.why;
-    const FrequencyResponse of_place(model, loop, excitation_of(scene, "load.P"), find_quantity(scene, "x.block.c", AskedOf::motion));
-    const FrequencyResponse of_rate(model, loop, excitation_of(scene, "load.P"), find_quantity(scene, "d(x.block.c)/dt", AskedOf::motion));
+    const FrequencyResponse of_place(model, loop, excitation_of(scene, "load.P"),
+                                     find_quantity(scene, "x.block.c", AskedOf::motion));
+    const FrequencyResponse of_rate(model, loop, excitation_of(scene, "load.P"),
+                                    find_quantity(scene, "d(x.block.c)/dt", AskedOf::motion));
     const auto answer = [&](double f) {
       const Complex s(0.0, 2 * M_PI * f);
       return 1.0 / (mass * s * s + (kp + kd * s + ki / s) * std::exp(-s * T));
@@ -353,13 +355,14 @@ TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
     const double peak = std::abs(answer(all[0].frequency));
     for (const double aside : {1 - 1e-4, 1 + 1e-4}) EXPECT_LT(std::abs(answer(aside * all[0].frequency)), peak);
   }
-  const Scene sampled = parse_scene(
-      blocks("proportional = 1\nderivative = 1\nperiod = 0.1\n[[force]]\nname = \"P\"\npoint = \"block.c\"\n"
-             "vector = [1, 0]"),
-      "a");
+  const Scene sampled =
+      parse_scene(blocks("proportional = 1\nderivative = 1\nperiod = 0.1\n[[force]]\nname = \"P\"\nat = \"block.c\"\n"
+                         "vector = [1, 0]"),
+                  "a");
   const MotionModel model(sampled);
   const std::string said = test::message_of([&] {
-    FrequencyResponse(model, loop_of(sampled), excitation_of(sampled, "load.P"), find_quantity(sampled, "x.block.c", AskedOf::motion));
+    FrequencyResponse(model, loop_of(sampled), excitation_of(sampled, "load.P"),
+                      find_quantity(sampled, "x.block.c", AskedOf::motion));
   });
   EXPECT_NE(said.find("controller \"C\".period: frequency responses of samples are not known"), std::string::npos)
       << said;
