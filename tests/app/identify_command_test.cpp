@@ -449,8 +449,10 @@ TEST(IdentifyCommand, WarnsOfAnIncompleteModel) {
   }
   folder.write("wheel.csv", data);
   const ProgramRun run = run_poise({"identify", file});
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_TRUE(has(run.out, "Converged with a misfit: the residuals are")) << run.out;
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run_poise({"identify", file, "--accept-misfit"}).exit_code, 0);
+  EXPECT_TRUE(has(run.out, "Gross misfit: residuals of turn are")) << run.out;
+  EXPECT_TRUE(has(run.out, "times the stated noise; none of the usual causes explains it")) << run.out;
   EXPECT_TRUE(has(run.out, "not white")) << run.out;
   EXPECT_TRUE(has(run.out, "Standard errors by what is taken for independent")) << run.out;
   EXPECT_TRUE(has(run.out, "one run shows no more: add runs")) << run.out;

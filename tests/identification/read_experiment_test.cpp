@@ -210,10 +210,11 @@ TEST(ReadExperiment, RejectsSensors) {
       "experiment.toml:2: sensor \"sensor 1\".noise: expected a number, since run \"run 1\" is simulated; add noise = "
       "NUMBER");
   const std::string third = "experiment.toml:3: sensor 1.";
-  EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"), third +
-                                                         "angles: expected one of the keys name, read, angle, travel, "
-                                                         "distance, x, y, force, impacts, rate, column, gaps, wraps, "
-                                                         "noise, zero, factor, delay; did you mean \"angle\"?");
+  EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"),
+            third +
+                "angles: expected one of the keys name, read, angle, travel, "
+                "distance, x, y, force, impacts, rate, column, gaps, missing, wraps, "
+                "noise, zero, factor, delay; did you mean \"angle\"?");
   EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");
   EXPECT_EQ(error_of_sensor("angle = [\"rod\", \"rod\"]\n"), third + "angle: expected two different bodies");
