@@ -87,11 +87,12 @@ TEST(ControlCommand, WhatDoesNotKnowControllersRefusesThemByName) {
   const TempFolder folder;
   const std::string pushed =
       folder.write("pushed.toml", contents(scene) + "[[torque]]\nname = \"P\"\non = \"pendulum\"\nvalue = 1\n");
-  refuses({"response", pushed, "--excite", "load.P", "--of", "angle.pendulum"});
+  refuses({"response", pushed, "--excite", "load.P", "--of", "angle.pendulum", "--amplitude", "1"});
   refuses({"equations", scene});
   refuses({"running", scene, "--turning", "pendulum"});
   refuses({"kinematics", scene, "--drive", "pendulum=0..90"});
   refuses({"forces", scene, "--drive", "pendulum=0..90"});
+  EXPECT_EQ(run_poise({"response", pushed, "--excite", "load.P", "--of", "angle.pendulum"}).exit_code, 0);
   // Statics says what it leaves out.
   const ProgramRun rest = run_poise({"check", scene});
   EXPECT_TRUE(has(rest.out, "controllers are off in statics")) << rest.out;
