@@ -17,7 +17,7 @@ inline void keep_files(test::Browser& browser) {
 }
 
 inline void wait_for_file(test::Browser& browser, int count) {
-  ASSERT_TRUE(browser.wait_for("window.blobs.length === " + std::to_string(count), 20)) << count;
+  ASSERT_TRUE(browser.wait_for("window.blobs.length === " + std::to_string(count))) << count;
 }
 
 /// The last file is a picture (PNG) of what is drawn, with two pixels for each of the window. `svg`: a CSS selector.

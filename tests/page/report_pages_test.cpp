@@ -178,9 +178,9 @@ TEST(Recording, PicturesAndFilmsOfAReport) {
   wait_for_file(browser(), 1);
   expect_png(browser(), "svg.picture");
   press("webm");
-  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null", 20));
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null"));
   browser().run("document.querySelector('[aria-label=\"Play\"]').click()");
-  ASSERT_TRUE(browser().wait_for("document.querySelector('.track input').value !== '0'", 20));
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.track input').value !== '0'"));
   press("webm");
   wait_for_file(browser(), 2);
   expect_film(browser());

@@ -748,7 +748,7 @@ TEST_F(ViewPage, PicturesAndFilms) {
   EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 100);
   EXPECT_EQ(svg.find("var("), std::string::npos) << "a file has no variables of the page";
   press_button("Record");
-  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null", 20));
+  ASSERT_TRUE(browser().wait_for("document.querySelector('.recording') !== null"));
   const auto [x, y] = place_of("point", "handle.grip");
   browser().press(x, y);
   for (int k = 1; k <= 10; ++k) browser().move(x + 6.0 * k, y - 8.0 * k);
