@@ -62,6 +62,16 @@ constexpr int most_echoes = 8;
 /// Steps between which delayed efforts are read have a reading error that is less by this.
 constexpr double read_by_delays = 100.0;
 
+/// The slope of the Quintic over a step of h, at its part x. Where the places differ from the integral of the cubic
+/// through rates and accelerations by rounding alone that cubic is it: over short steps the slope of places is
+/// rounding.
+double rate_within(double h, double x, double z0, double w0, double a0, double z1, double w1, double a1) {
+  constexpr double rounding = 16 * eps;
+  const double defect = z1 - z0 - h * ((w0 + w1) / 2 + h * (a0 - a1) / 12), y = 1 - x;
+  const double cubic = y * y * ((1 + 2 * x) * w0 + h * x * a0) + x * x * ((1 + 2 * y) * w1 - h * y * a1);
+  return std::abs(defect) <= rounding * (std::abs(z0) + std::abs(z1)) ? cubic : cubic + 30 * defect / h * x * x * y * y;
+}
+
 /// The coordinates of a mechanism with controllers, without the states of these; none of another.
 std::vector<int> coordinates_of_controlled(const MotionModel& model) {
   const std::vector<int> states = states_of_controllers(model.scene(), model.layout());
@@ -668,9 +678,8 @@ class Simulation {
       const double at = times[static_cast<std::size_t>(p)], x = (at - from) / (t - from);
       for (std::size_t k = 0; k < z.size(); ++k) {
         const std::size_t rate = z.size() + k;
-        const Quintic course(t - from, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]);
-        z[k] = course.at(x);
-        w[k] = course.slope(x) / (t - from);
+        z[k] = Quintic(t - from, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]).at(x);
+        w[k] = rate_within(t - from, x, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]);
       }
       if (reduced_.evaluate(at, z.data(), w.data()) != Reduced::Status::ok) {
         give_up(at);

@@ -125,6 +125,19 @@ TEST(Delays, MotionsAreThePolynomialsOfTheMethodOfSteps) {
   }
 }
 
+// Delays that are short beside all else are as none: x'' = -(kp x + kd x')/m. Rates within steps as short are no
+// differences of places, which would be rounding.
+TEST(Delays, ShortOnesAreAsNone) {
+  const std::string text = blocks("proportional = 8\nderivative = 4\n");
+  const std::vector<double> times = {1e-5, 2e-4};
+  const test::Release release{.places = {{"x", 0.3}}, .rates = {{"x", 0.1}}};
+  const Course none = course(text, times, release), late = course(text + "delay = 1e-7\n", times, release);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_NEAR(late.place(k), none.place(k), 1e-12);
+    EXPECT_NEAR(late.rate(k), none.rate(k), 1e-9);
+  }
+}
+
 // A reference that steps at t1 pushes from t1 + T on.
 TEST(Delays, JumpsComeBackAfterTheDelay) {
   constexpr double k = 3.0, t1 = 0.4, T = 0.35;
