@@ -151,12 +151,20 @@ bool pulls(const ForcesAnswer& answer) {
                      [](const ContactCourse& one) { return one.pulls && !one.contact.guided; });
 }
 
-/// What is found at the drives and joints of a scene with these numbers.
-ForcesAnswer find_forces(const ForcesRequest& request, const Scene& given, bool driven) {
+/// A scene with the drives that are asked for, held in contact where they move it, and the contacts to look at.
+struct ModelInContact {
+  std::vector<Contact> contacts;
+  MotionModel model;
+};
+
+ModelInContact model_in_contact(const ForcesRequest& request, const Scene& given, bool driven) {
   const Scene apart = with_drives(given, request.drives);
   const std::vector<Contact> held = driven ? contacts_to_hold(apart) : std::vector<Contact>{};
-  const std::vector<Contact> contacts = contacts_along(apart, held);
-  const MotionModel model(held_in_contact(apart, held));
+  return {contacts_along(apart, held), MotionModel(held_in_contact(apart, held))};
+}
+
+ForcesAnswer find_forces(const ForcesRequest& request, const ModelInContact& of, bool driven) {
+  const auto& [contacts, model] = of;
   if (driven) return over_range(model, request, contacts);
   return request.motion.empty() ? in_one_place(model, contacts) : along_motion(model, request.motion, contacts);
 }
@@ -204,7 +212,7 @@ bool add_force_predictions(Result& result, const FittedNumbers& fit, const Force
   const std::vector<ComputedResult> results = results_of(found);
   const auto at = [&](const Scene& other) -> std::optional<std::vector<double>> {
     try {
-      const ForcesAlong moved = find_forces(request, other, driven).found;
+      const ForcesAlong moved = find_forces(request, model_in_contact(request, other, driven), driven).found;
       const std::vector<ComputedResult> there = results_of(moved);
       if (!moved.balanced() || there.size() != results.size()) return std::nullopt;
       return each(there, [](const ComputedResult& one) { return one.value; });
@@ -225,17 +233,13 @@ int run_forces(const ForcesRequest& request, const Palette& palette) {
   progress.now("reading the scene");
   const Scene given = load_moving_scene(request.common);
   const bool driven = !request.drives.empty() && has_range(request.drives.front());
-  const Scene apart = with_drives(given, request.drives);
-  const std::vector<Contact> held = driven ? contacts_to_hold(apart) : std::vector<Contact>{};
-  const std::vector<Contact> contacts = contacts_along(apart, held);
-  const MotionModel model(held_in_contact(apart, held));
+  const ModelInContact in_contact = model_in_contact(request, given, driven);
+  const MotionModel& model = in_contact.model;
   const Scene& scene = model.scene();
   const std::vector<SoughtQuantity> show = read_shown_in_position(request.show, naming_drives(given, scene.drives));
   OutputFiles files(request.common);
   progress.now("balancing the bodies");
-  ForcesAnswer answer = driven                   ? over_range(model, request, contacts)
-                        : request.motion.empty() ? in_one_place(model, contacts)
-                                                 : along_motion(model, request.motion, contacts);
+  ForcesAnswer answer = find_forces(request, in_contact, driven);
   if (!request.drives.empty()) answer.drives = drives_in_words(scene, each(scene.drives, &Drive::name));
   const ForcesAlong& found = answer.found;
   Result result = forces_result(model, answer, show, request.common.settings);
