@@ -24,7 +24,7 @@ struct ValueAndSlope {
   double value = 0.0, slope = 0.0;
 };
 
-/// Of  sum c_m T_m(x).
+/// This is the sum  sum c_m T_m(x)  with its slope.
 ValueAndSlope chebyshev_sum(const std::array<double, points_of_piece>& c, double x) {
   ValueAndSlope out;
   double t_before = 1.0, t = x, u_before = 0.0, u = 1.0;  // T_m-1, T_m, U_m-2, U_m-1

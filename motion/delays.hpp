@@ -52,7 +52,7 @@ class Delays : public TorquesOfPast {
     double inertia;  ///< of the coordinate, scaled
     double before;   ///< u at the start, SI
   };
-  /// Of one step: by controller the coefficients of Chebyshev polynomials.
+  /// What was decided over one step: each controller has the coefficients of a sum of Chebyshev polynomials.
   struct Piece {
     double from, to;
     std::vector<std::array<double, points>> coefficients;

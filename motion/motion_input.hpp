@@ -148,7 +148,7 @@ class TorquesOfPast {
     double torque;   ///< in the units of the scene that the motion is computed in
   };
   virtual ~TorquesOfPast() = default;
-  /// Those at t; `near` as of TimeFunction.
+  /// Returns those at t; `near` is that of TimeFunction.
   virtual const std::vector<One>& at(double t, double near) const = 0;
 };
 

@@ -363,7 +363,7 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   for (const CauseCandidate& one : candidates) {
     fits.push_back(std::make_unique<CauseFit>(one, experiment, problem, fitted, options.interrupt));
   }
-  // Of causes that explain the readings equally well, the one without an unknown number is likelier.
+  // Where two causes explain the readings equally well, the one without an unknown number is likelier.
   constexpr double for_number = 1.1;
   const auto size = [&](std::size_t i) {
     return fits[i]->reached().of_columns * (candidates[i].has_number() ? for_number : 1.0);

@@ -221,7 +221,7 @@ class RunFaults {
     double value, slope;
   };
 
-  /// Of the parabola through the readings [first, first + parabola), in least squares, at time t.
+  /// Evaluates the parabola through the readings [first, first + parabola), in least squares, at time t.
   static At parabola_at(const Series& read, std::size_t first, double t, double spacing) {
     std::array<double, 5> powers{};  // sums of x^k
     std::array<double, 3> b{};       // of y x^k

@@ -20,7 +20,7 @@ struct UsualFactor {
   const char* words;
 };
 
-/// Of a column or an input that is in another unit than was stated.
+/// A column or an input that is in another unit than was stated is off by one of these.
 std::vector<UsualFactor> usual_factors(bool is_angle) {
   std::vector<UsualFactor> out = {
       {1e-3, "a thousandth"}, {1e3, "a thousand"}, {2 * pi, "2 pi"}, {1 / (2 * pi), "1/2 pi"}};
