@@ -355,13 +355,13 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
       } while (x < area[0] || y < area[1] || x > area[2] || y > area[3]);
       browser().move(x, y);
     }
+    // The spring leaves the rocker of this four-bar in a dead centre, where it cannot be turned.
+    const std::string standing = GetParam() == "torque_profile" ? point + " cannot move" : "";
     const auto expect_shown = [&](const json& record) {
       EXPECT_GT(record["sent"], 0) << "drag " << drag << " of " << point;
       EXPECT_EQ(record["sent"], record["seen"].size()) << "drag " << drag << " of " << point << " is not answered";
       for (const json& answer : record["seen"]) {
-        // The spring leaves the rocker of this four-bar in a dead centre, where it cannot be turned.
-        const bool stands = GetParam() == "torque_profile" && answer["error"] == point + " cannot move";
-        EXPECT_TRUE(stands || answer["error"] == "")
+        EXPECT_TRUE(answer["error"] == "" || answer["error"] == standing)
             << answer["error"] << " in drag " << drag << ": " << answer["request"];
         for (const auto& [what, is] : answer["is"].items()) {
           EXPECT_EQ(is, true) << what << " after drag " << drag << ": " << answer["request"];
@@ -373,6 +373,11 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
     if (drag % drags_between_solutions == 0 && browser().run("return document.body.dataset.confirmed") == "true") {
       const json whole = ask({{"do", "look"}});
       const std::string text = whole["text"];
+      // Nothing holds what cannot move.
+      if (!standing.empty() && whole["hand"].is_null()) {
+        browser().let_go();
+        continue;
+      }
       const std::string held = text + whole["hand"]["stops"].get<std::string>();
       const std::map<std::string, double> start = shown_in(whole);
       // Next to a dead centre Newton's method may go elsewhere from rounding: released there it stays.
