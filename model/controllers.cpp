@@ -25,6 +25,17 @@ void for_each_state(const Scene& scene, Use use) {
   }
 }
 
+/// Calls use(controller) for those on which what this one decides depends at once.
+template <class Use>
+void for_each_before(const Scene& scene, const Element& controller, Use use) {
+  if (!controller_of(controller.law)->decides_at_once()) return;
+  const Feedback& feedback = *controller.feedback;
+  const int setting = feedback.reads_force < 0 ? -1 : controller_that_sets(scene, feedback.reads_force);
+  for (const int before : {feedback.follows, feedback.reads_from, setting}) {
+    if (before >= 0) use(before);
+  }
+}
+
 }  // namespace
 
 std::vector<int> controllers_of(const Scene& scene) {
@@ -35,16 +46,19 @@ std::vector<int> controllers_of(const Scene& scene) {
   return out;
 }
 
+int controller_that_sets(const Scene& scene, int element) {
+  for (const int e : controllers_of(scene)) {
+    if (scene.elements[static_cast<std::size_t>(e)].feedback->sets_number_of(element)) return e;
+  }
+  return -1;
+}
+
 std::vector<int> in_order_of_decisions(const Scene& scene) {
   std::vector<int> out;
   const auto add = [&](int e, const auto& self) -> void {
     if (std::find(out.begin(), out.end(), e) != out.end()) return;
     const Element& element = scene.elements[static_cast<std::size_t>(e)];
-    if (controller_of(element.law)->decides_at_once()) {
-      for (const int before : {element.feedback->follows, element.feedback->reads_from}) {
-        if (before >= 0) self(before, self);
-      }
-    }
+    for_each_before(scene, element, [&](int before) { self(before, self); });
     out.push_back(e);
   };
   for (const int e : controllers_of(scene)) add(e, add);
@@ -62,11 +76,7 @@ std::vector<int> circle_of_decisions(const Scene& scene) {
     }
     path.push_back(e);
     const Element& element = scene.elements[static_cast<std::size_t>(e)];
-    if (controller_of(element.law)->decides_at_once()) {
-      for (const int next : {element.feedback->follows, element.feedback->reads_from}) {
-        if (next >= 0) self(next, self);
-      }
-    }
+    for_each_before(scene, element, [&](int next) { self(next, self); });
     path.pop_back();
     done.push_back(e);
   };

@@ -21,6 +21,9 @@ std::vector<int> in_order_of_decisions(const Scene& scene);
 /// are none.
 std::vector<int> circle_of_decisions(const Scene& scene);
 
+/// The controller that sets a number of an element, or -1.
+int controller_that_sets(const Scene& scene, int element);
+
 /// The bodies that are states of controllers (Feedback), as a set that is empty in most scenes.
 std::set<int> bodies_of_states(const Scene& scene);
 

@@ -202,6 +202,8 @@ class Mechanism {
   void add_resistance_change(Planar<T>* pose, const T* resistances, const T* v, const T* dq, const T* dv, T* g,
                              const ForcesInTime<T>& in_time = {}) const;
   bool is_controller(int element) const { return controller_of(elements_[element].law) != nullptr; }
+  /// Whether an element is a controller, or one whose force a controller reads, or of which one sets a number.
+  bool is_of_control(int element) const;
   /// What a controller reads of the mechanism, and its states, at the rates v: without what other controllers give it.
   ControlSignals<T> own_signals_of(int element, Planar<T>* pose, const T* v) const {
     return own_signals(control_of(element), at(pose), v);
@@ -226,10 +228,14 @@ class Mechanism {
                                   const ForcesInTime<T>& in_time = {}) const {
     return outputs_along(control_of(element), at(pose), v, change, in_time, true);
   }
-  /// g += the change of -Q along a direction in which no place and no rate changes: of the controller named there, and
-  /// of those behind it.
+  /// g += the change of -Q along a direction in which no place and no rate changes: of the element named there, for
+  /// which is_of_control(), and of the controllers behind it.
   void add_control_derivative(const ControlChange<T>& change, Planar<T>* pose, const T* v,
                               const ForcesInTime<T>& in_time, T* g) const;
+  /// g -= what the scene's generalized forces change by where the output of a controller does by one.
+  void add_output_derivative(int element, Planar<T>* pose, const T* v, T* g) const {
+    add_push(control_of(element), T(1), at(pose), v, {}, g);
+  }
   /// g += the generalized force that a frame with this acceleration requires of all masses, and its change along dq. Of
   /// a scene whose frame moves (Scene::time_functions), compiled for dynamics.
   void add_frame(const Planar<T>& acceleration, const Planar<T>* pose, T* g) const;
@@ -270,10 +276,15 @@ class Mechanism {
     CompiledMeasure<T> reads, integral, filter;  // the angles of its states, or nothing
     std::array<CompiledMeasure<T>, 3> held;
     T inertia{};                        // of these
-    bool acts = true;                   // on the measure of its element
-    int follows = -1, reads_from = -1;  // elements
+    int on = -1;                        // the element whose measure it acts on
+    int sets = -1;                      // the number of that element's law that it adds to
+    int load = -1;                      // of loads_, to whose size it adds
+    std::vector<int> turns;             // coordinates on which it acts by a torque of the scene
+    int follows = -1, reads_from = -1;  // controllers
+    int reads_force = -1;               // an element
+    int force_set_by = -1;              // the controller that sets a number of that
 
-    bool is_behind_others() const { return follows >= 0 || reads_from >= 0; }
+    bool is_behind_others() const { return follows >= 0 || reads_from >= 0 || reads_force >= 0; }
   };
   struct LoadAt {  // a unit force at a point, for derivatives; its frame as of a follower, or -1
     PhasorSum<T> path;
@@ -316,6 +327,7 @@ class Mechanism {
   ForceElement compiled_element(const Scene& scene, int element, Purpose purpose) const;
   void compile_elements(const Scene& scene, Purpose purpose);
   Control compiled_control(const Scene& scene, const Element& element) const;
+  void size_resistances();
   const Control& control_of(int element) const;
   // What others give is left out of a controller whose output does not depend on it at once, unless `all` is asked for.
   ControlSignals<T> own_signals(const Control& control, const Configuration<T>& here, const T* v) const;
@@ -333,8 +345,24 @@ class Mechanism {
     return *controller_of(law_in_time(*this, in_time, control.element));
   }
   const std::vector<int>& pushed(const Control& control) const {
-    return control.acts ? elements_[control.element].on.support() : nothing_;
+    if (control.on >= 0) return elements_[control.on].on.support();
+    return control.load >= 0 ? loads_[control.load].path.support() : control.turns;
   }
+  // The power of a unit effort is the sum of slope[i] v[pushed(control)[i]].
+  void slopes_of_push(const Control& control, const Configuration<T>& here, T* slopes) const;
+  void add_push(const Control& control, const T& change, const Configuration<T>& here, const T* v,
+                const ForcesInTime<T>& in_time, T* g) const;
+  void add_load_at(int load, const T& size, const Configuration<T>& here, T* g) const;
+  void add_bend_of_push(const Control& control, const Configuration<T>& here, const T* dq, const T& effort, T* g) const;
+  T effort_by(const Control& control, const T& output, const Configuration<T>& here, const T* v,
+              const ForcesInTime<T>& in_time) const;
+  T effort_along(const Control& control, const T& output, const T& change, const Configuration<T>& here, const T* v,
+                 const ControlChange<T>& along, const ForcesInTime<T>& in_time) const;
+  T more_by_setting(int controller, const Configuration<T>& here, const T* v, const ForcesInTime<T>& in_time) const;
+  LawForce<T> read_force(const Control& control, const Configuration<T>& here, const T* v,
+                         const ForcesInTime<T>& in_time) const;
+  T force_by_number_there(int element, int number, const Configuration<T>& here, const T* v,
+                          const ForcesInTime<T>& in_time) const;
   static void add_states(const Control& control, const T& integral, const T& filtered, T* g);
   void compile_followers(const Scene& scene);
   void compile_stops(const Scene& scene);
@@ -363,7 +391,6 @@ class Mechanism {
   std::vector<ForceElement> elements_;  // for dynamics all, in the order of the scene
   std::vector<int> resisting_;          // those that resist motion
   std::vector<Control> controls_;       // none in statics
-  std::vector<int> nothing_;
   // Each of those that resist has the three values of its LawForce there, then Dg over its support; each controller has
   // its effort, the changes of its states, then Dg.
   int resistances_size_ = 0;

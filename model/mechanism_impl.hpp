@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "model/controllers.hpp"
 #include "model/couplings.hpp"
 #include "model/gas_struts.hpp"
 #include "model/mechanism.hpp"
@@ -32,6 +33,7 @@ Mechanism<T>::Mechanism(const Scene& scene, Layout layout, Purpose purpose)
   compile_followers(scene);
   compile_stops(scene);
   if (purpose == Purpose::dynamics) compile_load_derivatives(scene);
+  size_resistances();
   find_what_varies(scene);
   make_jacobian_pattern();
   make_tangent_pattern();
@@ -219,14 +221,10 @@ void Mechanism<T>::compile_elements(const Scene& scene, Purpose purpose) {
     const bool acts = stores_energy(element.law) && may_act && !compiled.on.support().empty();
     if (!acts && purpose == Purpose::statics) continue;
     need_scratch(compiled.on.scratch_size());
-    if (resists_motion(element.law)) {
-      resisting_.push_back(elements());
-      resistances_size_ += 3 + static_cast<int>(compiled.on.support().size());
-    }
+    if (resists_motion(element.law)) resisting_.push_back(elements());
     if (element.feedback) {
       controls_.push_back(compiled_control(scene, element));
       need_scratch(controls_.back().reads.scratch_size());
-      resistances_size_ += 3 + (element.feedback->acts ? static_cast<int>(compiled.on.support().size()) : 0);
     }
     elements_.push_back(std::move(compiled));
   }
@@ -237,9 +235,21 @@ typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene
   Control out;
   const Feedback& feedback = *element.feedback;
   out.element = elements();
-  out.acts = feedback.acts;
+  if (feedback.acts) out.on = out.element;
+  if (feedback.sets && feedback.sets->of == TimeFunction::Of::element) {
+    out.on = feedback.sets->item;
+    out.sets = feedback.sets->number;
+  } else if (feedback.sets && feedback.sets->of == TimeFunction::Of::force) {
+    out.load = feedback.sets->item;
+  } else if (feedback.sets) {
+    const int torque = feedback.sets->item;
+    const int turned = layout_.links[scene.torques[torque].body].frame;
+    if (turned >= 0 && turned < coordinates()) out.turns.push_back(turned);
+  }
   out.follows = feedback.follows;
   out.reads_from = feedback.reads_from;
+  out.reads_force = feedback.reads_force;
+  if (out.reads_force >= 0) out.force_set_by = controller_that_sets(scene, out.reads_force);
   out.reads = {scene, layout_, phasors_, feedback.reads};
   const auto angle_of = [&](int body) -> CompiledMeasure<T> {
     if (body < 0) return {};
@@ -250,6 +260,12 @@ typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene
   for (std::size_t k = 0; k < out.held.size(); ++k) out.held[k] = angle_of(feedback.held[k]);
   for (const int body : feedback.states()) out.inertia = T(scene.bodies[static_cast<std::size_t>(body)].inertia);
   return out;
+}
+
+template <class T>
+void Mechanism<T>::size_resistances() {
+  for (const int r : resisting_) resistances_size_ += 3 + static_cast<int>(elements_[r].on.support().size());
+  for (const Control& control : controls_) resistances_size_ += 3 + static_cast<int>(pushed(control).size());
 }
 
 template <class T>

@@ -48,9 +48,9 @@ void Mechanism<T>::resist(Planar<T>* pose, const T* v, const int* slides, T* res
     const std::vector<int>& support = pushed(control);
     T* slopes = resistances + 3;
     std::fill(slopes, slopes + support.size(), T(0));
-    if (control.acts) elements_[control.element].on.gradient(here, [&](int i, const T& by) { slopes[i] = by; });
+    slopes_of_push(control, here, slopes);
     const ControlOutputs<T> out = outputs(control, here, v, in_time, true);
-    resistances[0] = out.effort;
+    resistances[0] = effort_by(control, out.effort, here, v, in_time);
     resistances[1] = out.integral;
     resistances[2] = out.filtered;
     resistances = slopes + support.size();
@@ -107,6 +107,7 @@ ControlSignals<T> Mechanism<T>::signals(const Control& control, const Configurat
   const auto effort_of = [&](int element) { return outputs(control_of(element), here, v, in_time, false).effort; };
   if (control.follows >= 0) out.followed = effort_of(control.follows);
   if (control.reads_from >= 0) out.value = effort_of(control.reads_from);
+  if (control.reads_force >= 0) out.value = read_force(control, here, v, in_time).value;
   return out;
 }
 
@@ -129,6 +130,22 @@ ControlSignals<T> Mechanism<T>::signals_along(const Control& control, const Conf
   };
   if (control.follows >= 0) out.followed = change_of(control.follows);
   if (control.reads_from >= 0) out.value = change_of(control.reads_from);
+  if (control.reads_force >= 0) {
+    const ForceElement& e = elements_[control.reads_force];
+    const LawForce<T> force = read_force(control, here, v, in_time);
+    if (change.dv != nullptr) {
+      const T rate = e.on.second(here, v, change.dq) + e.on.along(here, change.dv);
+      out.value = force.by_measure * e.on.along(here, change.dq) + force.by_rate * rate;
+    }
+    if (change.element == control.reads_force) {
+      out.value += change.by * force_by_number_there(change.element, change.number, here, v, in_time);
+    }
+    if (control.force_set_by >= 0) {
+      const int number = control_of(control.force_set_by).sets;
+      out.value +=
+          change_of(control.force_set_by) * force_by_number_there(control.reads_force, number, here, v, in_time);
+    }
+  }
   return out;
 }
 
@@ -147,6 +164,111 @@ ControlOutputs<T> Mechanism<T>::outputs_along(const Control& control, const Conf
   return out;
 }
 
+template <class T>
+void Mechanism<T>::slopes_of_push(const Control& control, const Configuration<T>& here, T* slopes) const {
+  if (control.on >= 0) {
+    elements_[control.on].on.gradient(here, [&](int i, const T& by) { slopes[i] = by; });
+  } else if (control.load >= 0) {
+    const LoadAt& load = loads_[control.load];
+    const Planar<T> direction = world_force(load.direction, load.frame, here.pose);
+    load.path.derivative(phasors_, here.pose, here.scratch);
+    for (int i = 0; i < load.path.size(); ++i) slopes[i] = dot(direction, here.scratch[i]);
+  } else {
+    std::fill(slopes, slopes + control.turns.size(), T(1));
+  }
+}
+
+template <class T>
+void Mechanism<T>::add_bend_of_push(const Control& control, const Configuration<T>& here, const T* dq, const T& effort,
+                                    T* g) const {
+  if (control.on >= 0) {
+    const CompiledMeasure<T>& on = elements_[control.on].on;
+    if (!on.is_linear()) on.add_bend(here, dq, T(-effort), g);
+    return;
+  }
+  if (control.load < 0) return;
+  const LoadAt& load = loads_[control.load];
+  const std::vector<int>& support = load.path.support();
+  const Planar<T> force = effort * world_force(load.direction, load.frame, here.pose);
+  load.path.bend(
+      phasors_, here.pose, dq, [&](const Planar<T>& along) { return dot(force, along); },
+      [&](int i, const T& change) { g[support[i]] -= change; });
+  if (load.frame < 0) return;
+  const Planar<T> turned = dq[load.frame] * quarter_turn(force);
+  load.path.derivative(phasors_, here.pose, here.scratch);
+  for (int i = 0; i < load.path.size(); ++i) g[support[i]] -= dot(turned, here.scratch[i]);
+}
+
+// What a controller adds to the number that it sets.
+template <class T>
+T Mechanism<T>::more_by_setting(int controller, const Configuration<T>& here, const T* v,
+                                const ForcesInTime<T>& in_time) const {
+  return outputs(control_of(controller), here, v, in_time, false).effort;
+}
+
+// Of one that sets a number the force that its element lacks by that.
+template <class T>
+T Mechanism<T>::effort_by(const Control& control, const T& output, const Configuration<T>& here, const T* v,
+                          const ForcesInTime<T>& in_time) const {
+  if (control.sets < 0) return output;
+  const CompiledMeasure<T>& on = elements_[control.on].on;
+  const T g = on.value(here), w = on.along(here, v);
+  const LawIn<T>& law = law_in_time(*this, in_time, control.on);
+  const auto force = [&](const auto& one) { return whole_force(one, g, w).value; };
+  return with_more(law, control.sets, T(0), force) - with_more(law, control.sets, output, force);
+}
+
+template <class T>
+T Mechanism<T>::effort_along(const Control& control, const T& output, const T& change, const Configuration<T>& here,
+                             const T* v, const ControlChange<T>& along, const ForcesInTime<T>& in_time) const {
+  if (control.sets < 0) return change;
+  const CompiledMeasure<T>& on = elements_[control.on].on;
+  const T g = on.value(here), w = on.along(here, v);
+  const LawIn<T>& law = law_in_time(*this, in_time, control.on);
+  T out =
+      -change * with_more(law, control.sets, output, [&](const auto& one) { return one.force_by(control.sets, g, w); });
+  if (along.dv == nullptr) return out;
+  const auto force = [&](const auto& one) { return whole_force(one, g, w); };
+  const LawForce<T> with = with_more(law, control.sets, output, force);
+  const LawForce<T> without = with_more(law, control.sets, T(0), force);
+  out -= (with.by_measure - without.by_measure) * on.along(here, along.dq);
+  out -= (with.by_rate - without.by_rate) * (on.second(here, v, along.dq) + on.along(here, along.dv));
+  return out;
+}
+
+template <class T>
+LawForce<T> Mechanism<T>::read_force(const Control& control, const Configuration<T>& here, const T* v,
+                                     const ForcesInTime<T>& in_time) const {
+  const CompiledMeasure<T>& on = elements_[control.reads_force].on;
+  const T g = on.value(here), w = on.along(here, v);
+  const LawIn<T>& law = law_in_time(*this, in_time, control.reads_force);
+  if (control.force_set_by < 0) return std::visit([&](const auto& one) { return whole_force(one, g, w); }, law);
+  return with_more(law, control_of(control.force_set_by).sets, more_by_setting(control.force_set_by, here, v, in_time),
+                   [&](const auto& one) { return whole_force(one, g, w); });
+}
+
+// The derivative of the force of an element, of one that a controller sets with what that adds.
+template <class T>
+T Mechanism<T>::force_by_number_there(int element, int number, const Configuration<T>& here, const T* v,
+                                      const ForcesInTime<T>& in_time) const {
+  const CompiledMeasure<T>& on = elements_[element].on;
+  const T g = on.value(here), w = on.along(here, v);
+  const LawIn<T>& law = law_in_time(*this, in_time, element);
+  for (const Control& control : controls_) {
+    if (control.on != element || control.sets < 0) continue;
+    return with_more(law, control.sets, more_by_setting(control.element, here, v, in_time),
+                     [&](const auto& one) { return one.force_by(number, g, w); });
+  }
+  return force_by_number(law, number, g, w);
+}
+
+template <class T>
+bool Mechanism<T>::is_of_control(int element) const {
+  return is_controller(element) || std::any_of(controls_.begin(), controls_.end(), [&](const Control& one) {
+           return one.reads_force == element || (one.sets >= 0 && one.on == element);
+         });
+}
+
 // The torques that give the states these accelerations.
 template <class T>
 void Mechanism<T>::add_states(const Control& control, const T& integral, const T& filtered, T* g) {
@@ -158,12 +280,38 @@ template <class T>
 void Mechanism<T>::add_control_derivative(const ControlChange<T>& change, Planar<T>* pose, const T* v,
                                           const ForcesInTime<T>& in_time, T* g) const {
   const Configuration<T> here = at(pose);
+  if (!is_controller(change.element)) {
+    const T slope = force_by_number_there(change.element, change.number, here, v, in_time);
+    elements_[change.element].on.add_gradient(here, change.by * slope, g);
+  }
   for (const Control& control : controls_) {
     if (control.element != change.element && !control.is_behind_others()) continue;
     const ControlOutputs<T> out = outputs_along(control, here, v, change, in_time, true);
-    if (control.acts) elements_[control.element].on.add_gradient(here, T(-out.effort), g);
+    add_push(control, out.effort, here, v, in_time, g);
     add_states(control, out.integral, out.filtered, g);
   }
+}
+
+template <class T>
+void Mechanism<T>::add_push(const Control& control, const T& change, const Configuration<T>& here, const T* v,
+                            const ForcesInTime<T>& in_time, T* g) const {
+  const T output = control.sets < 0 ? T(0) : outputs(control, here, v, in_time, true).effort;
+  const T effort = effort_along(control, output, change, here, v, {}, in_time);
+  if (control.on >= 0) {
+    elements_[control.on].on.add_gradient(here, T(-effort), g);
+  } else if (control.load >= 0) {
+    add_load_at(control.load, effort, here, g);
+  } else {
+    for (const int i : control.turns) g[i] -= effort;
+  }
+}
+
+template <class T>
+void Mechanism<T>::add_load_at(int load, const T& size, const Configuration<T>& here, T* g) const {
+  const LoadAt& at = loads_[load];
+  const Planar<T> direction = world_force(at.direction, at.frame, here.pose);
+  at.path.derivative(phasors_, here.pose, here.scratch);
+  for (int i = 0; i < at.path.size(); ++i) g[at.path.support()[i]] -= size * dot(direction, here.scratch[i]);
 }
 
 template <class T>
@@ -205,12 +353,14 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, 
     resistances = slopes + support.size();
   }
   for (const Control& control : controls_) {
-    const CompiledMeasure<T>& on = elements_[control.element].on;
     const std::vector<int>& support = pushed(control);
     const T* slopes = resistances + 3;
-    const ControlOutputs<T> change = outputs_along(control, here, v, {.dq = dq, .dv = dv}, in_time, true);
-    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= change.effort * slopes[i];
-    if (control.acts && !on.is_linear()) on.add_bend(here, dq, T(-resistances[0]), g);
+    const ControlChange<T> along{.dq = dq, .dv = dv};
+    const ControlOutputs<T> change = outputs_along(control, here, v, along, in_time, true);
+    const T output = control.sets < 0 ? T(0) : outputs(control, here, v, in_time, true).effort;
+    const T effort = effort_along(control, output, change.effort, here, v, along, in_time);
+    for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= effort * slopes[i];
+    add_bend_of_push(control, here, dq, resistances[0], g);
     add_states(control, change.integral, change.filtered, g);
     resistances = slopes + support.size();
   }
@@ -234,7 +384,7 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
   switch (number.of) {
     case ForceNumber::Of::element: {
       const ForceElement& e = elements_[number.item];
-      if (controller_of(e.law) != nullptr) {
+      if (is_of_control(number.item)) {
         add_control_derivative({.element = number.item, .number = number.number, .by = by}, pose, v, {}, g);
         break;
       }
@@ -246,12 +396,7 @@ void Mechanism<T>::add_force_derivative(const ForceNumber& number, const T& by, 
       break;
     }
     case ForceNumber::Of::force: {
-      const LoadAt& load = loads_[number.item];
-      const Planar<T> direction = world_force(load.direction, load.frame, pose);
-      load.path.derivative(phasors_, pose, here.scratch);
-      for (int i = 0; i < load.path.size(); ++i) {
-        g[load.path.support()[i]] -= by * dot(direction, here.scratch[i]);
-      }
+      add_load_at(number.item, by, here, g);
       break;
     }
     case ForceNumber::Of::torque:

@@ -22,6 +22,23 @@ void MovedItems::name_in(toml::table& table, std::string_view key, NodeName give
   if (std::string* const name = text_in(table, key)) (this->*give)(*name);
 }
 
+// In the path of a number, "damper.NAME.coefficient" or "load.NAME".
+void MovedItems::name_in_sets(toml::table& controller, const TomlTable& place) {
+  std::string* const path = text_in(controller, "sets");
+  if (path == nullptr) return;
+  const bool is_load = path->starts_with("load.");
+  if (is_load && mirrored_) {
+    place.place_of("sets").fail(
+        "expected a number of a spring or a damper where the controller is mirrored: a torque changes its sign then; "
+        "act on a measure");
+  }
+  const std::size_t from = path->find('.') + 1, to = is_load ? path->size() : path->rfind('.');
+  if (from == 0 || to <= from) return;
+  std::string name = path->substr(from, to - from);
+  name_element(name);
+  path->replace(from, to - from, name);
+}
+
 void MovedItems::name_list(toml::table& table, std::string_view key, NodeName give) {
   toml::array* const list = list_in(table, key);
   for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
@@ -154,9 +171,11 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
     transform_measure(table);
     if (key == "controller") {
       name_in(table, "follows", &MovedItems::name_element);
+      name_in_sets(table, place);
       if (toml::table* const reads = table_in(table, "reads")) {
         transform_measure(*reads);
         name_in(*reads, "controller", &MovedItems::name_element);
+        name_in(*reads, "force", &MovedItems::name_element);
       }
     }
     if (is_any_of(key, {"slide", "weld"})) mirror_number(table, "angle");

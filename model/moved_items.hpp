@@ -152,6 +152,7 @@ class MovedItems {
 
  private:
   void name_in(toml::table& table, std::string_view key, NodeName give);
+  void name_in_sets(toml::table& controller, const TomlTable& place);
   void name_list(toml::table& table, std::string_view key, NodeName give);
   void negate(toml::node* node);
   void mirror_number(toml::table& table, std::string_view key);

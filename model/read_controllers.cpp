@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "model/controllers.hpp"
+#include "model/parameters.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_elements.hpp"
 
@@ -21,9 +22,9 @@ namespace poise {
 namespace {
 
 /// Those of numbers first, in the order of Controller::Id.
-constexpr std::array<std::string_view, 16> own_keys_of_controller{
-    "proportional",  "integral", "derivative", "filter", "reference",  "dead_band", "min",     "max",
-    "tracking_time", "period",   "delay",      "reads",  "reads_rate", "transfer",  "follows", "table"};
+constexpr std::array<std::string_view, 17> own_keys_of_controller{
+    "proportional", "integral", "derivative", "filter",     "reference", "dead_band", "min",   "max", "tracking_time",
+    "period",       "delay",    "reads",      "reads_rate", "transfer",  "follows",   "table", "sets"};
 
 bool names_measure(const TomlTable& table) {
   const MeasureKeys& keys = all_measures();
@@ -53,11 +54,15 @@ void expect_beside(const TomlTable& table, const Controller& law, const Feedback
   if (table.has("derivative") && feedback.source == Feedback::Source::nothing) {
     table.place_of("derivative").fail("expected something that it reads, of which the rate is taken; leave it out");
   }
-  const bool reads_without_rate = law.of_rate || feedback.source == Feedback::Source::controller;
+  const bool reads_without_rate =
+      law.of_rate || feedback.source == Feedback::Source::controller || feedback.source == Feedback::Source::force;
   if (reads_without_rate && table.has("derivative") && !table.has("filter")) {
     table.place_of("derivative")
         .fail(std::string("expected the key filter beside it, because it reads ") +
-              (law.of_rate ? "a rate" : "what a controller gives") + "; add it");
+              (law.of_rate                                  ? "a rate"
+               : feedback.source == Feedback::Source::force ? "a force"
+                                                            : "what a controller gives") +
+              "; add it");
   }
   if (feedback.source != Feedback::Source::measure) {
     if (table.has("reads_rate")) {
@@ -125,7 +130,13 @@ Element read_what_controller_acts_on(const TomlTable& table, const MeasureReader
   element.table = "controller";
   element.law = Controller{};
   element.feedback.emplace();
-  element.feedback->acts = names_measure(table) || (!table.has("reads") && !table.has("follows"));
+  const bool names_other = table.has("reads") || table.has("follows") || table.has("sets");
+  element.feedback->acts = names_measure(table) || !names_other;
+  if (element.feedback->acts && table.has("sets")) {
+    table.place_of("sets").fail(
+        "expected sets, or a measure that it acts on, found both; make two controllers, of which one reads what the "
+        "other gives");
+  }
   if (element.feedback->acts) {
     element.on = measures.read(table, all_measures(), allowed);
   } else {
@@ -145,6 +156,7 @@ void ControllerReader::read() {
     if (scene_.elements[e].feedback) all_.push_back({static_cast<int>(e), tables[next++]});
   }
   for (const One& one : all_) read_sources(one);
+  for (const One& one : all_) read_set_number(one);
   refuse_idle();
   find_dimensions();
   for (const One& one : all_) read_law(one);
@@ -180,13 +192,17 @@ void ControllerReader::read_sources(const One& one) {
       if (!word || word->value != "nothing") {
         table.place_of("reads").fail(
             "expected the table of a measure, say reads = { bodies = [\"ground\", \"arm\"] }, one with the key "
-            "controller, or \"nothing\"");
+            "controller or force, or \"nothing\"");
       }
       feedback.source = Feedback::Source::nothing;
     } else if (const TomlTable reads = *table.find_table("reads"); reads.has("controller")) {
       reads.allow_keys({"controller"});
       feedback.source = Feedback::Source::controller;
       feedback.reads_from = other(one, reads.text("controller"));
+    } else if (reads.has("force")) {
+      reads.allow_keys({"force"});
+      feedback.source = Feedback::Source::force;
+      feedback.reads_force = element_with_force(reads.text("force"));
     } else {
       MeasureKeys measures = all_measures();
       std::erase(measures, "sum");
@@ -200,8 +216,58 @@ void ControllerReader::read_sources(const One& one) {
     feedback.reads = own.on;
   }
   if (feedback.source == Feedback::Source::nothing && feedback.follows < 0) {
-    table.place_of("reads").fail("expected the key follows beside it, or something that it reads; add it");
+    table.place_of(table.has("reads") ? "reads" : "sets")
+        .fail("expected the key follows beside it, or something that it reads; add it");
   }
+}
+
+/// The element of this name whose force follows from places and rates.
+int ControllerReader::element_with_force(const TomlText& name) const {
+  std::vector<std::string> names;
+  for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
+    const Element& candidate = scene_.elements[e];
+    if (candidate.feedback || sticks(candidate.law)) continue;
+    if (candidate.name == name.value) return static_cast<int>(e);
+    names.push_back(candidate.name);
+  }
+  name.place.fail(fmt::format(
+      "expected the name of a spring, a damper or another element whose force follows from places and rates, found "
+      "\"{}\"; they are {}",
+      name.value, names.empty() ? "none" : fmt::format("\"{}\"", fmt::join(names, "\", \""))));
+}
+
+/// The number that it adds to.
+void ControllerReader::read_set_number(const One& one) {
+  if (!one.table.has("sets")) return;
+  const TomlText path = one.table.text("sets");
+  const ParameterRow row = located(path.place, [&] { return parameter(scene_, path.value); });
+  Feedback::Sets sets{.item = row.place.item, .number = row.place.number, .path = path.value};
+  const auto item = static_cast<std::size_t>(row.place.item);
+  if (row.place.owner == Owner::force && scene_.forces[item].has_direction_of_its_own()) {
+    sets.of = TimeFunction::Of::force;
+  } else if (row.place.owner == Owner::torque) {
+    sets.of = TimeFunction::Of::torque;
+  } else if (row.place.owner == Owner::element && varies_in_motion(scene_.elements[item].law)) {
+    const Element& target = scene_.elements[item];
+    const bool is_length = row.path.parts[3].ends_with("length") || row.path.parts[3].ends_with("angle");
+    if (is_length && !borders_of(target.law, false).empty()) {
+      path.place.fail(fmt::format("expected another number of {} \"{}\": it acts on one side only, from this length on",
+                                  target.family(), target.name));
+    }
+    const int other = controller_that_sets(scene_, row.place.item);
+    if (other >= 0) {
+      path.place.fail(fmt::format(
+          "expected an element of which no other controller sets a number, found {}, which \"{}\" sets; let one of "
+          "them follow the other",
+          scene_.elements[static_cast<std::size_t>(other)].feedback->sets->path,
+          scene_.elements[static_cast<std::size_t>(other)].name));
+    }
+  } else {
+    path.place.fail(
+        "expected a number of a spring, a damper or a constant force, a load that is given by direction and size, or a "
+        "torque");
+  }
+  element(one).feedback->sets = std::move(sets);
 }
 
 /// Throws InputError for one that acts on nothing and that no other one follows or reads.
@@ -212,9 +278,10 @@ void ControllerReader::refuse_idle() const {
       return feedback.follows == one.element || feedback.reads_from == one.element;
     });
     const Element& own = scene_.elements[static_cast<std::size_t>(one.element)];
-    if (own.feedback->acts || is_used) continue;
+    if (own.feedback->acts || own.feedback->sets || is_used) continue;
     one.table.place().fail(fmt::format(
-        "expected what it acts on, or a controller with follows = \"{}\": without either it does nothing", own.name));
+        "expected what it acts on or sets, or a controller with follows = \"{}\": without either it does nothing",
+        own.name));
   }
 }
 
@@ -241,7 +308,11 @@ void ControllerReader::find_dimensions() {
     if (feedback.source == Feedback::Source::measure) {
       signal[e] = feedback.reads.dimension() * dimension::time.power(one.table.flag("reads_rate", false) ? -1 : 0);
     }
+    if (feedback.source == Feedback::Source::force) {
+      signal[e] = scene_.elements[static_cast<std::size_t>(feedback.reads_force)].on.effort_dimension();
+    }
     if (feedback.acts) output[e] = scene_.elements[e].on.effort_dimension();
+    if (feedback.sets) output[e] = parameter(scene_, feedback.sets->path).dimension;
   }
   for (bool again = true; again;) {
     again = false;

@@ -38,11 +38,11 @@ class ElementReader {
                   [key](const ElementReader* self, const TomlTable& table) { return self->read_element(table, key); });
     }
     add_friction_of_struts();
+    read_loads();
     ControllerReader(root_, measures_, scene_).read();
     read_times_of_springs();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
-    read_loads();
     read_stops();
     add_stops_of_struts();
     read_family("blade", scene_.blades, &ElementReader::read_blade);

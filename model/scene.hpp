@@ -97,16 +97,29 @@ inline constexpr std::array<Number, 4> Body::numbers{
 /// (ControlSignals); -1 without one. These bodies turn for themselves alone, with an inertia of which no energy is seen
 /// (Body::inertia_of_states).
 struct Feedback {
-  enum class Source { measure, controller, nothing };
+  enum class Source { measure, force, controller, nothing };
+  /// A number to which u is added: of the law of an element, the size of a force, or a torque.
+  struct Sets {
+    TimeFunction::Of of = TimeFunction::Of::element;
+    int item = 0;      ///< index into Scene::elements, forces or torques
+    int number = 0;    ///< of an element index into the numbers of its law
+    std::string path;  ///< of the number, "damper.NAME.coefficient"
+  };
 
   Measure reads;                    ///< where that is its source
   Source source = Source::measure;  ///< of y
   int reads_from = -1;              ///< the element whose output it reads, where that is its source
+  int reads_force = -1;             ///< the element whose force it reads, where that is its source
   int follows = -1;                 ///< the element whose output is added to its reference, or -1
-  bool acts = true;                 ///< on the measure of its element; else it gives a signal to other controllers
-  Dimension signal{}, output{};     ///< of y and u
+  bool acts = true;                 ///< on the measure of its element; else it gives a signal, or sets a number
+  std::optional<Sets> sets{};
+  Dimension signal{}, output{};  ///< of y and u
   int integral = -1, filter = -1;
   std::array<int, 3> held{-1, -1, -1};  ///< u, s', and the input of the filter or transfer function
+
+  bool sets_number_of(int element) const {
+    return sets && sets->of == TimeFunction::Of::element && sets->item == element;
+  }
 
   /// All bodies that are states.
   std::vector<int> states() const {

@@ -450,8 +450,8 @@ class LoopAtRest {
   }
   VectorXd by_effort(int element) {
     std::vector<double> slope(still_.size(), 0.0);
-    model_.mechanism().add_measure_gradient(element, pose_.data(), slope.data());
-    return accelerations_by(slope);
+    model_.mechanism().add_output_derivative(element, pose_.data(), reduced_.v(), slope.data());
+    return -accelerations_by(slope);
   }
 
   void add_controller(int element) {
@@ -559,7 +559,7 @@ class LoopAtRest {
     std::vector<Index> acting, reading;
     for (std::size_t e = 0; e < out_.controllers.size(); ++e) {
       const Feedback& feedback = feedback_of(out_.controllers[e].element);
-      if (feedback.acts) acting.push_back(static_cast<Index>(e));
+      if (feedback.acts || feedback.sets) acting.push_back(static_cast<Index>(e));
       if (feedback.source == Feedback::Source::measure) reading.push_back(static_cast<Index>(e));
     }
     const auto inputs = static_cast<Index>(acting.size()), outputs = static_cast<Index>(reading.size());

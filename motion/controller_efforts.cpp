@@ -1,10 +1,23 @@
 #include "motion/controller_efforts.hpp"
 
+#include <algorithm>
+#include <variant>
+
+#include "model/controllers.hpp"
 #include "statics/bodies/body_measures.hpp"
 
 namespace poise {
 
 namespace {
+
+void add_to(const Feedback& setting, double output, Law& law) {
+  std::visit(
+      [&](auto& one) {
+        const Number& number = numbers_of_law(one)[static_cast<std::size_t>(setting.sets->number)];
+        number.set(&one, *number.get(&one) + output);
+      },
+      law);
+}
 
 ControlOutputs<double> outputs_at(const Scene& scene, const Element& controller, const std::vector<BodyMotion>& motions,
                                   bool all) {
@@ -29,6 +42,14 @@ ControlOutputs<double> outputs_at(const Scene& scene, const Element& controller,
   if (all || law.is_direct()) {
     if (feedback.follows >= 0) in.followed = effort_of(feedback.follows);
     if (feedback.reads_from >= 0) in.value = effort_of(feedback.reads_from);
+    if (feedback.reads_force >= 0) {
+      Element read = scene.elements[static_cast<std::size_t>(feedback.reads_force)];
+      const int setting = controller_that_sets(scene, feedback.reads_force);
+      if (setting >= 0)
+        add_to(*scene.elements[static_cast<std::size_t>(setting)].feedback, effort_of(setting), read.law);
+      const double g = value_of(scene, read.on, poses_of(motions)), w = rate_of(scene, motions, read.on);
+      in.value = std::visit([&](const auto& one) { return whole_force(one, g, w).value; }, read.law);
+    }
   }
   return law.respond(in);
 }
@@ -38,6 +59,24 @@ ControlOutputs<double> outputs_at(const Scene& scene, const Element& controller,
 ControlOutputs<double> control_outputs(const Scene& scene, const Element& controller,
                                        const std::vector<BodyMotion>& motions) {
   return outputs_at(scene, controller, motions, true);
+}
+
+const Scene& with_set_numbers(const Scene& scene, const std::vector<BodyMotion>& motions, std::optional<Scene>& room) {
+  const auto sets_any = [](const Element& one) { return one.feedback && one.feedback->sets; };
+  if (std::none_of(scene.elements.begin(), scene.elements.end(), sets_any)) return scene;
+  Scene& out = room.emplace(scene);
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    const Element& controller = scene.elements[e];
+    if (!sets_any(controller)) continue;
+    out.elements[e].feedback->sets.reset();
+    const Feedback::Sets& sets = *controller.feedback->sets;
+    const double output = control_outputs(scene, controller, motions).effort;
+    const auto item = static_cast<std::size_t>(sets.item);
+    if (sets.of == TimeFunction::Of::element) add_to(*controller.feedback, output, out.elements[item].law);
+    if (sets.of == TimeFunction::Of::force) out.forces[item].vector += output * out.forces[item].along;
+    if (sets.of == TimeFunction::Of::torque) out.torques[item].value += output;
+  }
+  return out;
 }
 
 }  // namespace poise

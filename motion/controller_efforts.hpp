@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "model/scene.hpp"
@@ -11,5 +12,8 @@ namespace poise {
 /// numbers those of the scene.
 ControlOutputs<double> control_outputs(const Scene& scene, const Element& controller,
                                        const std::vector<BodyMotion>& motions);
+
+/// The scene, or in `room` one that has, for good, the numbers that its controllers set there (Feedback::Sets).
+const Scene& with_set_numbers(const Scene& scene, const std::vector<BodyMotion>& motions, std::optional<Scene>& room);
 
 }  // namespace poise

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -91,15 +92,18 @@ class InverseDynamics {
  public:
   InverseDynamics(const MotionModel& model, const std::vector<double>& x, const std::vector<double>& v,
                   const std::vector<double>& a, const std::vector<Drive>& drives)
-      : model_(model), scene_(model.scene()), m_(model.mechanism()), x_(x), v_(v), a_(a) {
+      : model_(model),
+        motions_(from_anchor(model, x, out_.motions = body_motions(model, x, v, a))),
+        scene_(with_set_numbers(model.scene(), motions_, room_)),
+        m_(model.mechanism()),
+        x_(x),
+        v_(v),
+        a_(a) {
     additions_.drives = drives;
     additions_.blades = true;
   }
 
   Forces forces() {
-    out_.motions = motions_ = body_motions(model_, x_, v_, a_);
-    const std::vector<BodyPose<double>> poses = model_.poses_from_anchor(x_);
-    for (std::size_t i = 0; i < poses.size(); ++i) motions_[i].pose = poses[i];
     add_inertia();
     add_resistance();
     balance_bodies();
@@ -108,6 +112,13 @@ class InverseDynamics {
   }
 
  private:
+  static std::vector<BodyMotion> from_anchor(const MotionModel& model, const std::vector<double>& x,
+                                             std::vector<BodyMotion> motions) {
+    const std::vector<BodyPose<double>> poses = model.poses_from_anchor(x);
+    for (std::size_t i = 0; i < poses.size(); ++i) motions[i].pose = poses[i];
+    return motions;
+  }
+
   void add_inertia() {
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
@@ -331,15 +342,16 @@ class InverseDynamics {
   }
 
   const MotionModel& model_;
-  const Scene& scene_;
+  Forces out_;
+  std::vector<BodyMotion> motions_;  // measured from the anchor
+  std::optional<Scene> room_;
+  const Scene& scene_;  // with the numbers that controllers set
   const Mechanism<double>& m_;
   const std::vector<double>&x_, &v_, &a_;
   Additions additions_;
   std::vector<BodyLoad> dry_friction_;  // of [[friction]]
   double lost_in_elements_ = 0.0;       // by it
-  std::vector<BodyMotion> motions_;     // measured from the anchor
   std::vector<int> pressing_;
-  Forces out_;
 };
 
 }  // namespace

@@ -80,18 +80,17 @@ namespace detail {
 /// a distance that stands for a spring without free length.
 template <class N>
 std::vector<N> numbers_of_spring(const LawOf<N>& law) {
-  if (const auto* const linear = std::get_if<LinearSpringOf<N>>(&law)) return {linear->stiffness, linear->free_length};
-  if (const auto* const cubic = std::get_if<CubicSpringOf<N>>(&law)) {
-    return {cubic->stiffness, cubic->cubic, cubic->free_length};
-  }
-  if (const auto* const preloaded = std::get_if<PreloadedSpringOf<N>>(&law)) {
-    return {preloaded->stiffness, preloaded->preload, preloaded->length};
-  }
-  if (const auto* const damper = std::get_if<DamperOf<N>>(&law)) return {damper->coefficient};
-  if (const auto* const damper = std::get_if<DragDamperOf<N>>(&law)) return {damper->coefficient, damper->drag};
-  if (const auto* const damper = std::get_if<CurveDamperOf<N>>(&law)) return damper->values();
-  if (const auto* const controller = controller_of(law)) return controller->all_values();
-  return {std::get<ConstantForceOf<N>>(law).force};
+  return std::visit(
+      []<class L>(const L& l) -> std::vector<N> {
+        std::vector<N> out;
+        if constexpr (VariesInMotion<L>) {
+          for (const auto number : L::in_motion) out.push_back(l.*number);
+        }
+        if constexpr (requires { l.values(); }) out = l.values();
+        if constexpr (requires { l.all_values(); }) out = l.all_values();
+        return out;
+      },
+      law);
 }
 
 }  // namespace detail
@@ -174,8 +173,8 @@ void InputForces<T>::set_inputs(const NumbersOfScene& numbers, const std::vector
     if (input.of == MotionInput::Of::element) of_elements[input.item].push_back(input);
   }
   for (auto& [element, some] : of_elements) springs_.emplace_back(mechanism_, std::move(some));
-  const bool some_resist = std::any_of(springs_.begin(), springs_.end(), [](const InputSpring<T>& one) {
-    return resists_motion(one.law()) || controller_of(one.law()) != nullptr;
+  const bool some_resist = std::any_of(springs_.begin(), springs_.end(), [&](const InputSpring<T>& one) {
+    return resists_motion(one.law()) || mechanism_.is_of_control(one.element());
   });
   laws_.assign(some_resist ? numbers.scene().elements.size() : 0, nullptr);
 }
@@ -237,7 +236,7 @@ void InputForces<T>::add_derivative(const ForceNumber& number, T by, Planar<T>* 
     return;
   }
   if (number.of == ForceNumber::Of::element) {
-    if (mechanism_.is_controller(number.item)) {
+    if (mechanism_.is_of_control(number.item)) {
       mechanism_.add_control_derivative({.element = number.item, .number = number.number, .by = by * this->by(number)},
                                         pose, v, in_time(), g);
       return;

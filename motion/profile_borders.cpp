@@ -160,6 +160,12 @@ ProfileBorders::Known ProfileBorders::known_by(int element, const ReducedMotion<
   if (!all && !law.is_direct()) return out;
   if (feedback.follows >= 0) out.in.followed = effort_of(feedback.follows);
   if (feedback.reads_from >= 0) out.in.value = effort_of(feedback.reads_from);
+  if (feedback.reads_force >= 0) {
+    const ControlChange<double> in_time{.dq = motion.v(), .dv = motion.a()};
+    const ForcesInTime<double> laws = motion.forces_in_time();
+    out.in.value = {m.signals_of(element, pose_.data(), motion.v(), laws).value,
+                    m.signals_along(element, pose_.data(), motion.v(), in_time, laws).value};
+  }
   return out;
 }
 

@@ -448,7 +448,7 @@ FreeBodies balance_in_motion(const Scene& then, const MovingLoads& loads, const 
 
 }  // namespace
 
-Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::vector<double>& x,
+Forces forces_in_motion(const Scene& given, const MotionModel& model, const std::vector<double>& x,
                         const std::vector<double>& v, const std::vector<double>& a, double fastest,
                         const std::vector<double>* efforts) {
   Forces out;
@@ -458,6 +458,8 @@ Forces forces_in_motion(const Scene& then, const MotionModel& model, const std::
   for (std::size_t i = 0; i < motions.size(); ++i) motions[i].pose = poses[i];
   for (const double one : v) fastest = std::max(fastest, std::abs(one));
   const double size = model.scales().length;
+  std::optional<Scene> room;
+  const Scene& then = with_set_numbers(given, motions, room);
   const MovingLoads loads(then, motions, size, fastest, efforts);
   FreeBodies bodies = balance_in_motion(then, loads, motions, size, out.friction);
   out.element_force = loads.element_force;

@@ -122,7 +122,7 @@ std::vector<Samples::Held> Samples::take_by(const ReducedMotion<double>& motion,
     const ForcesInTime<double> in_time = motion.forces_in_time();
     ControlChange<double> along{.dq = dq.data(), .dv = change.data()};
     const bool is_of_controller = by != nullptr && by->body < 0 && by->drive < 0 &&
-                                  by->force.of == ForceNumber::Of::element && m.is_controller(by->force.item);
+                                  by->force.of == ForceNumber::Of::element && m.is_of_control(by->force.item);
     if (is_of_controller) {
       along.element = by->force.item;
       along.number = by->force.number;

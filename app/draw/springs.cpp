@@ -161,13 +161,17 @@ void draw_motor_of(Stage& stage, std::size_t i) {
   stage.label(motor.name, at, {-0.7, -0.7}, radius + 4, ink::drive);
 }
 
-/// A controller stands where it acts, one that acts on nothing where it reads, if it does.
+/// A controller stands where it acts, or at the element of which it sets a number, and one without either where it
+/// reads, if it reads a measure.
 void draw_controller_of(Stage& stage, std::size_t i) {
   const Element& controller = stage.scene.elements[i];
   const Feedback& feedback = *controller.feedback;
-  if (!feedback.acts && feedback.source != Feedback::Source::measure) return;
-  const bool is_at_reading = !feedback.acts || controller.on.kind == Measure::Kind::sum;
-  const Measure& on = is_at_reading ? feedback.reads : controller.on;
+  const bool sets_element = feedback.sets && feedback.sets->of == TimeFunction::Of::element;
+  const Measure& acts_on =
+      sets_element ? stage.scene.elements[static_cast<std::size_t>(feedback.sets->item)].on : controller.on;
+  const bool is_at_reading = (!feedback.acts && !sets_element) || acts_on.kind == Measure::Kind::sum;
+  if (is_at_reading && feedback.source != Feedback::Source::measure) return;
+  const Measure& on = is_at_reading ? feedback.reads : acts_on;
   const auto place = [&]() -> Vec2 {
     switch (on.kind) {
       case Measure::Kind::angle:

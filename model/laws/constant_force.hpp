@@ -37,6 +37,7 @@ struct ConstantForceOf {
 
   std::string_view idle() const { return force == 0.0 ? "it is zero" : ""; }
 
+  static constexpr std::array in_motion{&ConstantForceOf::force};  ///< see with_more()
   static constexpr std::array tables{LawTable{"constant_force"}};
   static const std::array<Number, 1> numbers;
 };

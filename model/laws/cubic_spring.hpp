@@ -46,6 +46,8 @@ struct CubicSpringOf {
   std::string_view idle() const { return stiffness == 0.0 && cubic == 0.0 ? "its stiffness is zero" : ""; }
 
   static constexpr int affine_numbers = 2;
+  static constexpr std::array in_motion{&CubicSpringOf::stiffness, &CubicSpringOf::cubic,
+                                        &CubicSpringOf::free_length};  ///< see with_more()
   static constexpr std::array tables{LawTable{"spring", false, "cubic"}, LawTable{"torsion_spring", true, "cubic"},
                                      LawTable{"cubic_spring"}};
   static const std::array<Number, 3> numbers;

@@ -38,6 +38,7 @@ struct DamperOf {
 
   bool damps_small_motion() const { return acts == Acts::both; }
   static constexpr std::string_view left_out = "nothing moves in statics";
+  static constexpr std::array in_motion{&DamperOf::coefficient};  ///< see with_more()
   static constexpr std::array tables{LawTable{"damper"}, LawTable{"torsion_damper", true}};
   static const std::array<Number, 1> numbers;
   static const std::array<LawChoice, 1> choices;

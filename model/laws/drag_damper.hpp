@@ -43,6 +43,7 @@ struct DragDamperOf {
 
   bool damps_small_motion() const { return acts == Acts::both; }
   static constexpr std::string_view left_out = "nothing moves in statics";
+  static constexpr std::array in_motion{&DragDamperOf::coefficient, &DragDamperOf::drag};  ///< see with_more()
   static constexpr std::array tables{LawTable{"damper", false, "drag"}, LawTable{"torsion_damper", true, "drag"}};
   static const std::array<Number, 2> numbers;
   static const std::array<LawChoice, 1> choices;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -196,6 +198,45 @@ LawForce<S> force_of_motion(const LawIn<S>& law, const S& g, const S& w) {
           return LawForce<S>{};
       },
       law);
+}
+
+/// Whether a number of the law may vary during a motion: then in_motion names all that the law has.
+template <class L>
+concept VariesInMotion = requires {
+  L::in_motion;
+};
+inline bool varies_in_motion(const Law& law) {
+  return std::visit([]<class L>(const L&) { return VariesInMotion<L>; }, law);
+}
+
+/// Calls use(the law with `more` added to its numbers_of()[number], in the scalar of that): of one that varies in
+/// motion.
+template <class S, class N, class Use>
+auto with_more(const LawOf<N>& law, int number, const S& more, Use use) -> decltype(use(LinearSpringOf<S>())) {
+  return std::visit(
+      [&]<class L>(const L& l) -> decltype(use(LinearSpringOf<S>())) {
+        if constexpr (VariesInMotion<L>) {
+          std::array<S, L::in_motion.size()> numbers;
+          for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = S(l.*L::in_motion[k]);
+          numbers[static_cast<std::size_t>(number)] += more;
+          return use(l.with(numbers.data()));
+        } else {
+          return {};
+        }
+      },
+      law);
+}
+
+/// The whole force of a law, of one kind, at the rate w.
+template <class L, class S>
+LawForce<S> whole_force(const L& law, const S& g, const S& w) {
+  LawForce<S> out;
+  if constexpr (StoresEnergy<L>) out = law.at_rest(g);
+  if constexpr (ResistsMotion<L>) {
+    const LawForce<S> more = law.resisting(g, w);
+    out = {out.value + more.value, out.by_measure + more.by_measure, out.by_rate + more.by_rate};
+  }
+  return out;
 }
 
 /// The law with its numbers in the scalar of laws on measures in T, as they are.

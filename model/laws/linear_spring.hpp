@@ -60,6 +60,7 @@ struct LinearSpringOf {
 
   std::string_view idle() const { return stiffness == 0.0 ? "its stiffness is zero" : ""; }
 
+  static constexpr std::array in_motion{&LinearSpringOf::stiffness, &LinearSpringOf::free_length};  ///< see with_more()
   static constexpr std::array tables{LawTable{"spring"}, LawTable{"torsion_spring", true}};
   static const std::array<Number, 2> numbers;
   static const std::array<LawChoice, 1> choices;

@@ -45,6 +45,8 @@ struct PreloadedSpringOf {
     return stiffness == 0.0 && preload == 0.0 ? "its stiffness and its preload are zero" : "";
   }
 
+  static constexpr std::array in_motion{&PreloadedSpringOf::stiffness, &PreloadedSpringOf::preload,
+                                        &PreloadedSpringOf::length};  ///< see with_more()
   static constexpr std::array tables{LawTable{"spring", false, "preload"}, LawTable{"torsion_spring", true, "preload"}};
   static const std::array<Number, 3> numbers;
 };

@@ -149,7 +149,8 @@ void add_elements(Group& group, const Scene& scene) {
   Table& table = group.table("elements", "Springs, dampers and other force elements", Rows::list);
   table.words("name", "name", each(scene.elements, &Element::name));
   table.words("kind", "kind", each(scene.elements, &Element::family));
-  table.words("on", "on", each(scene.elements, [&](const Element& e) {
+  table.words("on", "on", each(scene.elements, [&](const Element& e) -> std::string {
+                if (e.feedback && e.feedback->sets) return e.feedback->sets->path;
                 return e.feedback && !e.feedback->acts ? "nothing" : measure_in_words(scene, e.on);
               }));
   table.words("numbers", "numbers", numbers_of_items(scene, Owner::element, scene.elements.size()));
