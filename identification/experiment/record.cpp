@@ -71,6 +71,17 @@ double noise_at_most(const Series& series) {
   return std::max({out, resolution_of(y) / std::sqrt(12.0), least_part * size});
 }
 
+Series at_rest_once(Series series) {
+  if (series.value.empty()) return series;
+  const double last = series.value.back();
+  const auto other = std::find_if(series.value.rbegin(), series.value.rend(), [&](double one) { return one != last; });
+  const auto alike = other - series.value.rbegin();
+  if (other == series.value.rend() || alike < 2) return series;
+  series.value.erase(series.value.end() - alike, series.value.end() - 1);
+  series.time.erase(series.time.end() - alike, series.time.end() - 1);
+  return series;
+}
+
 std::size_t Record::count() const {
   std::size_t sum = 0;
   for (const Series& series : sensors) sum += series.value.size();

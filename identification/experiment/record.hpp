@@ -34,6 +34,10 @@ double noise_at_most(const Series& series);
 /// before, the tenth part of the steps that are not 0 is smaller. 0 where readings are seldom alike.
 double resolution_of(const std::vector<double>& readings);
 
+/// The series with one of the readings that are alike to its end, the last: where an encoder has come to rest its
+/// rounding is one error, not one of each reading. One of which all readings are alike stays as it is.
+Series at_rest_once(Series series);
+
 /// What was read in one run.
 struct Record {
   std::vector<Series> sensors;  ///< one per sensor of the experiment; empty where the run has no readings of it

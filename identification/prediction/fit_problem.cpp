@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -233,6 +234,8 @@ std::vector<Record> FitProblem::records() const {
   for (std::size_t r = 0; r < models_.size(); ++r) {
     if (!models_[r].run().is_simulated()) {
       out.push_back(experiment_.records[r]);
+      if (models_[r].is_at_rest()) continue;
+      for (Series& series : out.back().sensors) series = at_rest_once(std::move(series));
       continue;
     }
     out.push_back(ideal_record(r));

@@ -201,7 +201,8 @@ void RunModel::take_times(std::size_t run) {
       const auto count = static_cast<std::size_t>(std::llround(run_.duration * run_.sample_rate));
       if (run_.reads(k) && !is_at_rest()) left_out_ += count - times_[k].size();
     } else {
-      times_.push_back(experiment_.records[run].sensors[k].time);
+      const Series& read = experiment_.records[run].sensors[k];
+      times_.push_back(is_at_rest() ? read.time : at_rest_once(read).time);
     }
     if (times_[k].empty()) continue;
     const Sensor& sensor = experiment_.sensors[k];
