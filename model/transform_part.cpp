@@ -24,20 +24,23 @@ bool has_formula(const toml::node& node) {
 
 void Placing::rename_below(toml::node& node, std::string_view key) const {
   if (auto* const text = node.as_string()) {
-    if (!is_one_of(key, {"name", "at",  "on",     "follows", "slide",         "x",
-                         "y",    "pin", "center", "carrier", "pinion",        "wheel",
-                         "line", "a",   "b",      "pulley",  "turn",          "roller",
-                         "acts", "law", "file",   "profile", "interpolation", "as",
-                         "point"})) {
+    if (!is_one_of(key, {"name",  "at",    "on",     "follows", "slide",         "x",
+                         "y",     "pin",   "center", "carrier", "pinion",        "wheel",
+                         "line",  "a",     "b",      "pulley",  "turn",          "roller",
+                         "acts",  "law",   "file",   "profile", "interpolation", "as",
+                         "point", "reads", "sets"})) {
       rename(*text, key == FormulaInTime::key ? FormulaInTime::time_name : std::string_view());
     }
   } else if (toml::array* const list = node.as_array()) {
-    const bool names = is_one_of(key, {"points", "bodies", "over", "rope", "line", "segment", "outline"});
+    const bool names = is_one_of(key, {"points", "bodies", "over", "rope", "line", "segment", "outline", "against"});
     for (toml::node& one : *list) {
       if (!names || !one.is_string()) rename_below(one, "");
     }
   } else if (toml::table* const table = node.as_table(); table != nullptr && key != "arc") {  // it has names of points
-    for (auto&& [below, value] : *table) rename_below(value, below.str());
+    for (auto&& [below, value] : *table) {
+      // What a controller reads is told by names alone.
+      if (key != "reads" || !value.is_string()) rename_below(value, below.str());
+    }
   }
 }
 

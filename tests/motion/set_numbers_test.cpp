@@ -18,6 +18,7 @@
 #include "motion/quantities_along.hpp"
 #include "motion/reduced_motion.hpp"
 #include "motion/simulate.hpp"
+#include "tests/app/run_poise.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
@@ -383,6 +384,32 @@ TEST(SetNumbers, AnElasticActuatorHasItsPoles) {
   for (const std::complex<double>& p : found.poles) {
     EXPECT_LT(std::abs((p + 60.0) * (0.2 * p * p + 0.1 * p) + 150.0 * p + 60.0 * (20.0 + 2.0 * p)), 1e-8);
   }
+}
+
+// Of a part the paths are those of its own items; mirrored it moves the other way.
+TEST(SetNumbers, PartsSetTheirOwnNumbers) {
+  const app_tests::TempFolder folder;
+  const std::string springs = all_together().substr(0, all_together().rfind("[[controller]]"));
+  const auto as_part = [&](const std::string& text, const std::string& more) {
+    folder.write("part.toml", text);
+    const MotionModel model(
+        parse_scene("gravity = [0, -9.81]\n[[part]]\nname = \"P\"\nfile = \"part.toml\"\nat = [1, 2]\n" + more,
+                    folder.path("whole.toml")));
+    const double start = more.empty() ? 0.3 : M_PI - 0.3;
+    const Motion motion = test::moved(model, test::released(model, {.places = {{"P.arm", start}}}), 2.0, 1e-12);
+    return test::read_at(motion, {2.0})[0].q[static_cast<std::size_t>(test::coordinate_of(model, "P.arm"))];
+  };
+  const auto alone = [&](const std::string& text) {
+    const MotionModel model(parse_scene(text, "set.toml"));
+    const Motion motion = test::moved(model, test::released(model, {.places = {{"arm", 0.3}}}), 2.0, 1e-12);
+    return test::read_at(motion, {2.0})[0].q[static_cast<std::size_t>(test::coordinate_of(model, "arm"))];
+  };
+  EXPECT_NEAR(as_part(all_together(), ""), alone(all_together()), 1e-9);
+  EXPECT_NEAR(as_part(springs, "mirror = true\nangle = 3.141592653589793\n"), M_PI - alone(springs), 1e-9);
+  EXPECT_NE(test::message_of([&] {
+              as_part(all_together(), "mirror = true\n");
+            }).find("expected a number of a spring or a damper where the controller is mirrored"),
+            std::string::npos);
 }
 
 TEST(SetNumbers, BadInputIsNamed) {
