@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
@@ -72,13 +73,21 @@ double noise_at_most(const Series& series) {
 }
 
 Series at_rest_once(Series series) {
-  if (series.value.empty()) return series;
-  const double last = series.value.back();
-  const auto other = std::find_if(series.value.rbegin(), series.value.rend(), [&](double one) { return one != last; });
-  const auto alike = other - series.value.rbegin();
-  if (other == series.value.rend() || alike < 2) return series;
-  series.value.erase(series.value.end() - alike, series.value.end() - 1);
-  series.time.erase(series.time.end() - alike, series.time.end() - 1);
+  const double resolution = resolution_of(series.value);
+  if (resolution == 0.0) return series;
+  constexpr double one_step = 1.01;
+  double least = series.value.back(), greatest = least;
+  std::size_t first = series.value.size();
+  while (first > 0) {
+    least = std::min(least, series.value[first - 1]);
+    greatest = std::max(greatest, series.value[first - 1]);
+    if (greatest - least > one_step * resolution) break;
+    --first;
+  }
+  if (first == 0) return series;
+  const auto from = static_cast<std::ptrdiff_t>(first);
+  series.value.erase(series.value.begin() + from, series.value.end() - 1);
+  series.time.erase(series.time.begin() + from, series.time.end() - 1);
   return series;
 }
 

@@ -34,8 +34,9 @@ double noise_at_most(const Series& series);
 /// before, the tenth part of the steps that are not 0 is smaller. 0 where readings are seldom alike.
 double resolution_of(const std::vector<double>& readings);
 
-/// The series with one of the readings that are alike to its end, the last: where an encoder has come to rest its
-/// rounding is one error, not one of each reading. One of which all readings are alike stays as it is.
+/// The series with one of the readings that differ by no more than their resolution_of() to its end, the last: where an
+/// encoder has come to rest its rounding is one error, not one of each reading; noise that is less than a step changes
+/// it little. One that does not move by more in all stays as it is.
 Series at_rest_once(Series series);
 
 /// What was read in one run.

@@ -203,6 +203,7 @@ void RunModel::take_times(std::size_t run) {
     } else {
       const Series& read = experiment_.records[run].sensors[k];
       times_.push_back(is_at_rest() ? read.time : at_rest_once(read).time);
+      repeated_ += read.time.size() - times_[k].size();
     }
     if (times_[k].empty()) continue;
     const Sensor& sensor = experiment_.sensors[k];

@@ -91,6 +91,8 @@ class RunModel {
   double span() const;
   /// Readings of the run that are not compared (see compared_times()).
   std::size_t left_out() const { return left_out_; }
+  /// Readings at rest that at_rest_once() leaves out.
+  std::size_t repeated() const { return repeated_; }
 
   /// Predicts the readings up to the time `until`, s; with the Jacobian where asked. `accuracy` as of simulate(), and
   /// `interrupt`, where there is one: there is no prediction where it is set before the motion ends.
@@ -267,7 +269,7 @@ class RunModel {
   int equilibrium_coordinate_ = -1;
   std::vector<std::vector<double>> times_;
   std::vector<Reading> readings_;  // of all sensors, in the order of time
-  std::size_t left_out_ = 0;
+  std::size_t left_out_ = 0, repeated_ = 0;
   double end_ = 0.0;  // to which the motion may have to be known, s
   bool reads_impacts_ = false;
   bool delayed_ = false;  // the delay of a sensor is unknown or not zero

@@ -208,6 +208,39 @@ TEST(CsvTimes, AreThreeAtLeast) {
             "data.csv:2: t: expected at least 3 rows, found 2 after thinning; take more of them");
 }
 
+// Of a swing that dies out and is read in steps of 0.01 one reading is left of those within a step of the last.
+TEST(Record, ReadingsAtRestCountOnce) {
+  Series series;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 0.01 * i, noise = i % 3 == 0 ? 0.004 : 0.0;
+    series.time.push_back(t);
+    series.value.push_back(0.01 * std::round(100 * (0.3 + std::exp(-t) * std::cos(5 * t) + noise)));
+  }
+  const Series once = at_rest_once(series);
+  ASSERT_GT(once.value.size(), 350U);
+  ASSERT_LT(once.value.size(), 700U);
+  EXPECT_EQ(once.time.back(), series.time.back());
+  EXPECT_EQ(once.value.back(), series.value.back());
+  const std::size_t last = once.value.size() - 2;
+  for (std::size_t i = 0; i <= last; ++i) EXPECT_EQ(once.value[i], series.value[i]);
+  double least = 1.0, greatest = 0.0;
+  for (std::size_t i = last + 1; i < series.value.size(); ++i) {
+    least = std::min(least, series.value[i]);
+    greatest = std::max(greatest, series.value[i]);
+  }
+  EXPECT_LT(greatest - least, 0.0101);
+  EXPECT_GT(std::max(greatest, series.value[last]) - std::min(least, series.value[last]), 0.0101);
+  EXPECT_EQ(at_rest_once(once).value.size(), once.value.size());
+  // What is not read in steps, and what does not move, stays.
+  Series smooth = series, constant = series;
+  for (std::size_t i = 0; i < smooth.value.size(); ++i) {
+    smooth.value[i] = std::exp(-smooth.time[i]) * std::cos(5 * smooth.time[i]);
+    constant.value[i] = i % 2 == 0 ? 0.3 : 0.31;
+  }
+  EXPECT_EQ(at_rest_once(smooth).value, smooth.value);
+  EXPECT_EQ(at_rest_once(constant).value, constant.value);
+}
+
 TEST(ReadCsv, ReadsTheMeasuredDoublePendulum) {
   const std::filesystem::path file =
       std::filesystem::path(POISE_SOURCE_DIR) / "../shared/data/multi_arm_pendulum/double.csv";

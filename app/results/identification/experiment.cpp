@@ -63,10 +63,10 @@ std::string nuisances_in_words(const FitProblem& problem) {
                                           : "start");
 }
 
-/// Readings that are not compared because of the delays that their sensors may have.
-std::size_t left_out(const FitProblem& problem) {
+/// The sum of a count over the runs.
+std::size_t sum_of(const FitProblem& problem, std::size_t (RunModel::*count)() const) {
   std::size_t sum = 0;
-  for (std::size_t r = 0; r < problem.runs(); ++r) sum += problem.run(r).left_out();
+  for (std::size_t r = 0; r < problem.runs(); ++r) sum += (problem.run(r).*count)();
   return sum;
 }
 
@@ -94,10 +94,16 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
   add_units(out.content, experiment.scene.units);
   out.content.data("runs", problem.runs());
   out.content.data("readings", problem.readings());
-  const std::size_t less = left_out(problem);
+  const std::size_t less = sum_of(problem, &RunModel::left_out);
   out.content.data("readings_left_out", less);
   if (less > 0) {
     out.content.fact("left out", count(static_cast<int>(less), "reading", "readings") + " for the delays of sensors");
+  }
+  const std::size_t repeated = sum_of(problem, &RunModel::repeated);
+  out.content.data("readings_at_rest", repeated);
+  if (repeated > 0) {
+    out.content.fact("at rest", count(static_cast<int>(repeated), "reading that differs", "readings that differ") +
+                                    " by no more than one step of the sensor from the last, which counts for all");
   }
   out.content.data("parameters", problem.parameters().size());
   out.content.data("nuisances", problem.nuisances());
@@ -106,7 +112,7 @@ Result experiment_result(const FitProblem& problem, const std::vector<std::strin
 
 std::string data_in_words(const FitProblem& problem) {
   const Experiment& experiment = problem.experiment();
-  const std::size_t less = left_out(problem);
+  const std::size_t less = sum_of(problem, &RunModel::left_out);
   return fmt::format("{}; {} readings of {}{}; {}{}", runs_in_words(experiment), problem.readings(),
                      count(static_cast<int>(experiment.sensors.size()), "sensor", "sensors"),
                      less > 0 ? fmt::format(", {} left out for their delays", less) : "",
