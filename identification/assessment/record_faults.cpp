@@ -270,7 +270,9 @@ class RunFaults {
       sizes.push_back(std::abs(all.back().jump - slope * all.back().extra));
       slopes.push_back(std::abs(slope));
     }
-    const double usual = std::max(quantile_of(sizes, 0.5), 1e-9 * quantile_of(slopes, 0.9) * spacing);
+    // Where it is at rest for most of the record the parabolas miss little there.
+    const double rounding = resolution_of(read.value) / std::sqrt(12.0);
+    const double usual = std::max({quantile_of(sizes, 0.5), 1e-9 * quantile_of(slopes, 0.9) * spacing, rounding});
     const double fast = 0.3 * quantile_of(slopes, 0.75);
     std::optional<Jump> largest;
     for (std::size_t n = 0; n < all.size(); ++n) {

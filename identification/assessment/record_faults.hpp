@@ -37,7 +37,8 @@ void expect_no_markers(const Experiment& experiment);
 ///   lost:      between two readings the quantity jumps by what `lost` seconds of motion make, at least 0.7 of the
 ///              usual spacing: samples were lost, the clock jumped, or (lost < 0) it stopped. Of positions, where
 ///              no stop or drive makes the motion jump and the slopes on both sides agree: parabolas through 6 readings
-///              on each side, whose values between the two differ by more than 10 times the median of such differences;
+///              on each side, whose values between the two differ by more than 10 times the median of such differences,
+///              and of the rounding of readings;
 ///   idle:      a free run stands still for its first readings and moves then. The times T at which it has left its
 ///              place by 8, 32 and 128 times the noise tell when it began: from rest places grow as the square of the
 ///              time since, at 2 T_8 - T_32, which must be 3 (T_32 - T_8) at least; those of an unstable equilibrium
