@@ -1,7 +1,9 @@
 #include "identification/identifiability/base_parameters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -94,18 +96,36 @@ BaseParameters base_parameters(const Scene& scene) {
                          model.scales().length * model.scales().length};
   for (int b = 0; b < out.rank; ++b) {
     const Eigen::Index column = order[static_cast<std::size_t>(b)];
-    std::string words = name(column);
+    BaseParameters::Sum sum{name(column),
+                            {{bodies[static_cast<std::size_t>(column / 4)], static_cast<int>(column % 4)}}};
     for (Eigen::Index d = 0; d < shares.cols(); ++d) {
       const Eigen::Index other = order[static_cast<std::size_t>(out.rank + d)];
       // Per unit of the other parameter, in SI; both columns were scaled.
       const double share = shares(b, d) * length[other] / length[column] * unit[column % 4] / unit[other % 4];
-      if (std::abs(shares(b, d)) > 1e-7)
-        words += fmt::format(" {} {:.6g} {}", share < 0 ? '-' : '+', std::abs(share), name(other));
+      if (std::abs(shares(b, d)) <= 1e-7) continue;
+      sum.words += fmt::format(" {} {:.6g} {}", share < 0 ? '-' : '+', std::abs(share), name(other));
+      sum.terms.push_back({bodies[static_cast<std::size_t>(other / 4)], static_cast<int>(other % 4), share});
     }
-    out.base.push_back(words);
+    out.sums.push_back(std::move(sum));
   }
-  std::sort(out.base.begin(), out.base.end());
+  std::sort(out.sums.begin(), out.sums.end(), [](const auto& a, const auto& b) { return a.words < b.words; });
   return out;
+}
+
+double value_of(const BaseParameters::Sum& sum, const Scene& scene) {
+  double out = 0.0;
+  for (const BaseParameters::Term& term : sum.terms) {
+    const Body& body = scene.bodies[static_cast<std::size_t>(term.body)];
+    const Vec2 first = body.mass * body.center;
+    const std::array<double, 4> parts{body.mass, first.x, first.y, body.inertia + dot(first, body.center)};
+    out += term.factor * parts[static_cast<std::size_t>(term.part)];
+  }
+  return out;
+}
+
+Dimension dimension_of(const BaseParameters::Sum& sum) {
+  const int part = sum.terms.front().part;
+  return part == 3 ? dimension::inertia : part == 0 ? dimension::mass : dimension::mass * dimension::length;
 }
 
 }  // namespace poise

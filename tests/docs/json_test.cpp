@@ -1023,6 +1023,10 @@ TEST(JsonDocs, Identify) {
   aliased.erase(aliased.find(inertia), inertia.size());
   aliased.replace(aliased.find("duration = 2\nrate = 100"), 23, "duration = 20\nrate = 1.7");
   folder.write("again.toml", ratios);
+  // Of mass, place of the centre and inertia only sums are identifiable.
+  std::string open = curved;
+  open.insert(open.find("[[run]]"), "[[unknown]]\npath = \"body.wheel.mass\"\n" + inertia);
+  open.replace(open.find("noise = 1.4e-3"), 14, "noise = 1e-4");
   // Five wheels that differ: the runs scatter.
   std::string scattered = ratios;
   scattered.erase(scattered.find(inertia), inertia.size());
@@ -1046,6 +1050,7 @@ TEST(JsonDocs, Identify) {
          "20"}},
        {{"identify", folder.write("aliased.toml", aliased)}},
        {{"identify", folder.write("curved.toml", curved)}},
+       {{"identify", folder.write("open.toml", open)}},
        {{"identify", folder.write("ratios.toml", ratios)}},
        {{"identify", folder.write("scattered.toml", scattered)}},
        {{"identify", folder.write("shifted.toml", shifted)}},

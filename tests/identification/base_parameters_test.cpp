@@ -52,9 +52,9 @@ std::vector<std::string> names_of(const Scene& scene, const std::vector<std::str
 }
 
 Eigen::MatrixXd rows_of(const BaseParameters& base, const std::vector<std::string>& names) {
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(base.base.size()), static_cast<Eigen::Index>(names.size()));
-  for (std::size_t i = 0; i < base.base.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) = row_of(base.base[i], names).transpose();
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(base.sums.size()), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t i = 0; i < base.sums.size(); ++i) {
+    rows.row(static_cast<Eigen::Index>(i)) = row_of(base.sums[i].words, names).transpose();
   }
   return rows;
 }
@@ -95,7 +95,7 @@ TEST(BaseParameters, DoublePendulumHasSix) {
   EXPECT_EQ(found.parameters, 8);
   EXPECT_EQ(found.rank, 6);
   EXPECT_GT(found.gap, 1e6);
-  ASSERT_EQ(found.base.size(), 6U);
+  ASSERT_EQ(found.sums.size(), 6U);
   EXPECT_EQ(found.without, (std::vector<std::string>{"one.m"}));
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(6, 8);
   expected(0, 3) = 1;
@@ -180,7 +180,7 @@ TEST(BaseParameters, LiftHas23Of36) {
   EXPECT_EQ(found.parameters, 36);
   EXPECT_EQ(found.rank, 23);
   EXPECT_GT(found.gap, 1e3);
-  EXPECT_EQ(found.base.size(), 23U);
+  EXPECT_EQ(found.sums.size(), 23U);
   const Eigen::MatrixXd rows =
       rows_of(found, names_of(scene, {"obd", "def", "fa", "cylinder", "rod", "bpc", "ecg", "gl", "platform"}));
   // The slide keeps cylinder and rod parallel: only the sum of their inertias matters.
@@ -193,7 +193,7 @@ TEST(BaseParameters, NoneWhereNothingHasInertia) {
   const BaseParameters found = base_parameters(scene);
   EXPECT_EQ(found.parameters, 0);
   EXPECT_EQ(found.rank, 0);
-  EXPECT_TRUE(found.base.empty());
+  EXPECT_TRUE(found.sums.empty());
 }
 
 // Adds the point mass m at p to a body.

@@ -7,7 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "app/result/each.hpp"
+#include "app/results/identification/experiment.hpp"
 #include "identification/assessment/carried_numbers.hpp"
+#include "identification/assessment/determined_inertia.hpp"
 #include "model/input_error.hpp"
 #include "model/text_file.hpp"
 #include "solvers/not_a_number.hpp"
@@ -107,6 +110,36 @@ void add_fitted_numbers(Group& content, const FitProblem& problem, const Identif
     one.data("error", listed_values(per_unit.cwiseProduct(direction.error)));
     one.data("words", direction.words);
   }
+}
+
+void add_determined_inertia(Group& content, const FitProblem& problem, const Identification& answer) {
+  const std::vector<PredictedResult> found = determined_inertia(problem, answer);
+  const Units& units = problem.experiment().scene.units;
+  const auto unit = [&](const PredictedResult& one) { return one.dimension.unit(units); };
+  const auto unit_name = [&](const PredictedResult& one) { return one.dimension.unit_name(units); };
+  Branch& data = content.array("inertia");
+  for (const PredictedResult& one : found) {
+    Group& row = data.parts.emplace_back();
+    row.data("name", one.name);
+    row.data("value", one.value / unit(one));
+    row.data("standard_error", one.sigma / unit(one));
+    row.data("low", one.low / unit(one));
+    row.data("high", one.high / unit(one));
+    row.data("unit", unit_name(one));
+  }
+  if (found.empty()) return;
+  Table& table = content.table("", "Base parameters that are identifiable", Rows::list);
+  const auto digits = [&](const PredictedResult& one, double si) {
+    return rounded_to(si / unit(one), one.sigma / unit(one));
+  };
+  table.words("", "base parameter", each(found, &PredictedResult::name));
+  table.numbers("", "value", "", {}).texts = each(found, [&](const auto& one) { return digits(one, one.value); });
+  table.words("", "95 % interval",
+              each(found, [&](const auto& one) { return digits(one, one.low) + " to " + digits(one, one.high); }));
+  table.words("", "unit", each(found, unit_name));
+  content.group("", "").note(
+      "m x and m y are the mass times the place of its centre, and J the inertia about the body's origin, "
+      "inertia + m (x^2 + y^2).");
 }
 
 FittedNumbers read_fitted_numbers(const std::string& file, const Scene& scene) {

@@ -129,7 +129,7 @@ Result identifiability_result(const FitProblem& problem, const Identifiability& 
   parameters.data("gap", base.gap);
   parameters.list("base",
                   "Base parameters, SI: masses m, first moments m x and m y, inertias J about the bodies' origins",
-                  base.base, level);
+                  each(base.sums, &BaseParameters::Sum::words), level);
   parameters.list("without_effect", "Inertial parameters without effect", base.without, level);
   return out;
 }

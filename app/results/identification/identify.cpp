@@ -810,6 +810,7 @@ Result identify_result(const FitProblem& problem, const Identification& answer,
   // Standard errors are those of a minimum.
   if (fitted.usable()) {
     add_combinations(content, problem, fitted.identifiability);
+    add_determined_inertia(content, problem, answer);
     add_correlations(content, problem, fitted.identifiability);
   }
   add_identifiability_data(content, problem, fitted.identifiability);
