@@ -74,7 +74,7 @@ double noise_at_most(const Series& series) {
 
 Series at_rest_once(Series series) {
   const double resolution = resolution_of(series.value);
-  if (resolution == 0.0) return series;
+  if (resolution == 0.0 || series.repeated > 0) return series;
   constexpr double one_step = 1.01;
   double least = series.value.back(), greatest = least;
   std::size_t first = series.value.size();
@@ -86,6 +86,7 @@ Series at_rest_once(Series series) {
   }
   if (first == 0) return series;
   const auto from = static_cast<std::ptrdiff_t>(first);
+  series.repeated = series.value.size() - 1 - first;
   series.value.erase(series.value.begin() + from, series.value.end() - 1);
   series.time.erase(series.time.begin() + from, series.time.end() - 1);
   return series;

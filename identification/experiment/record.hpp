@@ -13,6 +13,7 @@ namespace poise {
 struct Series {
   std::vector<double> time;   ///< s, ascending
   std::vector<double> value;  ///< SI, one per time
+  std::size_t repeated = 0;   ///< readings at rest that at_rest_once() has left out
 };
 
 /// Adds whole periods to readings of a column that starts again after each, so that no two successive ones differ by

@@ -202,8 +202,9 @@ void RunModel::take_times(std::size_t run) {
       if (run_.reads(k) && !is_at_rest()) left_out_ += count - times_[k].size();
     } else {
       const Series& read = experiment_.records[run].sensors[k];
-      times_.push_back(is_at_rest() ? read.time : at_rest_once(read).time);
-      repeated_ += read.time.size() - times_[k].size();
+      Series once = is_at_rest() ? read : at_rest_once(read);
+      times_.push_back(std::move(once.time));
+      repeated_ += once.repeated;
     }
     if (times_[k].empty()) continue;
     const Sensor& sensor = experiment_.sensors[k];
