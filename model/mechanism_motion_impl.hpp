@@ -204,10 +204,23 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, 
     if (bends) e.on.add_bend(here, dq, resistances[0], g);
     resistances = slopes + support.size();
   }
+  const auto moves = [&](const std::vector<int>& support) {
+    return std::any_of(support.begin(), support.end(), [&](int i) { return dq[i] != 0 || dv[i] != 0; });
+  };
+  const auto knows_change = [&](const Control& control) {
+    return control.is_behind_others() || moves(control.reads.support()) || moves(control.integral.support()) ||
+           moves(control.filter.support()) ||
+           std::any_of(control.held.begin(), control.held.end(),
+                       [&](const auto& held) { return moves(held.support()); });
+  };
   for (const Control& control : controls_) {
     const CompiledMeasure<T>& on = elements_[control.element].on;
     const std::vector<int>& support = pushed(control);
     const T* slopes = resistances + 3;
+    if (!moves(support) && !knows_change(control)) {
+      resistances = slopes + support.size();
+      continue;
+    }
     const ControlOutputs<T> change = outputs_along(control, here, v, {.dq = dq, .dv = dv}, in_time, true);
     for (std::size_t i = 0; i < support.size(); ++i) g[support[i]] -= change.effort * slopes[i];
     if (control.acts && !on.is_linear()) on.add_bend(here, dq, T(-resistances[0]), g);
