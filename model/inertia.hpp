@@ -51,8 +51,9 @@ class Inertia {
 
   const Mechanism<T>& mechanism_;
   int n_;
-  std::vector<Planar<T>> w_;  // W, row by row
-  std::vector<T> moment_;     // J per coordinate
+  std::vector<std::size_t> moved_;  // coordinates that move masses: of all others, rows and columns of W are zero
+  std::vector<Planar<T>> w_;        // W of these, row by row
+  std::vector<T> moment_;           // J per coordinate
   Planar<T> gravity_;
   struct Origin {  // of a body, a sum of phasors
     std::vector<int> coordinate;

@@ -15,13 +15,18 @@ template <class NumbersOfScene>
 Inertia<T>::Inertia(const NumbersOfScene& numbers, const Mechanism<T>& mechanism)
     : mechanism_(mechanism),
       n_(mechanism.coordinates()),
-      w_(static_cast<std::size_t>(n_) * n_),
       moment_(n_, T(0)),
       gravity_(numbers.gravity()),
       origin_(numbers.scene().bodies.size()) {
   const Scene& scene = numbers.scene();
   const Layout& layout = mechanism.layout();
   const Phasors<T>& phasors = mechanism.phasors();
+  struct Mass {
+    int body;
+    std::vector<std::pair<int, Planar<T>>> terms;  // of its centre
+  };
+  std::vector<Mass> masses;
+  std::vector<int> place(static_cast<std::size_t>(n_), -1);
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
     const int index = static_cast<int>(i);
@@ -46,8 +51,22 @@ Inertia<T>::Inertia(const NumbersOfScene& numbers, const Mechanism<T>& mechanism
       if (arm.coordinate >= 0) terms.emplace_back(arm.coordinate, phasors.coefficient(arm));
     }
     if (center_varies && frame >= 0) terms.emplace_back(frame, numbers.center(index) * origin.turn);
-    for (const auto& [t, c_t] : terms) {
-      for (const auto& [u, c_u] : terms) w_[t * n_ + u] += numbers.mass(index) * (conj(c_t) * c_u);
+    for (const auto& [t, c_t] : terms) place[static_cast<std::size_t>(t)] = 0;
+    masses.push_back({index, std::move(terms)});
+  }
+  for (int t = 0; t < n_; ++t) {
+    if (place[static_cast<std::size_t>(t)] < 0) continue;
+    place[static_cast<std::size_t>(t)] = static_cast<int>(moved_.size());
+    moved_.push_back(static_cast<std::size_t>(t));
+  }
+  const std::size_t m = moved_.size();
+  w_.resize(m * m);
+  for (const Mass& mass : masses) {
+    for (const auto& [t, c_t] : mass.terms) {
+      Planar<T>* row = &w_[static_cast<std::size_t>(place[static_cast<std::size_t>(t)]) * m];
+      for (const auto& [u, c_u] : mass.terms) {
+        row[place[static_cast<std::size_t>(u)]] += numbers.mass(mass.body) * (conj(c_t) * c_u);
+      }
     }
   }
 }
@@ -63,14 +82,26 @@ std::array<typename Inertia<T>::Partial, 2> Inertia<T>::first(const Planar<T>* p
 
 template <class T>
 void Inertia<T>::weigh(const Planar<T>* f, Planar<T>* out) const {
-  const Planar<T>* w = w_.data();
-  for (int t = 0; t < n_; ++t) {
-    T x(0), y(0);
-    for (int u = 0; u < n_; ++u, ++w) {
-      x += w->x * f[u].x - w->y * f[u].y;
-      y += w->x * f[u].y + w->y * f[u].x;
+  const std::size_t m = moved_.size();
+  const auto weigh_at = [&](auto coordinate) {
+    const Planar<T>* w = w_.data();
+    for (std::size_t i = 0; i < m; ++i) {
+      T x(0), y(0);
+      for (std::size_t j = 0; j < m; ++j, ++w) {
+        const Planar<T>& moves = f[coordinate(j)];
+        x += w->x * moves.x - w->y * moves.y;
+        y += w->x * moves.y + w->y * moves.x;
+      }
+      out[coordinate(i)] = {x, y};
     }
-    out[t] = {x, y};
+  };
+  if (m < static_cast<std::size_t>(n_)) std::fill(out, out + n_, Planar<T>{});
+  if (m == 0) return;
+  const std::size_t first = moved_.front();
+  if (moved_.back() - first + 1 == m) {
+    weigh_at([&](std::size_t i) { return first + i; });
+  } else {
+    weigh_at([&](std::size_t i) { return moved_[i]; });
   }
 }
 
@@ -108,14 +139,15 @@ template <class T>
 void Inertia<T>::mass_matrix(const Planar<T>* pose, T* m) const {
   std::fill(m, m + static_cast<std::size_t>(n_) * n_, T(0));
   for (int k = 0; k < n_; ++k) m[k * n_ + k] = moment_[k];
-  for (int t = 0; t < n_; ++t) {
-    const auto left = first(pose, t);
-    for (int u = 0; u < n_; ++u) {
-      const Planar<T>& w = w_[t * n_ + u];
+  const Planar<T>* next = w_.data();
+  for (const std::size_t t : moved_) {
+    const auto left = first(pose, static_cast<int>(t));
+    for (const std::size_t u : moved_) {
+      const Planar<T>& w = *next++;
       if (all(w.x == 0 && w.y == 0)) continue;
       for (const Partial& a : left) {
         if (a.coordinate < 0) continue;
-        for (const Partial& b : first(pose, u)) {
+        for (const Partial& b : first(pose, static_cast<int>(u))) {
           if (b.coordinate >= 0) m[a.coordinate * n_ + b.coordinate] += dot(a.value, w * b.value);
         }
       }

@@ -352,9 +352,23 @@ void Mechanism<T>::add_resistance_change(Planar<T>* pose, const T* resistances, 
     if (bends) e.on.add_bend(here, dq, resistances[0], g);
     resistances = slopes + support.size();
   }
+  const auto moves = [&](const std::vector<int>& support) {
+    return std::any_of(support.begin(), support.end(), [&](int i) { return dq[i] != 0 || dv[i] != 0; });
+  };
+  const auto knows_change = [&](const Control& control) {
+    return control.is_behind_others() || moves(control.reads.support()) || moves(control.integral.support()) ||
+           moves(control.filter.support()) ||
+           std::any_of(control.held.begin(), control.held.end(),
+                       [&](const auto& held) { return moves(held.support()); });
+  };
   for (const Control& control : controls_) {
     const std::vector<int>& support = pushed(control);
     const T* slopes = resistances + 3;
+    const int frame = control.load < 0 ? -1 : loads_[control.load].frame;
+    if (!moves(support) && !knows_change(control) && (frame < 0 || dq[frame] == 0)) {
+      resistances = slopes + support.size();
+      continue;
+    }
     const ControlChange<T> along{.dq = dq, .dv = dv};
     const ControlOutputs<T> change = outputs_along(control, here, v, along, in_time, true);
     const T output = control.sets < 0 ? T(0) : outputs(control, here, v, in_time, true).effort;

@@ -12,6 +12,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "model/controllers.hpp"
+#include "motion/blades.hpp"
 #include "motion/reduced_motion.hpp"
 #include "motion/samples.hpp"
 #include "solvers/delayed_system.hpp"
@@ -54,18 +55,22 @@ class LoopAtRest {
     const bool holds = out_.period > 0.0 || !out_.delayed.empty();
     out_.known = (holds ? comes_to_rest_with_what_is_held() : comes_to_rest()) && touches_nothing();
     if (!out_.known) return std::move(out_);
+    keep_free_rates();
     out_.x.assign(reduced_.q(), reduced_.q() + reduced_.coordinates());
+    for (int b = 0; b < reduced_.blades(); ++b) {
+      out_.blade_force.push_back(reduced_.blade_force(b) * model_.scales().force);
+    }
     model_.mechanism().place(reduced_.q(), pose_.data());
     for (const int e : controllers_of(scene_)) add_controller(e);
     close();
     open();
     note_directions();
     if (out_.period > 0.0) discretize();
-    out_.open_poles = poles_of(out_.open.a);
+    out_.open_poles = poles_of(along_edges(out_.open.a));
     if (out_.delayed.empty()) {
-      out_.poles = poles_of(out_.closed.a);
-      const Index n = out_.closed.a.rows();
-      out_.system = {out_.closed.a, MatrixXd(n, 0), MatrixXd(0, n), MatrixXd(0, 0), VectorXd(0)};
+      const MatrixXd a = along_edges(out_.closed.a);
+      out_.poles = poles_of(a);
+      out_.system = {a, MatrixXd(a.rows(), 0), MatrixXd(0, a.rows()), MatrixXd(0, 0), VectorXd(0)};
     } else if (!find_poles_with_delays()) {
       return std::move(out_);
     }
@@ -77,6 +82,7 @@ class LoopAtRest {
       growth = out_.poles.empty() ? -1.0 : std::abs(out_.poles.front()) - 1.0;
       zero = std::max(zero, no_growth_of_pole);
     }
+    add_poles_of_blades();
     using Stability = ControlLoop::Stability;
     out_.stability = growth > zero ? Stability::unstable : growth < -zero ? Stability::stable : Stability::marginal;
     return std::move(out_);
@@ -94,9 +100,9 @@ class LoopAtRest {
   void refuse_what_is_not_linear() const {
     const auto refuse = [&](int line, std::string_view family, const std::string& name) {
       throw InputError(
-          fmt::format("{}:{}: {} \"{}\": the linear system of a mechanism with controllers is not known "
+          fmt::format("{}:{}: {} \"{}\": the linear system of a mechanism with {} is not known "
                       "with it; expected a scene without it",
-                      scene_.file, line, family, name));
+                      scene_.file, line, family, name, controllers_of(scene_).empty() ? "blades" : "controllers"));
     };
     for (const Drive& drive : scene_.drives) refuse(drive.line, "drive", drive.name);
     for (const Element& element : scene_.elements) {
@@ -139,9 +145,84 @@ class LoopAtRest {
     states_.insert(states_.end(), of_controllers.begin(), of_controllers.end());
   }
 
-  const double* change_by(const State& state) const {
-    const auto k = static_cast<int>(state.k);
-    return state.is_rate ? reduced_.alpha_w(k) : reduced_.alpha_z(k);
+  /// N: the rates w = N u that the edges of blades leave, by independent ones, with a column for each rate; those of
+  /// rates that follow from others are zero.
+  void find_free_rates() {
+    const auto f = static_cast<Index>(z_.size());
+    free_rates_ = MatrixXd::Identity(f, f);
+    const Index held = reduced_.blades();
+    if (held == 0) return;
+    const solvers::ColumnShares shares = solvers::column_shares(blade_conditions(reduced_), held);
+    for (Index i = 0; i < held; ++i) {
+      const int rate = shares.columns[static_cast<std::size_t>(i)];
+      free_rates_.row(rate).setZero();
+      for (Index k = held; k < f; ++k) {
+        free_rates_(rate, shares.columns[static_cast<std::size_t>(k)]) = 0.0 - shares.share(i, k - held);
+      }
+    }
+  }
+  bool is_free(std::size_t k) const { return free_rates_(static_cast<Index>(k), static_cast<Index>(k)) != 0.0; }
+
+  /// In the equilibrium: rates that follow from others are no states.
+  void keep_free_rates() {
+    find_free_rates();
+    std::erase_if(states_, [&](const State& state) { return state.is_rate && !is_free(state.k); });
+    of_mechanism_ = static_cast<std::size_t>(
+        std::count_if(states_.begin(), states_.end(), [](const State& state) { return !state.of_controller; }));
+    const Eigen::Map<const MatrixXd> along(reduced_.B(0), reduced_.coordinates(), reduced_.freedoms());
+    rates_ = along * free_rates_;
+  }
+
+  /// The change of the accelerations.
+  VectorXd change_by(const State& state) const {
+    const auto f = static_cast<Index>(z_.size());
+    if (!state.is_rate) return Eigen::Map<const VectorXd>(reduced_.alpha_z(static_cast<int>(state.k)), f);
+    return Eigen::Map<const MatrixXd>(reduced_.alpha_w(0), f, f) * free_rates_.col(static_cast<Index>(state.k));
+  }
+
+  /// P of the states x = P y, and which of x are y, where blades take part: of these and of the rates all, and of the
+  /// places those whose rates are free. What moves by C z = 0 alone stays so, because C z' = 0.
+  std::pair<MatrixXd, std::vector<Index>> states_along_edges(Index count) const {
+    std::vector<Index> kept;
+    for (Index i = 0; i < count; ++i) {
+      const bool is_place = i < static_cast<Index>(of_mechanism_) && !states_[static_cast<std::size_t>(i)].is_rate;
+      if (!is_place || is_free(states_[static_cast<std::size_t>(i)].k)) kept.push_back(i);
+    }
+    MatrixXd by = MatrixXd::Zero(count, static_cast<Index>(kept.size()));
+    for (Index j = 0; j < by.cols(); ++j) {
+      by(kept[static_cast<std::size_t>(j)], j) = 1.0;
+      if (kept[static_cast<std::size_t>(j)] >= static_cast<Index>(of_mechanism_)) continue;
+      const State& column = states_[static_cast<std::size_t>(kept[static_cast<std::size_t>(j)])];
+      for (std::size_t i = 0; i < of_mechanism_ && !column.is_rate; ++i) {
+        const State& row = states_[i];
+        if (row.is_rate || is_free(row.k)) continue;
+        by(static_cast<Index>(i), j) =
+            free_rates_(static_cast<Index>(row.k), static_cast<Index>(column.k)) * row.unit / column.unit;
+      }
+    }
+    return {by, kept};
+  }
+  MatrixXd along_edges(const MatrixXd& a) const {
+    if (reduced_.blades() == 0) return a;
+    const auto [by, kept] = states_along_edges(a.rows());
+    return a(kept, Eigen::all) * by;
+  }
+
+  /// Of C z, which no state changes.
+  void add_poles_of_blades() {
+    const double rests = out_.period > 0.0 ? 1.0 : 0.0;
+    for (std::vector<std::complex<double>>* poles : {&out_.poles, &out_.open_poles}) {
+      const bool are_listed = poles == &out_.open_poles || out_.delayed.empty() || out_.poles_right_of < 0.0;
+      const double value = poles == &out_.poles ? rests : 0.0;
+      const auto size = [&](const std::complex<double>& pole) {
+        return poles == &out_.poles && out_.period > 0.0 ? std::abs(pole) : pole.real();
+      };
+      for (int b = 0; b < reduced_.blades() && are_listed; ++b) {
+        const auto behind =
+            std::find_if(poles->begin(), poles->end(), [&](const auto& pole) { return size(pole) < value; });
+        poles->insert(behind, std::complex<double>(value, 0.0));
+      }
+    }
   }
 
   /// That of all controllers with one; 0 without any.
@@ -309,17 +390,24 @@ class LoopAtRest {
       }
     }
     const auto f = static_cast<Index>(free.size());
-    solvers::DelayedSystem system{loop.a(free, free), loop.a(free, held), decided(Eigen::all, free),
-                                  decided(Eigen::all, held), Eigen::VectorXd(k)};
+    const solvers::DelayedSystem whole{loop.a(free, free), loop.a(free, held), decided(Eigen::all, free),
+                                       decided(Eigen::all, held), Eigen::VectorXd(k)};
+    solvers::DelayedSystem system = whole;
+    if (reduced_.blades() > 0) {
+      const auto [by, kept] = states_along_edges(f);
+      system.a = along_edges(whole.a);
+      system.b = whole.b(kept, Eigen::all);
+      system.c = whole.c * by;
+    }
     for (Index i = 0; i < k; ++i) system.delays[i] = out_.delayed[static_cast<std::size_t>(i)].delay;
     StateSpace cut;
-    cut.a = system.a;
+    cut.a = whole.a;
     cut.b.resize(f, m + k);
-    cut.b << loop.b(free, Eigen::all), system.b;
+    cut.b << loop.b(free, Eigen::all), whole.b;
     cut.c.resize(loop.c.rows() + k, f);
-    cut.c << loop.c(Eigen::all, free), system.c;
+    cut.c << loop.c(Eigen::all, free), whole.c;
     cut.d.resize(loop.c.rows() + k, m + k);
-    cut.d << loop.d, loop.c(Eigen::all, held), by_references, system.d;
+    cut.d << loop.d, loop.c(Eigen::all, held), by_references, whole.d;
     for (const Index i : free) cut.states.push_back(loop.states[static_cast<std::size_t>(i)]);
     cut.inputs = loop.inputs;
     cut.outputs = loop.outputs;
@@ -328,7 +416,11 @@ class LoopAtRest {
       cut.outputs.push_back(name_of(one.element) + ".decided");
     }
     loop = std::move(cut);
-    const std::optional<solvers::RightmostPoles> found = solvers::rightmost_poles(system, static_cast<int>(f + 2 * k));
+    // Far poles may be too many for their count: then fewer are listed.
+    std::optional<solvers::RightmostPoles> found;
+    for (Index least = system.a.rows() + 2 * k; !found && least > 0; --least) {
+      found = solvers::rightmost_poles(system, static_cast<int>(least));
+    }
     if (!found) {
       out_.known = false;
       return fail("the poles that are found are not as many as are counted");
@@ -360,7 +452,8 @@ class LoopAtRest {
     return false;
   }
 
-  /// Newton's method for alpha = 0 in the places z of the mechanism and the states of controllers.
+  /// Newton's method for alpha = 0 in the places z of the mechanism and the states of controllers; places move along
+  /// the edges of blades.
   bool comes_to_rest() {
     if (reduced_.freedoms() == 0) return fail("its closures leave no degree of freedom");
     const auto f = static_cast<Index>(z_.size());
@@ -370,16 +463,21 @@ class LoopAtRest {
     double left = largest_acceleration();
     for (int step = 0; step < most_steps_to_rest; ++step) {
       reduced_.linearize();
-      MatrixXd jacobian(f, f);
+      find_free_rates();
+      MatrixXd by_unknowns(f, f);
+      std::vector<Index> free;
       for (Index k = 0; k < f; ++k) {
-        const State unknown{static_cast<std::size_t>(k), unknown_is_rate_[static_cast<std::size_t>(k)] != 0, 1.0,
-                            false};
-        jacobian.col(k) = Eigen::Map<const VectorXd>(change_by(unknown), f);
+        const double* by = unknown_is_rate_[static_cast<std::size_t>(k)] != 0 ? reduced_.alpha_w(static_cast<int>(k))
+                                                                              : reduced_.alpha_z(static_cast<int>(k));
+        by_unknowns.col(k) = Eigen::Map<const VectorXd>(by, f);
+        if (is_free(static_cast<std::size_t>(k))) free.push_back(k);
       }
+      if (free.empty()) return true;  // blades hold all of it
+      const MatrixXd moves = free_rates_(Eigen::all, free), jacobian = by_unknowns(free, Eigen::all) * moves;
       const double size = std::max(jacobian.cwiseAbs().maxCoeff(), 1e-300);
       if (left <= at_rest_within * size) return true;
-      const VectorXd alpha = Eigen::Map<const VectorXd>(reduced_.alpha(), f);
-      VectorXd move = -solvers::minimum_norm_solution<double>(jacobian, alpha);
+      const VectorXd alpha = Eigen::Map<const VectorXd>(reduced_.alpha(), f)(free);
+      VectorXd move = moves * -solvers::minimum_norm_solution<double>(jacobian, alpha);
       const std::vector<double> z = z_, w = w_;
       double now = std::numeric_limits<double>::infinity();
       constexpr int most_halvings = 30;
@@ -398,9 +496,10 @@ class LoopAtRest {
         reduced_.linearize();
         constexpr double rounding_of_rest = 1e-9;
         if (left <= rounding_of_rest * size) return true;
-        return fail(
-            "no equilibrium of it with its controllers is found from where it is assembled: an integral may have no "
-            "effort that brings its error to zero, or a limit is in the way");
+        return fail(controllers_of(scene_).empty()
+                        ? "none is found from where it is assembled, along the edges of its blades"
+                        : "no equilibrium of it with its controllers is found from where it is assembled: an integral "
+                          "may have no effort that brings its error to zero, or a limit is in the way");
       }
       left = now;
     }
@@ -427,7 +526,8 @@ class LoopAtRest {
   /// Where a state changes.
   ControlChange<double> along(const State& state) const {
     const auto k = static_cast<int>(state.k);
-    return {.dq = state.is_rate ? still_.data() : reduced_.B(k), .dv = state.is_rate ? reduced_.B(k) : reduced_.v_z(k)};
+    return {.dq = state.is_rate ? still_.data() : reduced_.B(k),
+            .dv = state.is_rate ? rates_.col(k).data() : reduced_.v_z(k)};
   }
   /// Where the reference of a controller changes.
   ControlChange<double> along_reference(int element) const {
@@ -487,15 +587,14 @@ class LoopAtRest {
     loop.b = MatrixXd::Zero(n, m);
     loop.c = MatrixXd::Zero(2 * m, n);
     loop.d = MatrixXd::Zero(2 * m, m);
-    for (Index i = 0; i < n; ++i) {
-      const State& row = states_[static_cast<std::size_t>(i)];
-      for (Index j = 0; j < n; ++j) {
-        const State& column = states_[static_cast<std::size_t>(j)];
-        if (!row.is_rate) {
-          loop.a(i, j) = column.is_rate && column.k == row.k ? 1.0 : 0.0;
-        } else {
-          loop.a(i, j) = change_by(column)[row.k] * row.unit / column.unit;
-        }
+    for (Index j = 0; j < n; ++j) {
+      const State& column = states_[static_cast<std::size_t>(j)];
+      const VectorXd change = change_by(column);
+      for (Index i = 0; i < n; ++i) {
+        const State& row = states_[static_cast<std::size_t>(i)];
+        const auto k = static_cast<Index>(row.k);
+        const double by_rate = column.is_rate ? free_rates_(k, static_cast<Index>(column.k)) : 0.0;
+        loop.a(i, j) = (row.is_rate ? change[k] : by_rate) * row.unit / column.unit;
       }
     }
     for (Index e = 0; e < m; ++e) {
@@ -526,15 +625,17 @@ class LoopAtRest {
   void note_directions() {
     const auto n = static_cast<Index>(still_.size());
     std::vector<std::size_t> own;
+    int next = 0;
     for (std::size_t i = 0; i < of_mechanism_; ++i) {
-      (states_[i].is_rate ? out_.rates : out_.places).push_back(static_cast<int>(i));
+      if (!is_free(states_[i].k)) continue;
+      (states_[i].is_rate ? out_.rates : out_.places).push_back(next++);
       if (!states_[i].is_rate) own.push_back(i);
     }
     const auto f = static_cast<Index>(own.size());
     out_.along.resize(n, f);
     for (Index k = 0; k < f; ++k) {
       const State& state = states_[own[static_cast<std::size_t>(k)]];
-      out_.along.col(k) = Eigen::Map<const VectorXd>(reduced_.B(static_cast<int>(state.k)), n) / state.unit;
+      out_.along.col(k) = rates_.col(static_cast<Index>(state.k)) / state.unit;
     }
     out_.by_force.resize(f, n);
     for (Index i = 0; i < n; ++i) {
@@ -606,7 +707,8 @@ class LoopAtRest {
   std::size_t of_mechanism_ = 0;
   std::vector<char> unknown_is_rate_;  // of each independent coordinate: at rest its rate is looked for, not its place
   std::vector<double> z_, w_;
-  std::vector<double> still_;  // a direction in which no coordinate moves
+  MatrixXd free_rates_, rates_;  // N of the rates w = N u, and of all coordinates B N
+  std::vector<double> still_;    // a direction in which no coordinate moves
   ControlLoop out_;
 };
 

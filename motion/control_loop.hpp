@@ -32,7 +32,7 @@ struct DelayedControl {
   double delay = 0.0;  ///< s
 };
 
-/// A mechanism with its controllers near an equilibrium.
+/// A mechanism with its controllers and blades near an equilibrium.
 struct ControlLoop {
   enum class Stability {
     stable,    ///< all poles have negative real parts, of a loop with samples sizes below 1
@@ -43,25 +43,28 @@ struct ControlLoop {
   std::string why;        ///< if not known: what is missing, one sentence
   std::vector<double> x;  ///< scaled coordinates of the equilibrium
   std::vector<ControlAtRest> controllers;
+  std::vector<double> blade_force;  ///< of each blade across its edge, to the left of it, on the body of its point, N
   /// With the loop closed: u are the references, y what each controller reads and its effort. x are the independent
-  /// coordinates, each with its rate, less their values at the equilibrium, then the states of controllers.
-  /// With samples it is  x(k+1) = A x(k) + B u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision
-  /// of the controllers: exact for references that are constant in between.
-  /// With delays what controllers give by them is an input each behind the references, d, and what they decide an
-  /// output each behind the others, e: the loop is closed by  d(t) = e(t - T).
+  /// coordinates, each with its rate, less their values at the equilibrium, then the states of controllers. Of the
+  /// rates blades leave fewer, w = N u, of which the others are no states. With samples it is  x(k+1) = A x(k) + B
+  /// u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision of the controllers: exact for references
+  /// that are constant in between. With delays what controllers give by them is an input each behind the references, d,
+  /// and what they decide an output each behind the others, e: the loop is closed by  d(t) = e(t - T).
   StateSpace closed;
   /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
   /// The eigenvalues of A are these, 1/s, the largest real parts first; with samples z, the largest sizes first. With
-  /// delays all poles right of a line; there are infinitely many.
+  /// delays all poles right of a line; there are infinitely many. As many as there are blades are 0, of samples z = 1:
+  /// equilibria come in sets, because what blades hold of rates, C z' = 0, no force brings back.
   std::vector<std::complex<double>> poles, open_poles;
   std::vector<DelayedControl> delayed;
   double poles_right_of = 0.0;  ///< that line, 1/s
   double period = 0.0;          ///< of the samples, s; 0 without any
-  /// The closed loop, without inputs; not with samples.
+  /// The closed loop, without inputs; not with samples. Of blades that of the motions with C z = 0, which forces make:
+  /// coordinates z = N r, r those whose rates are states. It has none of those poles.
   solvers::DelayedSystem system;
-  /// Of the mechanism: the scaled coordinates of the model by each independent one, SI, which column k is of; their
-  /// places and rates among the states; their accelerations by scaled generalized forces on all coordinates.
+  /// Of the mechanism: the scaled coordinates of the model by each independent one, SI, of these, which column k is of;
+  /// their places and rates among its states; their accelerations by scaled generalized forces on all coordinates.
   Eigen::MatrixXd along, by_force;
   std::vector<int> places, rates;
   Stability stability = Stability::unstable;

@@ -430,6 +430,8 @@ class ReducedMotion {
   void let_friction_follow(const T* dq, const Direct* direct, const T* force, T* dalpha);
   void linearize_pose(const T* dq, const Direct* direct, T* dv, T* da, T* dalpha);
   void linearize_direction(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
+  void linearize_state(int k);
+  void answer_change(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha);
   void state_for_variations();
   void add_direct(std::size_t variation);
   void add_drive_number(int drive, int number, const T& by);
@@ -457,6 +459,7 @@ class ReducedMotion {
   std::vector<MotionInput> inputs_;
   InputForces<T> input_forces_;
   std::vector<int> states_;  // of controllers
+  std::vector<int> moving_;  // the other coordinates
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
   int heavy_ = 0;  // of the independent coordinates: those before the states of controllers

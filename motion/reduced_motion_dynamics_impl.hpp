@@ -120,6 +120,10 @@ void ReducedMotion<T>::hold_blades(T* w) const {
 template <class T>
 void ReducedMotion<T>::place_accelerations() {
   mechanism_.phasors().second(pose_.data(), v_.data(), v_.data(), second_.data());
+  if (rank() == 0) {
+    std::fill(a_.begin(), a_.end(), T(0));
+    return;
+  }
   std::fill(rows_work_.begin(), rows_work_.end(), T(0));
   mechanism_.closures_of(second_.data(), rows_work_.data());
   for (int k = 0; k < drives() && !jumps_; ++k) {
@@ -171,7 +175,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
     mechanism_.phasors().first(pose_.data(), B(k), work_.data());
     inertia_.weigh(work_.data(), weighed);
-    for (int i = 0; i < n_; ++i) moved[i] = inertia_.moment(i) * B(k)[i];
+    for (const int i : moving_) moved[i] = inertia_.moment(i) * B(k)[i];
     mechanism_.phasors().add_projection(pose_.data(), weighed, moved);
     project(moved, small_.data());
     for (int j = 0; j < f; ++j) mass_[static_cast<std::size_t>(j) * f + k] = small_[j];
@@ -252,21 +256,27 @@ void ReducedMotion<T>::respond(const T* slope, T* dw) const {
 // B alpha to the accelerations, and what belongs to it to forces.
 template <class T>
 void ReducedMotion<T>::add_accelerations(const T* alpha) {
+  for (const int i : moving_) {
+    T change(0), force(0);
+    Planar<T> weight{};
+    for (int k = 0; k < heavy_; ++k) {
+      const std::size_t at = static_cast<std::size_t>(k) * n_ + i;
+      change += alpha[k] * B_[at];
+      force += alpha[k] * mass_columns_[at];
+      weight += alpha[k] * weight_columns_[at];
+    }
+    full_[i] = change;
+    full_force_[i] += force;
+    weight_[i] += weight;
+  }
   for (int k = heavy_; k < freedoms(); ++k) {
-    a_[independent_[k]] += alpha[k];
+    full_[independent_[k]] = alpha[k];
     full_force_[independent_[k]] += alpha[k] * inertia_.moment(independent_[k]);
   }
-  for (int k = 0; k < heavy_; ++k) {
-    const T* column = B(k);
-    const T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
-    const Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
-    mechanism_.phasors().first(pose_.data(), column, work_.data());
-    for (int i = 0; i < n_; ++i) {
-      a_[i] += alpha[k] * column[i];
-      full_force_[i] += alpha[k] * moved[i];
-      second_[i] += alpha[k] * work_[i];
-      weight_[i] += alpha[k] * weighed[i];
-    }
+  mechanism_.phasors().first(pose_.data(), full_.data(), work_.data());
+  for (int i = 0; i < n_; ++i) {
+    a_[i] += full_[i];
+    second_[i] += work_[i];
   }
 }
 
@@ -336,6 +346,12 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
   if (direct != nullptr) {
     for (int i = 0; i < n_; ++i) force_[i] += direct->force[i];
   }
+  answer_change(dq, dv, direct, da, dalpha);
+}
+
+// alpha' for the change of forces `force_`, and B alpha' to a'.
+template <class T>
+void ReducedMotion<T>::answer_change(const T* dq, const T* dv, const Direct* direct, T* da, T* dalpha) {
   project(force_.data(), dalpha);
   for (int j = 0; j < freedoms(); ++j) dalpha[j] = -dalpha[j];
   divide_change_by_mass(dalpha);
@@ -354,9 +370,30 @@ void ReducedMotion<T>::linearize_direction(const T* dq, const T* dv, const Direc
     press_blades(blade_work_.data(), dalpha);
   }
   if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
-  for (int k = 0; k < freedoms(); ++k) {
+  for (int k = 0; k < heavy_; ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
+  for (int k = heavy_; k < freedoms(); ++k) da[independent_[k]] += dalpha[k];
+}
+
+// Along the place and the rate of a state of a controller, of which controllers alone know.
+template <class T>
+void ReducedMotion<T>::linearize_state(int k) {
+  const std::size_t at = static_cast<std::size_t>(k) * n_;
+  const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
+  const T* along = B(k);
+  const auto change_by = [&](const T* dq, const T* dv, T* da, T* dalpha) {
+    std::fill(force_.begin(), force_.end(), T(0));
+    std::fill(da, da + n_, T(0));
+    if (!jumps_) {
+      mechanism_.add_resistance_change(pose_.data(), resistances_.data(), v_.data(), dq, dv, force_.data(),
+                                       input_forces_.in_time());
+    }
+    answer_change(dq, dv, nullptr, da, dalpha);
+  };
+  std::fill(&v_z_[at], &v_z_[at] + n_, T(0));
+  change_by(along, zero_.data(), &a_z_[at], &alpha_z_[at_small]);
+  change_by(zero_.data(), along, &a_w_[at], &alpha_w_[at_small]);
 }
 
 // Along q' = B_k, or q' = q_p with the direct derivatives by p:  J v' = -D2c[v, q'] - (J v)|p.
@@ -401,7 +438,8 @@ void ReducedMotion<T>::linearize() {
     mechanism_.tangent(pose_.data(), rows_work_.data(), tangent_of_loads_.data());
     for (std::size_t e = 0; e < tangent_.size(); ++e) tangent_[e] -= tangent_of_loads_[e];
   }
-  for (int k = 0; k < freedoms(); ++k) {
+  for (int k = heavy_; k < freedoms(); ++k) linearize_state(k);
+  for (int k = 0; k < heavy_; ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
     const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
     const T* dq = B(k);

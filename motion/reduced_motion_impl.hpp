@@ -28,6 +28,9 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
       first_stop_(scene.drives.size()) {
   drives_ = rows_of(scene, mechanism);
   states_ = states_of_controllers(scene, mechanism.layout());
+  for (int i = 0; i < n_; ++i) {
+    if (!is_state(i)) moving_.push_back(i);
+  }
   prescribed_ = drives_.size();
   const std::size_t contacts = bearing_loads_.contacts().size();
   for (std::size_t c = 0; c < contacts; ++c) {
@@ -524,7 +527,7 @@ void ReducedMotion<T>::move(const T* w) {
   for (int k = heavy_; k < freedoms(); ++k) v_[independent_[k]] += w[k];
   for (int k = 0; k < heavy_; ++k) {
     const T* column = B(k);
-    for (int i = 0; i < n_; ++i) v_[i] += w[k] * column[i];
+    for (const int i : moving_) v_[i] += w[k] * column[i];
   }
 }
 

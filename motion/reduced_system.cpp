@@ -140,6 +140,7 @@ void ReducedSystem::fill(ReducedMotion<T>& motion, const double* y, double* dydt
     for (int k = 0; k < f; ++k) {
       const double by_z = alpha(motion.alpha_z(k), j);
       const double by_w = alpha(motion.alpha_w(k), j);
+      if (by_z == 0.0 && by_w == 0.0) continue;  // as of most states of controllers
       const double* z = dz + k * columns;
       const double* w = dw + k * columns;
       for (int c = 0; c < columns; ++c) out[c] += by_z * z[c] + by_w * w[c];

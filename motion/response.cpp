@@ -148,8 +148,12 @@ bool has_response(const Scene& scene, const SoughtQuantity& of) {
   }
 }
 
-/// Each real pole and each pair is a mode, without its shape.
-Modes modes_of_poles(const std::vector<Complex>& poles) {
+/// Each real pole and each pair is a mode, without its shape; as many poles as there are blades are theirs.
+Modes modes_of_poles(std::vector<Complex> poles, std::size_t blades) {
+  for (std::size_t b = 0; b < blades; ++b) {
+    const auto own = std::find(poles.begin(), poles.end(), Complex{});
+    if (own != poles.end()) poles.erase(own);
+  }
   double largest = 0.0;
   for (const Complex& p : poles) largest = std::max(largest, std::abs(p));
   Modes out;
@@ -234,7 +238,7 @@ FrequencyResponse::FrequencyResponse(const MotionModel& model, const std::vector
 
 FrequencyResponse::FrequencyResponse(const MotionModel& model, ControlLoop loop, const Excitation& excitation,
                                      const SoughtQuantity& of)
-    : model_(model), loop_(std::move(loop)), modes_(modes_of_poles(loop_->poles)) {
+    : model_(model), loop_(std::move(loop)), modes_(modes_of_poles(loop_->poles, loop_->blade_force.size())) {
   const Scene& scene = model.scene();
   for (const int e : controllers_of(scene)) {
     const Element& one = scene.elements[static_cast<std::size_t>(e)];

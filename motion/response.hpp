@@ -65,14 +65,15 @@ struct SilentMode {
 /// M, C, K and y are those of SmallMotions; b is the generalized force per unit of p. All derivatives are exact, also
 /// that of |H|^2 by f, by whose roots extremes are found. Directions without inertia follow at once. SI.
 ///
-/// With controllers it is that of the closed loop (ControlLoop), delays exact:  H = d + (g, h)^T [I 0] M(s)^-1 [b; 0];
-/// modes are then its poles.
+/// With controllers or blades it is that of the closed loop (ControlLoop), delays exact:
+///   H = d + (g, h)^T [I 0] M(s)^-1 [b; 0];
+/// modes are then its poles, without those of blades, which no load excites.
 class FrequencyResponse {
  public:
   /// x: scaled coordinates of an equilibrium of the model.
   FrequencyResponse(const MotionModel& model, const std::vector<double>& x, const Excitation& excitation,
                     const SoughtQuantity& of);
-  /// With controllers. Throws InputError where they have periods; the loop must be known.
+  /// With controllers or blades. Throws InputError where they have periods; the loop must be known.
   FrequencyResponse(const MotionModel& model, ControlLoop loop, const Excitation& excitation, const SoughtQuantity& of);
 
   const SmallMotions& motions() const { return motions_; }

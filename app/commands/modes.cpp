@@ -22,8 +22,14 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
-/// With controllers: about the equilibrium that these keep, near the pose that is assembled.
+/// With controllers or blades: about the equilibrium that these keep, near the pose that is assembled.
 int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
+  if (request.seek != ModesRequest{}.seek) {
+    throw InputError(
+        "--seek: with a [[controller]] or a [[blade]] the equilibrium is sought from where the scene is assembled; "
+        "leave "
+        "it out");
+  }
   const MotionModel model(std::move(scene));
   OutputFiles files(request.common);
   progress.now("analysing the closed loop");
@@ -38,10 +44,13 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   Scene scene = load_scene(request.common);
-  if (!controllers_of(scene).empty()) return run_control_loop(request, std::move(scene), progress, palette);
+  if (!controllers_of(scene).empty() || !scene.blades.empty())
+    return run_control_loop(request, std::move(scene), progress, palette);
   if (!request.common.csv.empty()) {
     throw InputError(
-        "--csv: expected a scene with a [[controller]], of whose closed loop the matrices are; leave it out");
+        "--csv: expected a scene with a [[controller]] or a [[blade]], of whose linear system the matrices are; leave "
+        "it "
+        "out");
   }
   const StaticModel statics(std::move(scene));
   const MotionModel model(statics.scene());
@@ -72,7 +81,7 @@ Command modes_command() {
   add_scene_options(command, request->common);
   add_seek_option(command, request->seek);
   add_output_options(command, request->common,
-                     {.csv = "with controllers: the matrices [A B; C D] of the closed loop to FILE, SI"});
+                     {.csv = "with controllers or blades: the matrices [A B; C D] to FILE, SI"});
   command.run = [request](const Palette& palette) { return run_modes(*request, palette); };
   return command;
 }

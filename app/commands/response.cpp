@@ -16,6 +16,7 @@
 #include "model/controllers.hpp"
 #include "model/joint_friction.hpp"
 #include "motion/equilibrium_pose.hpp"
+#include "statics/bodies/body_measures.hpp"
 
 namespace poise::app {
 namespace {
@@ -132,11 +133,14 @@ int run_response(const ResponseRequest& request, const Palette& palette) {
   const MotionModel model(scene);
   OutputFiles files(request.common);
   options.interrupt = &request.common.interrupt();
-  if (request.amplitude) refuse_controllers(scene, "periodic motions of an amplitude");
+  if (request.amplitude) {
+    refuse_controllers(scene, "periodic motions of an amplitude");
+    refuse_blades(scene, "periodic motions of an amplitude");
+  }
 
   progress.now("looking for the equilibrium");
   std::vector<double> x;
-  if (controllers_of(scene).empty()) {
+  if (controllers_of(scene).empty() && scene.blades.empty()) {
     const StaticModel statics(scene);
     answer.equilibrium = solve(statics, options);
     if (answer.equilibrium.found()) {

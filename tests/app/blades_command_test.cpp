@@ -56,8 +56,7 @@ TEST(BladesCommand, ShowTheirForces) {
 
 TEST(BladesCommand, AreRefusedByNameWhereTheyAreNotTreated) {
   const std::string scene = dataset("machines/castor");
-  const std::vector<std::vector<std::string>> commands = {{"modes", scene},
-                                                          {"equilibria", scene},
+  const std::vector<std::vector<std::string>> commands = {{"equilibria", scene},
                                                           {"equations", scene},
                                                           {"path", scene, "--vary", "spring.side.stiffness=10..20"},
                                                           {"kinematics", scene, "--drive", "tow=0..1"},
@@ -68,6 +67,27 @@ TEST(BladesCommand, AreRefusedByNameWhereTheyAreNotTreated) {
     EXPECT_TRUE(has(run.err, "blade \"wheel\": ")) << command[0] << ": " << run.err;
     EXPECT_TRUE(has(run.err, "do not treat blades")) << command[0] << ": " << run.err;
   }
+}
+
+TEST(BladesCommand, ModesSayThatTheEquilibriumIsOneOfASet) {
+  const TempFolder folder;
+  const std::string scene = dataset("machines/sled_across_slope");
+  const json r = run_json(folder, {"modes", scene}, 0);
+  EXPECT_EQ(r["blades"][0]["name"], "runner");
+  EXPECT_NEAR(r["blades"][0]["force"].get<double>(), -8.0, 1e-12);
+  EXPECT_EQ(r["poles"]["re"].size(), 5U);
+  EXPECT_EQ(r["closed_loop"]["A"].size(), 5U);
+  EXPECT_EQ(r["stability"], "stable");
+  const ProgramRun sleigh = run_poise({"modes", dataset("machines/chaplygin_sleigh")});
+  EXPECT_EQ(sleigh.exit_code, 0) << sleigh.err;
+  EXPECT_TRUE(has(sleigh.out,
+                  "The equilibrium neither decays nor grows: some pole beside those of its blades has no "
+                  "real part."))
+      << sleigh.out;
+  EXPECT_TRUE(has(sleigh.out, "the blade holds other positions beside this one, too: a pole is 0")) << sleigh.out;
+  const ProgramRun sought = run_poise({"modes", scene, "--seek", "any"});
+  EXPECT_EQ(sought.exit_code, 2);
+  EXPECT_TRUE(has(sought.err, "--seek: with a [[controller]] or a [[blade]]")) << sought.err;
 }
 
 }  // namespace

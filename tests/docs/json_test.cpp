@@ -501,6 +501,7 @@ TEST(JsonDocs, Modes) {
                           {{"modes", scene("toggle_clamp")}},
                           {{"modes", scene("machines/deadbeat_table")}},
                           {{"modes", scene("machines/late_pendulum")}},
+                          {{"modes", scene("machines/sled_across_slope")}},
                           {{"modes", scene("machines/cart_pole")}, with_csv}});
 }
 

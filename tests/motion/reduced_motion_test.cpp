@@ -93,8 +93,79 @@ std::vector<Case> rubbing_cases() {
           {"Rollers", test::rubbing_rollers, {"cam", "wheel"}}};
 }
 
+/// Loops, lengths behind the states of controllers, and controllers with all kinds of states, one behind another.
+Scene controlled_slider_crank() {
+  return parse_scene(R"(
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[body.crank]
+points = { O = [0, 0], A = [0.3, 0] }
+mass = 2
+center = [0.1, 0.02]
+inertia = 0.05
+[body.rod]
+points = { A = [0, 0], B = [0.9, 0], tip = [1, 0.2] }
+mass = 1
+center = [0.4, 0]
+inertia = 0.1
+[body.slider]
+points = { B = [0, 0] }
+mass = 3
+[body.arm]
+points = { B = [0, 0], end = [0, -0.4] }
+mass = 1
+center = [0, -0.3]
+inertia = 0.02
+[[pin]]
+points = ["ground.O", "crank.O"]
+[[pin]]
+points = ["crank.A", "rod.A"]
+[[pin]]
+points = ["rod.B", "slider.B"]
+[[pin]]
+points = ["slider.B", "arm.B"]
+[[slide]]
+name = "guide"
+points = ["ground.O", "slider.B"]
+axis = [1, 0]
+[[controller]]
+name = "pid"
+bodies = ["ground", "crank"]
+proportional = 3
+integral = 2
+derivative = 0.4
+filter = 0.1
+reference = 0.3
+[[controller]]
+name = "second"
+slide = "guide"
+reads = { bodies = ["crank", "arm"] }
+transfer = { numerator = [2, 0.3], denominator = [1, 0.2, 0.05] }
+[[controller]]
+name = "place"
+reads = { x = "arm.end" }
+proportional = 1.5
+integral = 0.7
+[[controller]]
+name = "rate"
+y = "arm.end"
+reads = { points = ["ground.O", "arm.end"] }
+reads_rate = true
+follows = "place"
+proportional = 2
+integral = 0.5
+[start]
+crank = 0.7
+rod = -0.2
+guide = 1.1
+)",
+                     "controlled.toml");
+}
+
 std::vector<Case> all_cases() {
   std::vector<Case> all = cases();
+  all.push_back({"Controlled", controlled_slider_crank});
   for (Case& one : rubbing_cases()) all.push_back(std::move(one));
   return all;
 }

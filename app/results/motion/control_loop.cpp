@@ -22,21 +22,29 @@ constexpr int pole_digits = 9;
 // Parts of poles that are smaller, over the largest pole, are rounding.
 constexpr double no_part = 1e-12;
 
-Line verdict_on_loop(const ControlLoop& loop) {
-  if (!loop.known) return bad("No equilibrium with its controllers: " + loop.why + ".");
-  const bool samples = loop.period > 0.0;
-  const double front = samples ? std::log(std::abs(loop.poles.front())) / loop.period : loop.poles.front().real();
-  const std::string slowest = significant(front, 6);
+Line verdict_on_loop(const Scene& scene, const ControlLoop& loop) {
+  if (!loop.known) return bad(no_equilibrium_in_words(scene, loop));
+  const bool samples = loop.period > 0.0, is_of_set = !scene.blades.empty();
+  const std::string subject = controllers_of(scene).empty() ? "The equilibrium" : "The closed loop";
+  if (loop.poles.size() == scene.blades.size()) {
+    return doubtful(subject + " is held by its blades: all poles are those of a set of equilibria.");
+  }
+  // Poles of blades, which decay by nothing, stand before those that decay.
+  const std::complex<double>& pole =
+      loop.poles[loop.stability == LoopStability::stable ? scene.blades.size() : std::size_t{0}];
+  const std::string slowest = significant(samples ? std::log(std::abs(pole)) / loop.period : pole.real(), 6);
   switch (loop.stability) {
     case LoopStability::stable:
-      return good(fmt::format("The closed loop is stable: what is slowest in it decays at {} 1/s.", slowest));
+      return good(fmt::format("{} is stable: what is slowest in it decays at {} 1/s{}.", subject, slowest,
+                              is_of_set ? ", to one of a set of equilibria" : ""));
     case LoopStability::marginal:
-      return doubtful(samples ? "The closed loop neither decays nor grows: some pole z has the size 1."
-                              : "The closed loop neither decays nor grows: some pole has no real part.");
+      return doubtful(fmt::format("{} neither decays nor grows: some pole{} {}.", subject,
+                                  is_of_set ? " beside those of its blades" : "",
+                                  samples ? "z has the size 1" : "has no real part"));
     case LoopStability::unstable:
       break;
   }
-  return bad(fmt::format("The closed loop is unstable: a disturbance grows at {} 1/s.", slowest));
+  return bad(fmt::format("{} is unstable: a disturbance grows at {} 1/s.", subject, slowest));
 }
 
 void add_poles(Group& group, const std::string& key, const std::string& title, const Poles& poles) {
@@ -135,6 +143,23 @@ void add_controllers(Group& content, const MotionModel& model, const ControlLoop
   table.remarks(std::move(remarks), Tone::doubtful);
 }
 
+void add_blades(Group& content, const MotionModel& model, const ControlLoop& loop) {
+  const Scene& scene = model.scene();
+  const std::size_t blades = scene.blades.size();
+  const std::string pole = loop.period > 0.0 ? "z = 1" : "0";
+  content.fact("set",
+               blades == 1
+                   ? fmt::format("the blade holds other positions beside this one, too: a pole is {}", pole)
+                   : fmt::format("the blades hold other positions beside this one, too, in {} directions: as many "
+                                 "poles are {}",
+                                 blades, pole));
+  Table& table = content.table("blades", "Blades in equilibrium", Rows::list);
+  table.words("name", "blade", each(scene.blades, &Blade::name));
+  table.words("on", "on", each(scene.blades, [&](const Blade& blade) { return scene.name_of(blade.at); }));
+  table.numbers("force", "force across its edge", "", in_unit(loop.blade_force, Quantity::force, scene.units)).texts =
+      each(loop.blade_force, [&](double force) { return with_unit(model, force, Quantity::force); });
+}
+
 void add_delays(Group& content, const MotionModel& model, const ControlLoop& loop) {
   std::vector<std::string> words;
   Branch& data = content.array("delays");
@@ -165,10 +190,15 @@ const char* name_of_stability(const ControlLoop& loop) {
   return "";
 }
 
+std::string no_equilibrium_in_words(const Scene& scene, const ControlLoop& loop) {
+  return fmt::format("No equilibrium {}: {}.", controllers_of(scene).empty() ? "on its blades" : "with its controllers",
+                     loop.why);
+}
+
 Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
                            const std::vector<std::string>& settings) {
   Result out = scene_result(model.scene(), settings);
-  out.verdict = verdict_on_loop(loop);
+  out.verdict = verdict_on_loop(model.scene(), loop);
   Group& content = out.content;
   content.data("known", loop.known);
   content.data("why_unknown", loop.why);
@@ -188,23 +218,29 @@ Result control_loop_result(const MotionModel& model, const ControlLoop& loop,
                       return std::string(quantity(i) == Quantity::length ? "length" : "angle");
                     }));
   coordinates.data("value", each(rows, [&](std::size_t i) { return in_unit(q[i], quantity(i), model.scene().units); }));
+  const bool is_controlled = !loop.controllers.empty();
+  const auto number = [](const std::vector<std::string>& names, const char* one, const char* several) {
+    return count(static_cast<int>(names.size()), one, several);
+  };
   content.fact("system",
-               fmt::format("{}, {}, {}: {}", count(static_cast<int>(loop.closed.states.size()), "state", "states"),
-                           count(static_cast<int>(loop.closed.inputs.size()), "input", "inputs"),
-                           count(static_cast<int>(loop.closed.outputs.size()), "output", "outputs"),
+               fmt::format("{}{}: {}", number(loop.closed.states, "state", "states"),
+                           is_controlled ? fmt::format(", {}, {}", number(loop.closed.inputs, "input", "inputs"),
+                                                       number(loop.closed.outputs, "output", "outputs"))
+                                         : "",
                            fmt::join(loop.closed.states, ", ")));
-  add_controllers(content, model, loop);
+  if (!loop.blade_force.empty()) add_blades(content, model, loop);
+  if (is_controlled) add_controllers(content, model, loop);
   if (loop.period > 0.0) {
     content.fact("samples", fmt::format("each {} s", significant(loop.period, 8)));
     content.data("period", loop.period);
     add_poles_of_samples(content, loop.poles, loop.period);
   } else {
-    add_poles(content, "poles", "Poles of the closed loop", loop.poles);
+    add_poles(content, "poles", is_controlled ? "Poles of the closed loop" : "Poles", loop.poles);
   }
   if (!loop.delayed.empty()) add_delays(content, model, loop);
-  add_poles(content, "open_poles", "Poles of the mechanism alone", loop.open_poles);
+  if (is_controlled) add_poles(content, "open_poles", "Poles of the mechanism alone", loop.open_poles);
   add_system(content, "closed_loop", loop.closed);
-  add_system(content, "open_loop", loop.open);
+  if (is_controlled) add_system(content, "open_loop", loop.open);
   add_block(content, loop.closed);
   return out;
 }

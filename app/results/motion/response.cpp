@@ -178,10 +178,8 @@ Line periodic_verdict(const ResponseAnswer& answer, const ResponseUnits& units) 
   return doubtful(text + ".");
 }
 
-Line verdict(const ResponseAnswer& answer, const ResponseUnits& units) {
-  if (answer.loop && !answer.loop->known) {
-    return bad("No equilibrium with its controllers: " + answer.loop->why + ".");
-  }
+Line verdict(const Scene& scene, const ResponseAnswer& answer, const ResponseUnits& units) {
+  if (answer.loop && !answer.loop->known) return bad(no_equilibrium_in_words(scene, *answer.loop));
   if (!answer.has_equilibrium()) {
     return bad("No equilibrium found about which it could vibrate: " + answer.equilibrium.why);
   }
@@ -241,7 +239,12 @@ std::string frequencies_in_words(const Modes& modes) {
 
 void add_facts(Group& group, const Scene& scene, const ResponseAnswer& answer, const ResponseUnits& units) {
   if (answer.loop) {
-    group.fact("equilibrium", "that which its controllers keep; the response is that of the closed loop");
+    const bool is_controlled = !answer.loop->controllers.empty();
+    group.fact("equilibrium", fmt::format("{}{}{}", is_controlled ? "that which its controllers keep" : "",
+                                          answer.loop->blade_force.empty() ? ""
+                                          : is_controlled                  ? ", one of a set with its blades"
+                                                                           : "one of a set, which its blades hold",
+                                          is_controlled ? "; the response is that of the closed loop" : ""));
   } else {
     group.fact("equilibrium", in_words(answer.equilibrium.certificate),
                tone_of(answer.equilibrium.certificate.stability));
@@ -443,7 +446,7 @@ bool ResponseAnswer::is_answered() const { return is_stable() && (!periodic || p
 Result response_result(const Scene& scene, const ResponseAnswer& answer, const std::vector<std::string>& settings) {
   const ResponseUnits units(scene.units, answer);
   Result out = scene_result(scene, settings);
-  out.verdict = verdict(answer, units);
+  out.verdict = verdict(scene, answer, units);
   add_data(out.content, scene, answer, units);
   const bool has_mobility = answer.linear && !answer.loop;
   add_mobility(out.content, has_mobility ? std::optional(answer.linear->motions().mobility) : std::nullopt);

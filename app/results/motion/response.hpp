@@ -18,7 +18,7 @@ struct ResponseAnswer {
   Excitation excitation;
   SoughtQuantity of;
   Equilibrium equilibrium;                          ///< of statics; not looked for with controllers
-  std::optional<ControlLoop> loop;                  ///< of a scene with controllers
+  std::optional<ControlLoop> loop;                  ///< of a scene with controllers or blades
   std::unique_ptr<const FrequencyResponse> linear;  ///< null without an equilibrium
   double from = 0.0, to = 0.0;                      ///< Hz
   std::vector<double> frequency;
