@@ -57,6 +57,7 @@ class LoopAtRest {
     if (!out_.known) return std::move(out_);
     keep_free_rates();
     out_.x.assign(reduced_.q(), reduced_.q() + reduced_.coordinates());
+    out_.v.assign(reduced_.v(), reduced_.v() + reduced_.coordinates());
     for (int b = 0; b < reduced_.blades(); ++b) {
       out_.blade_force.push_back(reduced_.blade_force(b) * model_.scales().force);
     }
@@ -637,14 +638,20 @@ class LoopAtRest {
       const State& state = states_[own[static_cast<std::size_t>(k)]];
       out_.along.col(k) = rates_.col(static_cast<Index>(state.k)) / state.unit;
     }
-    out_.by_force.resize(f, n);
+    std::vector<const State*> of_system;
+    for (const State& state : states_) {
+      if (!(!state.of_controller && !is_free(state.k)) && !(!out_.delayed.empty() && is_held(state))) {
+        of_system.push_back(&state);
+      }
+    }
+    out_.by_force = MatrixXd::Zero(static_cast<Index>(of_system.size()), n);
     for (Index i = 0; i < n; ++i) {
       std::vector<double> push(still_.size(), 0.0);
       push[static_cast<std::size_t>(i)] = 1.0;
       const VectorXd by = accelerations_by(push);
-      for (Index k = 0; k < f; ++k) {
-        const State& state = states_[own[static_cast<std::size_t>(k)]];
-        out_.by_force(k, i) = by[static_cast<Index>(state.k)] * state.unit;
+      for (Index row = 0; row < out_.by_force.rows(); ++row) {
+        const State& state = *of_system[static_cast<std::size_t>(row)];
+        if (state.is_rate) out_.by_force(row, i) = by[static_cast<Index>(state.k)] * state.unit;
       }
     }
   }

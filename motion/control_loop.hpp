@@ -42,6 +42,7 @@ struct ControlLoop {
   bool known = false;
   std::string why;        ///< if not known: what is missing, one sentence
   std::vector<double> x;  ///< scaled coordinates of the equilibrium
+  std::vector<double> v;  ///< their rates, of which only those that are states of controllers are not zero
   std::vector<ControlAtRest> controllers;
   std::vector<double> blade_force;  ///< of each blade across its edge, to the left of it, on the body of its point, N
   /// With the loop closed: u are the references, y what each controller reads and its effort. x are the independent
@@ -64,7 +65,8 @@ struct ControlLoop {
   /// coordinates z = N r, r those whose rates are states. It has none of those poles.
   solvers::DelayedSystem system;
   /// Of the mechanism: the scaled coordinates of the model by each independent one, SI, of these, which column k is of;
-  /// their places and rates among its states; their accelerations by scaled generalized forces on all coordinates.
+  /// their places and rates among its states; the changes of all states by scaled generalized forces on all
+  /// coordinates.
   Eigen::MatrixXd along, by_force;
   std::vector<int> places, rates;
   Stability stability = Stability::unstable;

@@ -102,6 +102,12 @@ class SlopeReader {
 
   Slope force_of(int item) const {
     const Element& element = scene_.elements[static_cast<std::size_t>(item)];
+    if (const int setting = controller_that_sets(scene_, item); setting >= 0) {
+      throw InputError(fmt::format(
+          "force.{}: its response is not known, because controller \"{}\" sets a number of it; expected another "
+          "quantity",
+          element.name, scene_.elements[static_cast<std::size_t>(setting)].name));
+    }
     const double g = value_of(scene_, element.on, poses_);
     const LawForce<double> at_rest = force_at_rest(element.law, g);
     const VectorXd rates = rates_of(element.on);
@@ -205,8 +211,13 @@ Excitation excitation_of(const Scene& scene, const std::string& path) {
     return out;
   }
   if (row.place.owner == Owner::element && stores_energy(scene.elements[item].law)) return out;
-  throw InputError(fmt::format(
-      "{}: nothing swings with it; expected a load (load.NAME) or a number of a spring, say its free_length", path));
+  const bool is_reference = row.place.owner == Owner::element && scene.elements[item].feedback.has_value() &&
+                            row.path.parts[3] == "reference";
+  if (is_reference) return out;
+  throw InputError(
+      fmt::format("{}: nothing swings with it; expected a load (load.NAME), a number of a spring, say its free_length, "
+                  "or the reference of a controller",
+                  path));
 }
 
 Scene scene_at_rest(Scene scene) {
@@ -249,14 +260,36 @@ FrequencyResponse::FrequencyResponse(const MotionModel& model, ControlLoop loop,
   }
   motions_.basis = loop_->along;
   motions_.symmetric = false;
-  const VectorXd accelerations = -loop_->by_force * read(loop_->x, excitation, of);
-  push_ = reads_ = VectorXd::Zero(loop_->system.a.rows());
+  push_ = -loop_->by_force * read(loop_->x, excitation, of);
+  decided_ = decided_by(excitation);
+  reads_ = VectorXd::Zero(loop_->system.a.rows());
   for (std::size_t k = 0; k < loop_->places.size(); ++k) {
     const auto at = static_cast<Index>(k);
-    push_[loop_->rates[k]] = accelerations[at];
     reads_[loop_->places[k]] = by_place_[at];
     reads_[loop_->rates[k]] = by_rate_[at];
   }
+}
+
+/// What controllers with delays decide at once, per unit of the number, SI.
+VectorXd FrequencyResponse::decided_by(const Excitation& excitation) const {
+  const Mechanism<double>& m = model_.mechanism();
+  VectorXd out = VectorXd::Zero(static_cast<Index>(loop_->delayed.size()));
+  if (excitation.is_load()) return out;
+  std::vector<Planar<double>> pose(static_cast<std::size_t>(m.pose_size()));
+  m.place(loop_->x.data(), pose.data());
+  const ControlChange<double> change{.element = excitation.number.item,
+                                     .number = excitation.number.number,
+                                     .by = excitation.dimension.per_scale(model_.scales())};
+  for (Index i = 0; i < out.size(); ++i) {
+    const int element = loop_->delayed[static_cast<std::size_t>(i)].element;
+    const Controller& law = *controller_of(m.law_of(element));
+    const ControlSignals<double> in = m.signals_of(element, pose.data(), loop_->v.data());
+    double effort = law.decide_along(in, m.signals_along(element, pose.data(), loop_->v.data(), change)).effort;
+    if (change.element == element) effort += change.by * law.decide_by(change.number, in).effort;
+    const Feedback& feedback = *model_.scene().elements[static_cast<std::size_t>(element)].feedback;
+    out[i] = effort / feedback.output.per_scale(model_.scales());
+  }
+  return out;
 }
 
 /// Sets what is read of the quantity; the generalized force per unit of the number, against it, scaled.
@@ -269,9 +302,9 @@ VectorXd FrequencyResponse::read(const std::vector<double>& x, const Excitation&
   const Mechanism<double>& m = model_.mechanism();
   std::vector<Planar<double>> pose(static_cast<std::size_t>(m.pose_size()));
   m.place(x.data(), pose.data());
-  const std::vector<double> still(x.size(), 0.0);
+  const std::vector<double> v = loop_ ? loop_->v : std::vector<double>(x.size(), 0.0);
   VectorXd against = VectorXd::Zero(static_cast<Index>(x.size()));
-  m.add_force_derivative(excitation.number, excitation.dimension.per_scale(model_.scales()), pose.data(), still.data(),
+  m.add_force_derivative(excitation.number, excitation.dimension.per_scale(model_.scales()), pose.data(), v.data(),
                          nullptr, against.data());
   return against;
 }
@@ -303,7 +336,7 @@ FrequencyResponse::ValueAndSlope FrequencyResponse::at_and_slope(double frequenc
   const double w = 2 * M_PI * frequency;
   const Complex s(0.0, w), i(0.0, 1.0);
   if (loop_) {
-    const solvers::ForcedAnswer answer = solvers::forced_answer(loop_->system, s, push_);
+    const solvers::ForcedAnswer answer = solvers::forced_answer(loop_->system, s, push_, decided_);
     const Complex value = direct_ + answer.x.cwiseProduct(reads_.cast<Complex>()).sum();
     const Complex slope = i * answer.by_s.cwiseProduct(reads_.cast<Complex>()).sum();
     return {value, 4 * M_PI * (std::conj(value) * slope).real()};
@@ -328,7 +361,7 @@ std::vector<Complex> FrequencyResponse::shape(double frequency) const {
   VectorXcd y;
   if (loop_) {
     const Complex s(0.0, 2 * M_PI * frequency);
-    y = solvers::forced_answer(loop_->system, s, push_).x(loop_->places);
+    y = solvers::forced_answer(loop_->system, s, push_, decided_).x(loop_->places);
   } else {
     y = solve(2 * M_PI * frequency, force_.cast<Complex>());
   }

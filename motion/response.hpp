@@ -25,8 +25,8 @@ struct Excitation {
   bool is_load() const { return number.of != ForceNumber::Of::element; }
 };
 
-/// The excitation by the number of a path: the size of a load, or a number of an element that stores energy. Throws
-/// InputError for all other numbers, and for a force without direction.
+/// The excitation by the number of a path: the size of a load, a number of an element that stores energy, or the
+/// reference of a controller. Throws InputError for all other numbers, and for a force without direction.
 Excitation excitation_of(const Scene& scene, const std::string& path);
 
 /// The scene of statics, at the time t = 0, in which a force that is zero then keeps the direction that it is written
@@ -66,7 +66,7 @@ struct SilentMode {
 /// that of |H|^2 by f, by whose roots extremes are found. Directions without inertia follow at once. SI.
 ///
 /// With controllers or blades it is that of the closed loop (ControlLoop), delays exact:
-///   H = d + (g, h)^T [I 0] M(s)^-1 [b; 0];
+///   H = d + (g, h)^T [I 0] M(s)^-1 [b; E e];
 /// modes are then its poles, without those of blades, which no load excites.
 class FrequencyResponse {
  public:
@@ -117,11 +117,13 @@ class FrequencyResponse {
   std::vector<double> looked_at(double from, double to) const;
   int nearest_mode(double frequency) const;
 
+  Eigen::VectorXd decided_by(const Excitation& excitation) const;
   Eigen::VectorXd read(const std::vector<double>& x, const Excitation& excitation, const SoughtQuantity& of);
 
   const MotionModel& model_;
   std::optional<ControlLoop> loop_;
   Eigen::VectorXd push_, reads_;  // of the loop: b and (g, h) over its states
+  Eigen::VectorXd decided_;       // e of it, by controllers with delays
   SmallMotions motions_;
   Modes modes_;
   double at_rest_ = 0.0;

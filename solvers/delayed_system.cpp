@@ -20,12 +20,14 @@ class CharacteristicMatrix {
  public:
   explicit CharacteristicMatrix(const DelayedSystem& system) : system_(system) {}
 
-  ForcedAnswer answer(const Complex& s, const Eigen::VectorXd& b) const {
-    const Index n = system_.a.rows();
+  ForcedAnswer answer(const Complex& s, const Eigen::VectorXd& b, const Eigen::VectorXd& e) const {
+    const Index n = system_.a.rows(), k = system_.d.rows();
     const Eigen::PartialPivLU<MatrixXcd> lu(at(s));
-    Eigen::VectorXcd pushes = Eigen::VectorXcd::Zero(n + system_.d.rows());
-    pushes.head(n) = b.cast<Complex>();
-    const Eigen::VectorXcd x = lu.solve(pushes), by_s = lu.solve(Eigen::VectorXcd(-slope(s) * x));
+    Eigen::VectorXcd pushes(n + k), pushes_by_s = Eigen::VectorXcd::Zero(n + k);
+    const Eigen::VectorXcd given = echoes(s).cwiseProduct(e.cast<Complex>());
+    pushes << b.cast<Complex>(), given;
+    pushes_by_s.tail(k) = -system_.delays.cast<Complex>().cwiseProduct(given);
+    const Eigen::VectorXcd x = lu.solve(pushes), by_s = lu.solve(Eigen::VectorXcd(pushes_by_s - slope(s) * x));
     return {x.head(n), by_s.head(n)};
   }
   /// The derivative of log det M(s):  trace(M^-1 M').
@@ -188,8 +190,9 @@ double reach_right_of(const DelayedSystem& system, double sigma) {
 
 }  // namespace
 
-ForcedAnswer forced_answer(const DelayedSystem& system, const Complex& s, const Eigen::VectorXd& b) {
-  return CharacteristicMatrix(system).answer(s, b);
+ForcedAnswer forced_answer(const DelayedSystem& system, const Complex& s, const Eigen::VectorXd& b,
+                           const Eigen::VectorXd& e) {
+  return CharacteristicMatrix(system).answer(s, b, e);
 }
 
 std::optional<RightmostPoles> rightmost_poles(const DelayedSystem& system, int least) {

@@ -20,12 +20,14 @@ struct DelayedSystem {
   Eigen::VectorXd delays;
 };
 
-/// x and its derivative by s, where the system is pushed,  x' = A x + B d + b exp(s t), and answers by  x exp(s t):
-///   x = [I 0] M(s)^-1 [b; 0].
+/// x and its derivative by s, where the system is pushed,
+///   x' = A x + B d + b exp(s t),   u = C x + D d + e exp(s t),
+/// and answers by  x exp(s t):  x = [I 0] M(s)^-1 [b; E e].
 struct ForcedAnswer {
   Eigen::VectorXcd x, by_s;
 };
-ForcedAnswer forced_answer(const DelayedSystem& system, const std::complex<double>& s, const Eigen::VectorXd& b);
+ForcedAnswer forced_answer(const DelayedSystem& system, const std::complex<double>& s, const Eigen::VectorXd& b,
+                           const Eigen::VectorXd& e);
 
 /// All poles right of a vertical line.
 struct RightmostPoles {

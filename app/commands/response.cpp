@@ -180,8 +180,8 @@ Command response_command() {
   Command command{"response", "Find amplitude and phase over the frequency of what swings about an equilibrium"};
   add_scene_options(command, request->common);
   command.add({"--excite", &request->excite, "NUMBER",
-               "What swings as a cosine: a load, load.NAME, or a number of a spring, say\n"
-               "spring.NAME.free_length (docs/response.md)",
+               "What swings as a cosine: a load, load.NAME, a number of a spring, say\n"
+               "spring.NAME.free_length, or controller.NAME.reference (docs/response.md)",
                Presence::required});
   command.add({"--of", &request->of, "NAME",
                "What answers: x.BODY.POINT, angle.BODY, travel.JOINT, length.ELEMENT,\n"

@@ -337,7 +337,8 @@ delay = 0.04
   EXPECT_EQ(*std::min_element(u.begin(), u.end()), -3.0) << "it was limited";
 }
 
-// Under a force the block answers by  H = 1/(m s^2 + (kp + kd s + ki/s) exp(-s T)).
+// Under a force the block answers by  H = 1/(m s^2 + (kp + kd s + ki/s) exp(-s T)), and where its reference swings by
+// (kp + ki/s) exp(-s T) H.
 TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
   constexpr double kp = 40.0, kd = 12.0, ki = 30.0;
   for (const double T : {0.0, 0.06}) {
@@ -351,6 +352,8 @@ TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
     ASSERT_TRUE(loop.known) << loop.why;
     const FrequencyResponse of_place(model, loop, excitation_of(scene, "load.P"),
                                      find_quantity(scene, "x.block.c", AskedOf::motion));
+    const FrequencyResponse of_reference(model, loop, excitation_of(scene, "controller.C.reference"),
+                                         find_quantity(scene, "x.block.c", AskedOf::motion));
     const FrequencyResponse of_rate(model, loop, excitation_of(scene, "load.P"),
                                     find_quantity(scene, "d(x.block.c)/dt", AskedOf::motion));
     const auto answer = [&](double f) {
@@ -359,7 +362,19 @@ TEST(Delays, ClosedLoopsAnswerAsTheirTransferFunctions) {
     };
     for (const double f : {0.01, 0.3, 0.7, 1.5, 6.0}) {
       EXPECT_LT(std::abs(of_place.at(f) / answer(f) - 1.0), 1e-11) << f;
-      EXPECT_LT(std::abs(of_rate.at(f) / (Complex(0.0, 2 * M_PI * f) * answer(f)) - 1.0), 1e-11) << f;
+      const Complex s(0.0, 2 * M_PI * f);
+      EXPECT_LT(std::abs(of_rate.at(f) / (s * answer(f)) - 1.0), 1e-11) << f;
+      EXPECT_LT(std::abs(of_reference.at(f) / ((kp + ki / s) * std::exp(-s * T) * answer(f)) - 1.0), 1e-11) << f;
+    }
+    for (const Resonance& one : of_reference.resonances(0.05, 5.0)) {
+      const auto size = [&](double f) {
+        const Complex s(0.0, 2 * M_PI * f);
+        return std::abs((kp + ki / s) * answer(f));
+      };
+      const double sign = one.kind == Resonance::Kind::peak ? 1.0 : -1.0;
+      for (const double aside : {1 - 1e-4, 1 + 1e-4}) {
+        EXPECT_GT(sign * (size(one.frequency) - size(aside * one.frequency)), 0.0);
+      }
     }
     // At its peak the amplitude falls to both sides.
     const std::vector<Resonance> all = of_place.resonances(0.05, 5.0);

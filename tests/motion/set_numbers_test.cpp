@@ -17,6 +17,7 @@
 #include "motion/inverse_dynamics.hpp"
 #include "motion/quantities_along.hpp"
 #include "motion/reduced_motion.hpp"
+#include "motion/response.hpp"
 #include "motion/simulate.hpp"
 #include "tests/app/run_poise.hpp"
 #include "tests/support/known_answers.hpp"
@@ -374,16 +375,29 @@ proportional = {}
   EXPECT_EQ(found.closed.inputs, std::vector<std::string>{"C.reference"});
 }
 
-// (p + a)(I p^2 + c p) + k p + a (kp + kd p) with a = 0.4 k.
+// (p + a)(I p^2 + c p) + k p + a (kp + kd p) with a = 0.4 k; the arm follows its reference by a kp over that.
 TEST(SetNumbers, AnElasticActuatorHasItsPoles) {
-  const MotionModel model(read_scene(test::dataset("machines/elastic_actuator.toml")));
+  const Scene scene = read_scene(test::dataset("machines/elastic_actuator.toml"));
+  const MotionModel model(scene);
   const ControlLoop found = control_loop(model, test::released(model, {}).q);
   ASSERT_TRUE(found.known) << found.why;
   EXPECT_EQ(found.stability, ControlLoop::Stability::stable);
   ASSERT_EQ(found.poles.size(), 3U);
-  for (const std::complex<double>& p : found.poles) {
-    EXPECT_LT(std::abs((p + 60.0) * (0.2 * p * p + 0.1 * p) + 150.0 * p + 60.0 * (20.0 + 2.0 * p)), 1e-8);
+  const auto characteristic = [](const std::complex<double>& p) {
+    return (p + 60.0) * (0.2 * p * p + 0.1 * p) + 150.0 * p + 60.0 * (20.0 + 2.0 * p);
+  };
+  for (const std::complex<double>& p : found.poles) EXPECT_LT(std::abs(characteristic(p)), 1e-8);
+  const FrequencyResponse response(model, found, excitation_of(scene, "controller.place.reference"),
+                                   find_quantity(scene, "angle.arm", AskedOf::motion));
+  for (const double f : {0.01, 0.5, 2.0, 7.0, 40.0}) {
+    EXPECT_LT(std::abs(response.at(f) * characteristic({0.0, 2 * M_PI * f}) / 1200.0 - 1.0), 1e-10) << f;
   }
+  // What is set is not told.
+  const std::string said = test::message_of([&] {
+    FrequencyResponse(model, found, excitation_of(scene, "controller.place.reference"),
+                      find_quantity(scene, "force.series", AskedOf::motion));
+  });
+  EXPECT_NE(said.find("controller \"torque\" sets a number of it"), std::string::npos) << said;
 }
 
 // Of a part the paths are those of its own items; mirrored it moves the other way.
