@@ -669,7 +669,7 @@ TEST(Control, BadInputIsNamed) {
     EXPECT_NE(said.find(words), std::string::npos) << said;
   };
   expect_of_outer("proportional = 1", "proportional = 1\nreads = { slide = \"still\" }",
-                  "expected what it acts on, or a controller with follows = \"outer\"");
+                  "expected what it acts on or sets, or a controller with follows = \"outer\"");
   expect_of_outer("proportional = 1\nreads = \"nothing\"\nfollows = \"outer\"",
                   "proportional = 1\nreads = { controller = \"C\" }",
                   "controllers \"C\", \"outer\" are an algebraic loop");
