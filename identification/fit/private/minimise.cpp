@@ -40,8 +40,12 @@ constexpr double sure = 1e-2;
 /// or by less than this part of what the cost grows by at one standard error, where the size of the residuals is that
 /// of the noise: no estimate changes by more than a thousandth of its standard error then.
 constexpr double part_of_standard_error = 1e-6;
-/// Decreases below this part of the cost are rounding.
-constexpr double rounding = 1e-15;
+/// After a step that failed, one ends besides where the parameters are predicted to change by less than a tenth of
+/// their standard errors, this part of what the cost grows by at one, while the whole decrease is a small part of the
+/// cost: what is left then are the starts of runs, along which the cost of bodies that friction holds is full of kinks.
+constexpr double part_of_parameters = 1e-2, small_decrease = 1e-3;
+/// Decreases below this part of the cost are rounding, and so are distances of variables from the ends of their ranges.
+constexpr double rounding = 1e-15, at_end = 1e-12;
 
 /// The part of a step from x that leaves no range.
 double part_within(const VectorXd& low, const VectorXd& high, const VectorXd& x, const VectorXd& step) {
@@ -149,7 +153,8 @@ class Descent : ceres::IterationCallback {
   struct Plan {
     std::vector<Index> free;  // variables that it changes
     double part = 1.0;        // that leaves no range
-    double decrease = 0.0;    // of the cost by that part, to first order in the residuals
+    double gain = 0.0;        // decrease of the cost by the whole step, to first order in the residuals
+    double decrease = 0.0;    // the same by that part
     double length = 0.0;      // of that part, in units of the damping
   };
 
@@ -168,7 +173,13 @@ class Descent : ceres::IterationCallback {
     rows.topRows(model.a.rows()) << model.a, model.r;
     triangle_ = solvers::triangular_factor(rows).topRows(n);
     plan_ = plan(radius_);
-    ends_ = steps_ >= most_steps || !(plan_.decrease > rounding * here()) || is_flat();
+    whole_ = plan(largest_radius);
+    ends_ = steps_ >= most_steps || !(plan_.gain > rounding * here()) || is_flat();
+  }
+
+  double decrease_by(const VectorXd& step) const {
+    const VectorXd after = triangle_.col(triangle_.rows()) + triangle_.leftCols(triangle_.rows()) * step;
+    return (triangle_.col(triangle_.rows()).squaredNorm() - after.squaredNorm()) / 2;
   }
 
   /// Holds variables at ends of their ranges where their gradients, or the step of the others, pull them outwards.
@@ -177,13 +188,15 @@ class Descent : ceres::IterationCallback {
     const VectorXd& high = cost_.high();
     const VectorXd& x = cost_.here().x;
     const Index n = x.size();
+    const auto is_low = [&](Index i) { return x[i] <= low[i] + at_end; };
+    const auto is_high = [&](Index i) { return x[i] >= high[i] - at_end; };
     const auto leaves = [&](Index i, double towards) {
-      return towards == 0.0 || (x[i] <= low[i] && towards < 0) || (x[i] >= high[i] && towards > 0);
+      return towards == 0.0 || (is_low(i) && towards < 0) || (is_high(i) && towards > 0);
     };
     const VectorXd gradient = triangle_.leftCols(n).transpose() * triangle_.col(n);
     Plan out;
     for (Index i = 0; i < n; ++i) {
-      const bool is_at_end = x[i] <= low[i] || x[i] >= high[i];
+      const bool is_at_end = is_low(i) || is_high(i);
       if (low[i] < high[i] && !(is_at_end && leaves(i, -gradient[i]))) out.free.push_back(i);
     }
     VectorXd step;
@@ -191,8 +204,8 @@ class Descent : ceres::IterationCallback {
       step = step_of(out.free, radius);
     } while (std::erase_if(out.free, [&](Index i) { return step[i] != 0.0 && leaves(i, step[i]); }) > 0);
     out.part = part_within(low, high, x, step);
-    const VectorXd after = triangle_.col(n) + out.part * (triangle_.leftCols(n) * step);
-    out.decrease = (triangle_.col(n).squaredNorm() - after.squaredNorm()) / 2;
+    out.gain = decrease_by(step);
+    out.decrease = decrease_by(out.part * step);
     out.length = out.part * damping_.cwiseProduct(step).norm();
     return out;
   }
@@ -212,11 +225,23 @@ class Descent : ceres::IterationCallback {
     return out;
   }
 
+  /// What the cost grows by at one standard error where the size of the residuals is that of the noise.
+  double growth_at_error() const { return here() / std::max(1, task_.degrees_of_freedom()); }
+
   /// What is left to gain is not worth a motion, whatever the radius is.
   bool is_flat() const {
-    const double gain = std::max(plan_.decrease, plan(largest_radius).decrease);
-    const double noise = is_start() ? 0.0 : part_of_standard_error / std::max(1, task_.degrees_of_freedom());
-    return gain < std::max((is_start() ? 1.0 : sure) * tolerance(), noise) * here();
+    const double gain = std::max(plan_.gain, whole_.gain);
+    const double noise = is_start() ? 0.0 : part_of_standard_error * growth_at_error();
+    return gain < std::max((is_start() ? 1.0 : sure) * tolerance() * here(), noise);
+  }
+
+  /// What is left to gain is nearly all that of the starts of runs.
+  bool is_of_starts() const {
+    const Index parameters = std::ssize(task_.problem.parameters());
+    std::vector<Index> starts = whole_.free;
+    std::erase_if(starts, [&](Index i) { return i < parameters; });
+    if (is_start() || starts.size() == whole_.free.size() || whole_.gain > small_decrease * here()) return false;
+    return whole_.gain - decrease_by(step_of(starts, largest_radius)) < part_of_parameters * growth_at_error();
   }
 
   // --- rounds -------------------------------------------------------------------------------------------------------
@@ -288,7 +313,7 @@ class Descent : ceres::IterationCallback {
     without_motion_ = 0;
     idle_ = std::abs(change) < noise_of_cost * here() ? idle_ + 1 : 0;
     const double least = is_start() ? least_decrease_of_start : least_decrease;
-    return idle_ >= most_idle || plan_.decrease < least * here();
+    return idle_ >= most_idle || plan_.gain < least * here() || is_of_starts();
   }
 
   /// Damps the next step until it is short enough after one that failed.
@@ -298,7 +323,7 @@ class Descent : ceres::IterationCallback {
       radius_ /= narrower_;
       narrower_ *= 2;
       plan_ = plan(radius_);
-      ends_ = !(plan_.decrease > rounding * here());
+      ends_ = !(plan_.gain > rounding * here());
     } while (plan_.length > longest && !ends_);
   }
 
@@ -321,9 +346,9 @@ class Descent : ceres::IterationCallback {
   double window_;
   FitEffort& effort_;
   DescentCost cost_;
-  VectorXd damping_;   // of each variable: its scale in the trust region
-  MatrixXd triangle_;  // of the cost about this place, and its residuals
-  Plan plan_;
+  VectorXd damping_;                               // of each variable: its scale in the trust region
+  MatrixXd triangle_;                              // of the cost about this place, and its residuals
+  Plan plan_, whole_;                              // with the radius, and without any
   double radius_ = first_radius;                   // of the trust region: the inverse of the damping
   double narrower_ = 2.0;                          // factor by which the radius falls next
   int steps_ = 0, without_motion_ = 0, idle_ = 0;  // tried; and those in turn that failed so
