@@ -37,6 +37,7 @@ TYPES = {
 }
 TYPES_OF_OPTIONS = {
     "--tolerances FILE": "Path | Mapping[str, Any]",
+    "--continue FILE": "Path | Found",
     "--with FILE": "Path | Found",
     "--motion FILE": "Path | Found",
 }

@@ -14,6 +14,7 @@
 #include "app/results/identification/charts.hpp"
 #include "app/results/identification/compare_models.hpp"
 #include "app/results/identification/fitted_scene.hpp"
+#include "app/results/identification/read_fit.hpp"
 #include "identification/assessment/check_spans.hpp"
 #include "model/named_files.hpp"
 #include "model/text_file.hpp"
@@ -25,8 +26,10 @@ struct IdentifyRequest {
   ExperimentRequest experiment;
   std::vector<std::string> files;
   std::string start = "auto";
+  std::string continued;
   std::vector<std::string> profiles;
   int bootstrap = 0;
+  bool quick = false;
   int jobs = 0;
   bool accept_misfit = false;
 };
@@ -50,6 +53,9 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   expect_number("--bootstrap", request.bootstrap,
                 request.bootstrap == 0 || request.bootstrap >= Bootstrap::least_samples,
                 "0 (none), or at least 20 samples");
+  options.quick = request.quick;
+  // From here on an interrupt leaves a result.
+  options.interrupt = &request.experiment.common.interrupt();
   if (!common.svg.empty()) expect_plotter();
   Progress progress(request.experiment.common.listener());
   progress.now("reading the experiment");
@@ -63,8 +69,14 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   expect_no_markers(experiment);
   const FitProblem problem(experiment);
   check_spans(problem);
-  OutputFiles files(common, files_read(experiment));
-  options.interrupt = &request.experiment.common.interrupt();
+  std::vector<std::string> read = files_read(experiment);
+  Fit before;
+  if (!request.continued.empty()) {
+    before = read_reached(request.continued, problem);
+    options.continued = &before;
+    read.push_back(request.continued);
+  }
+  OutputFiles files(common, read);
   options.progress = [&](const std::string& doing) { progress.now(doing); };
 
   expect_unknowns(problem, request.profiles);
@@ -98,9 +110,10 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
 int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
   if (!request.profiles.empty() || request.bootstrap > 0 || !common.svg.empty() || !common.csv.empty() ||
-      !common.written_scene.empty()) {
+      !common.written_scene.empty() || !request.continued.empty()) {
     throw InputError(
-        "several experiments: expected no --profile, --bootstrap, --svg, --csv or --scene, which are of one fit");
+        "several experiments: expected no --continue, --profile, --bootstrap, --svg, --csv or --scene, which are of "
+        "one fit");
   }
   for (std::size_t i = 1; i < request.files.size(); ++i) {
     const auto same = [&](const std::string& other) { return same_file(other, request.files[i]); };
@@ -111,6 +124,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   CompareOptions options;
   options.fit.use_starts = chosen("--start", request.start, start_words()) == 1;
   options.fit.jobs = read_jobs(request.jobs);
+  options.fit.quick = request.quick;
   Progress progress(request.experiment.common.listener());
   progress.now("reading the experiments");
   std::deque<Experiment> experiments;
@@ -152,6 +166,13 @@ Command identify_command() {
             "auto: from damped sines where the records are such oscillations,\nelse from the experiment's starts "
             "(the default); given: from those\nalways"})
       .choices = start_words();
+  command
+      .add({"--continue", &request->continued, "FILE",
+            "Go on from what an interrupted fit had reached: its --json FILE"})
+      .reads("json");
+  command.add(
+      {"--quick", &request->quick, "",
+       "Leave out what puts the minimum in question: the cost away from\nit, other minima, fits without a run"});
   command.add(
       {"--bootstrap", &request->bootstrap, "N",
        "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});

@@ -23,6 +23,7 @@ struct FittedModel {
     double rms = 0.0;    ///< of the fit's own residuals
   };
   std::string file;
+  bool is_unfinished = false;  ///< the fit was interrupted: its values are no estimates, and have no covariance
   std::vector<Parameter> parameters;
   Eigen::MatrixXd covariance;  ///< of these
   std::vector<Sensor> sensors;

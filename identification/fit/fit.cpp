@@ -44,6 +44,18 @@ FoundMinimum first_minimum(const FitTask& task, const Weighting& weighting, FitE
   return task.options.from != nullptr ? continue_fit(task, weighting, effort) : search_minimum(task, weighting, effort);
 }
 
+/// The noise to begin with: that of another fit, of one that this goes on from only where it is estimated.
+Weighting first_weighting(const FitProblem& problem, const FitOptions& options) {
+  if (options.from != nullptr) return options.from->weighting;
+  Weighting out = problem.weighting();
+  const Fit* const before = options.continued;
+  for (std::size_t k = 0; before != nullptr && k < out.noise.size(); ++k) {
+    const bool has = k < before->weighting.noise.size() && before->weighting.noise[k] > 0;
+    if (has && estimates_noise(problem, out, k)) out.noise[k] = before->weighting.noise[k];
+  }
+  return out;
+}
+
 /// Minima beside the best one that have been found so far.
 struct OtherMinima {
   std::optional<std::vector<Minimum>> states;  // of other states, and what was the best one before; not sought if none
@@ -53,8 +65,8 @@ struct OtherMinima {
 /// Finds a minimum with a lower cost than that of the fit, whose intervals are corrected on the way.
 std::optional<Minimum> better_minimum(const FitTask& task, const WeightedMinimum& at, const LinearFit& linear,
                                       Fit& fitted, OtherMinima& others, FitEffort& effort) {
-  if (auto better = correct_for_curvature(task, at, linear, fitted, effort)) return better;
   if (!is_to_be_questioned(task, fitted)) return std::nullopt;
+  if (auto better = correct_for_curvature(task, at, linear, fitted, effort)) return better;
   if (!others.states) others.states = minima_with_other_states(task, at, fitted, effort);
   others.all = *others.states;
   for (Minimum& twin : minima_of_twins(task, at, fitted, effort)) others.all.push_back(std::move(twin));
@@ -109,7 +121,7 @@ Fit fit(const FitProblem& problem, const std::vector<Record>& records, const Fit
   const auto begun = std::chrono::steady_clock::now();
   const FitTask task = task_of(problem, records, options);
   FitEffort effort;
-  const Weighting weighting = options.from != nullptr ? options.from->weighting : problem.weighting();
+  const Weighting weighting = first_weighting(problem, options);
   FoundMinimum found = first_minimum(task, weighting, effort);
   WeightedMinimum at{std::move(found.best), weighting};
   Fit out;
@@ -119,8 +131,13 @@ Fit fit(const FitProblem& problem, const std::vector<Record>& records, const Fit
     if (options.from == nullptr) at = estimate_noise(task, std::move(at), effort);
     out = examined_fit(task, found, std::move(at), effort);
   }
+  if (task.stopped() && out.usable()) {
+    out.status = FitStatus::interrupted;
+    out.why = "interrupted while the minimum was examined; its values are shown";
+  }
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
   out.microseconds = took.count();
+  out.is_quick = options.quick;
   return out;
 }
 

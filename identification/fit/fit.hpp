@@ -68,6 +68,11 @@ struct FitOptions {
   double function_tolerance = 1e-7;  ///< ends where the sum of squares falls by less than this part of it
   /// Starts from the values and the noise of this fit of the same problem, without a search.
   const Fit* from = nullptr;
+  /// Goes on from what this fit of the same unknowns has reached: its parameters, its runs' nuisances where it has
+  /// them, and its noise of sensors whose noise is not stated. What it leads to is examined as any other minimum.
+  const Fit* continued = nullptr;
+  /// Leaves out what puts the minimum in question: curvature, minima elsewhere, fits without a run.
+  bool quick = false;
   std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
   bool values_only = false;   ///< with `from`: of the result only cost, parameters, nuisances and status are needed
   bool holds_starts = false;  ///< the nuisances are kept too, where all parameters are
@@ -118,6 +123,7 @@ struct Fit {
   int check_evaluations = 0;  ///< the same in the fits along traces and without a run
   int tries = 0;
   double microseconds = 0.0;
+  bool is_quick = false;  ///< FitOptions::quick: nothing has put the minimum in question
 
   bool usable() const { return status == FitStatus::converged || status == FitStatus::misfit; }
 };

@@ -16,6 +16,8 @@ namespace {
 
 /// Errors of integration may grow so much; the most accurate motion that is computed where they grow more.
 constexpr double harmless_growth = 20.0, finest_accuracy = 1e-13;
+/// The growth is about that of a motion nearby: one of that motion's accuracy is accurate enough but for this factor.
+constexpr double nearly_known = 0.25;
 
 /// Where friction switches over, steps are as long as the switch-over, and the error of a motion is some hundred times
 /// what the integrator estimates: measured on the double pendulum with dry friction, whose cost then scatters by more
@@ -66,15 +68,22 @@ bool may_be_chaotic(const RunModel& model) {
   return model.start_is_unknown() && (model.freedoms() > 1 || is_driven);
 }
 
-/// Of a run, again more accurately where the motion is chaotic: so that the cost stays smooth.
+/// Of a run, again more accurately where the motion is chaotic: so that the cost stays smooth. `found`, unless null, is
+/// the accuracy with which that was done near these values, 0 where it is not known; it becomes the one of this motion.
 Prediction predict(const RunModel& model, const std::vector<double>& unknowns, const std::vector<double>& nuisances,
-                   double until, double accuracy, bool jacobian, const std::atomic<bool>* interrupt = nullptr) {
+                   double until, double accuracy, bool jacobian, const std::atomic<bool>* interrupt = nullptr,
+                   double* found = nullptr) {
   Prediction out;
   const bool examined = may_be_chaotic(model);
-  model.predict(unknowns.data(), nuisances.data(), until, accuracy, jacobian || examined, out, interrupt);
+  const double first = found != nullptr && *found > 0.0 ? std::min(*found, accuracy) : accuracy;
+  model.predict(unknowns.data(), nuisances.data(), until, first, jacobian || examined, out, interrupt);
   if (!out.ok || !examined) return out;
   const double finer = std::max(finest_accuracy, accuracy * harmless_growth / growth_of_errors(model, out, until));
-  if (finer < accuracy) model.predict(unknowns.data(), nuisances.data(), until, finer, jacobian, out, interrupt);
+  const bool is_known = first < accuracy;
+  if (found != nullptr) *found = first;
+  if (!(finer < (is_known ? nearly_known * first : accuracy))) return out;
+  model.predict(unknowns.data(), nuisances.data(), until, finer, jacobian, out, interrupt);
+  if (found != nullptr) *found = finer;
   return out;
 }
 
@@ -254,11 +263,11 @@ Weighting FitProblem::weighting() const {
 
 LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& parameters,
                                  const std::vector<double>& nuisances, const Record* record, double until,
-                                 double accuracy, const Weighting& weighting,
-                                 const std::atomic<bool>* interrupt) const {
+                                 double accuracy, const Weighting& weighting, const std::atomic<bool>* interrupt,
+                                 double* found) const {
   const RunModel& model = models_[r];
   const std::vector<double> unknowns = unknowns_of(r, parameters);
-  const Prediction prediction = predict(model, unknowns, nuisances, until, accuracy, true, interrupt);
+  const Prediction prediction = predict(model, unknowns, nuisances, until, accuracy, true, interrupt, found);
   if (!prediction.ok) return {};
   LinearRun out;
   const Eigen::Index p = model.unknowns();

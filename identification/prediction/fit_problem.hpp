@@ -99,10 +99,12 @@ class FitProblem {
   Weighting weighting() const;
 
   /// Of run r up to the time `until`, s. Without `record` e is 0. Without rows where the motion fails, or `interrupt`
-  /// is set before it ends.
+  /// is set before it ends. A chaotic motion is computed more accurately, by how much it takes a motion to find: unless
+  /// `found` is null it has the accuracy found near these values, 0 where that is not known, and takes that of this
+  /// one.
   LinearRun linearized(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                        const Record* record, double until, double accuracy, const Weighting& weighting,
-                       const std::atomic<bool>* interrupt = nullptr) const;
+                       const std::atomic<bool>* interrupt = nullptr, double* found = nullptr) const;
   /// The triangle R of  Q R = W linearized().rows,  W^2 the weights of the residuals: everything that an iteration
   /// needs of a run, (columns + 1) square. Its last column R_e has  |R_e|^2 = sum rho(e^2),  and R^T R_e holds the
   /// gradient of half of that. Empty where the motion fails, or is interrupted.

@@ -915,6 +915,8 @@ def identify(
     data: Path | None = None,
     set: Settings | None = None,
     start: str | None = None,
+    continue_: Path | Found | None = None,
+    quick: bool = False,
     bootstrap: int | None = None,
     profile: Words | None = None,
     accept_misfit: bool = False,
@@ -940,6 +942,9 @@ def identify(
     start: auto: from damped sines where the records are such oscillations,
         else from the experiment's starts (the default); given: from those
         always
+    continue_: Go on from what an interrupted fit had reached: its --json FILE
+    quick: Leave out what puts the minimum in question: the cost away from
+        it, other minima, fits without a run
     bootstrap: Refit N records resampled from blocks of the residuals, for standard
         errors that assume no model of them
     profile: Find the profile likelihood of an unknown, and its 95 % interval;
@@ -955,6 +960,8 @@ def identify(
         "--data": data,
         "--set": set,
         "--start": start,
+        "--continue": continue_,
+        "--quick": quick,
         "--bootstrap": bootstrap,
         "--profile": profile,
         "--accept-misfit": accept_misfit,

@@ -560,5 +560,41 @@ TEST(IdentifyCommand, InterruptShowsTheValuesReached) {
   }
 }
 
+// From the result of a fit that was interrupted another one goes on; a validation takes it with a warning.
+TEST(IdentifyCommand, GoesOnFromWhatAFitHadReached) {
+  const TempFolder folder;
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
+  json part = run_json(folder, {"identify", file}, 0);
+  const json whole = part;
+  part["status"] = "interrupted";
+  part["reached"]["k"] = 1.001 * part["reached"]["k"].get<double>();
+  const std::string reached = folder.write("part.json", part.dump());
+  const json rest = run_json(folder, {"identify", file, "--continue", reached}, 0);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double error = whole["estimates"][i]["standard_error"];
+    EXPECT_NEAR(rest["estimates"][i]["value"].get<double>(), whole["estimates"][i]["value"].get<double>(),
+                0.01 * error);
+  }
+  EXPECT_EQ(rest["start"], "from what an earlier fit had reached");
+  const json validation = run_json(folder, {"validate", file, "--with", reached}, 0);
+  EXPECT_EQ(validation["unfinished"], true);
+  EXPECT_TRUE(
+      has(run_poise({"validate", file, "--with", reached}).out, "was interrupted: its values are no estimates"));
+  part["reached"].erase("c");
+  const ProgramRun run = run_poise({"identify", file, "--continue", folder.write("other.json", part.dump())});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_TRUE(has(run.err, "found no \"c\"; give the result of a fit of this experiment")) << run.err;
+}
+
+TEST(IdentifyCommand, SaysThatAQuickFitWasNotExamined) {
+  const TempFolder folder;
+  const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
+  const json quick = run_json(folder, {"identify", file, "--quick"}, 0);
+  EXPECT_EQ(quick["quick"], true);
+  EXPECT_EQ(quick["check_evaluations"], 0);
+  EXPECT_TRUE(has(run_poise({"identify", file, "--quick"}).out, "Quick: the cost away from the minimum"));
+  EXPECT_EQ(run_json(folder, {"identify", file}, 0)["quick"], false);
+}
+
 }  // namespace
 }  // namespace poise::app_tests::identify_command_test

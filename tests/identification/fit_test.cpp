@@ -288,23 +288,48 @@ TEST(Fit, StopsWhenInterrupted) {
   EXPECT_FALSE(found.why.empty());
 }
 
-// Wherever it is interrupted; of a motion that an interrupt ends there are no residuals.
-TEST(Fit, CanBeInterruptedAtAnyMoment) {
+// Wherever it is interrupted, there are values of all parameters, and a fit that goes on from them ends where one does
+// that was not.
+TEST(Fit, GoesOnFromWhereItWasInterrupted) {
   const Experiment e = test::experiment("lift_experiment_four_runs");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
-  std::atomic<bool> stop{false};
   FitOptions options;
+  options.use_starts = true;
+  const Fit whole = fit(problem, records, options);
+  ASSERT_TRUE(whole.usable()) << whole.why;
+  std::atomic<bool> stop{false};
   options.interrupt = &stop;
   bool was_interrupted = true;
-  for (int after = 1; was_interrupted; after += 3) {
+  for (int after = 1; was_interrupted; after += 4) {
     stop = false;
     int said = 0;
     options.progress = [&](const std::string&) { stop = stop || ++said == after; };
-    const Fit found = fit(problem, records, options);
+    const Fit part = fit(problem, records, options);
     was_interrupted = stop;
-    EXPECT_TRUE(found.status == FitStatus::interrupted || found.usable()) << after << ": " << found.why;
+    ASSERT_EQ(part.parameters.size(), whole.parameters.size()) << after;
+    ASSERT_EQ(part.estimates.size(), whole.estimates.size()) << after;
+    if (was_interrupted) EXPECT_EQ(part.status, FitStatus::interrupted) << after;
+    FitOptions going_on;
+    going_on.continued = &part;
+    const Fit rest = fit(problem, records, going_on);
+    ASSERT_EQ(rest.status, whole.status) << rest.why;
+    for (std::size_t i = 0; i < rest.estimates.size(); ++i) {
+      EXPECT_NEAR(rest.estimates[i].value, whole.estimates[i].value, 0.01 * whole.estimates[i].standard_error) << after;
+    }
   }
+}
+
+TEST(Fit, LeavesOutChecksWhereItIsToBeQuick) {
+  const Experiment e = test::experiment("lift_experiment_four_runs");
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  FitOptions options;
+  const Fit whole = fit(problem, records, options);
+  options.quick = true;
+  const Fit quick = fit(problem, records, options);
+  EXPECT_EQ(quick.check_evaluations, 0);
+  EXPECT_EQ(quick.parameters, whole.parameters);
 }
 
 // The values to which a step of a fit may lead: without mass nothing moves the arm, and it has no coordinate.

@@ -60,6 +60,36 @@ TEST_F(Minimise, KeepsHeldValues) {
   EXPECT_EQ(from(1.1 * test::Wheel::stiffness).point.parameters[0], 1.1 * test::Wheel::stiffness);
 }
 
+/// A wheel whose swings grow, of which no damping is the cause: the best damping that is possible is none.
+TEST(MinimiseAtABound, EndsInFewEvaluationsFromAfarAndAtOnceFromTheMinimum) {
+  test::Wheel wheel(2);
+  wheel.experiment.unknowns.push_back(test::unknown("torsion_damper.air.coefficient"));
+  wheel.experiment.unknowns.back().min = 0.0;
+  wheel.experiment.unknowns.back().start = 0.2;
+  wheel.experiment.unknowns.back().scale = 1.0;
+  wheel.experiment.unknowns.front().start = 1.1 * test::Wheel::stiffness;
+  const FitProblem problem(wheel.experiment);
+  std::vector<Record> records = problem.records();
+  for (Record& record : records) {
+    for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+      const double time = record.sensors[0].time[i];
+      record.sensors[0].value[i] = std::exp(0.3 * time) * test::Wheel::at(time);
+    }
+  }
+  const FitOptions options;
+  const FitTask task{problem, records, options, 100, 6};
+  FitEffort effort;
+  const Minimum found = minimise(task, problem.weighting(), {problem.starts(), test::released(problem)}, 1.0, effort);
+  ASSERT_TRUE(found.is_reached());
+  EXPECT_EQ(found.point.parameters[1], 0.0);
+  EXPECT_LE(effort.evaluations, 15);
+  FitEffort again;
+  const Minimum same = minimise(task, problem.weighting(), found.point, 1.0, again);
+  EXPECT_EQ(same.point.parameters[1], 0.0);
+  EXPECT_NEAR(same.cost, found.cost, 1e-6 * found.cost);
+  EXPECT_LE(again.evaluations, 4);
+}
+
 TEST_F(Minimise, SaysWhyThereIsNone) {
   const std::atomic<bool> interrupt = true;
   options_.interrupt = &interrupt;

@@ -203,6 +203,11 @@ std::vector<Line> warnings(const FitProblem& problem, const Identification& answ
     out.push_back(fault.is_wrong ? bad(words) : doubtful(words));
   }
   if (!fitted.usable()) return out;
+  if (fitted.is_quick) {
+    out.push_back(
+        doubtful("Quick: the cost away from the minimum, other minima and single runs were not examined; the intervals "
+                 "are those of the parabola at the minimum."));
+  }
   if (withheld(fitted) > 0) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
     out.push_back(bad(fmt::format("Withheld: {} of {}, see below.", withheld(fitted), all)));
@@ -710,7 +715,12 @@ void add_fit_data(Group& content, const FitProblem& problem, const Identificatio
   content.data("evaluations", fitted.evaluations);
   content.data("check_evaluations", fitted.check_evaluations);
   content.data("tries", fitted.tries);
+  content.data("quick", fitted.is_quick);
   content.data("microseconds", fitted.microseconds);
+  Group& values = content.group("reached", "", Verbosity::data);
+  for (std::size_t p = 0; p < fitted.parameters.size(); ++p) {
+    values.data(problem.parameters()[p].name, fitted.parameters[p] / problem.unknown_of(p).unit);
+  }
   Table& sensors = content.table("sensors", "", Rows::list, Verbosity::data);
   sensors.words("name", "", each(experiment.sensors, &Sensor::name));
   sensors.words("unit", "", each(experiment.sensors, [&](const Sensor& s) { return s.dimension().unit_name(units); }));

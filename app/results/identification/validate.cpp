@@ -88,8 +88,13 @@ Result validation_result(const FitProblem& problem, const Identification& answer
                          const FittedModel& model, Starts starts, const std::vector<std::string>& settings) {
   Result out = experiment_result(problem, settings);
   out.verdict = verdict(validation);
+  if (model.is_unfinished) {
+    out.warnings.push_back(
+        doubtful(fmt::format("The fit of {} was interrupted: its values are no estimates.", model.file)));
+  }
   Group& content = out.content;
   content.data("with", model.file);
+  content.data("unfinished", model.is_unfinished);
   content.data("starts", starts == Starts::measured ? "measured" : "fitted");
   add_held_out(content, problem, validation);
   add_parameters(content, problem, validation);

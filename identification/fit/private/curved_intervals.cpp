@@ -41,12 +41,12 @@ Minimum minimum_near(const FitTask& task, const Weighting& weighting, const Fit&
 }  // namespace
 
 bool is_to_be_questioned(const FitTask& task, const Fit& fitted) {
-  return fitted.usable() && fitted.identifiability.ok && task.options.from == nullptr && !task.stopped();
+  return fitted.usable() && fitted.identifiability.ok && task.options.from == nullptr && !task.options.quick &&
+         !task.stopped();
 }
 
 std::optional<Minimum> correct_for_curvature(const FitTask& task, const WeightedMinimum& at, const LinearFit& linear,
                                              Fit& fitted, FitEffort& effort) {
-  if (!is_to_be_questioned(task, fitted)) return std::nullopt;
   Curvature found = find_curvature(task.problem, task.records, fitted, linear.runs, task.options);
   effort.check_evaluations += found.evaluations;
   if (found.better) return minimum_near(task, at.weighting, *found.better, effort);

@@ -10,11 +10,11 @@
 namespace poise {
 
 /// Says whether lower costs beside the fit, other minima and single runs may put it in question: it is usable, and no
-/// step of another fit.
+/// step of another fit, nor a quick one.
 bool is_to_be_questioned(const FitTask& task, const Fit& fitted);
 
-/// Replaces intervals by those of find_curvature(), and withholds estimates whose intervals do not end. Where that
-/// finds a lower cost, returns the minimum it leads to, and leaves the fit as it is.
+/// Of a fit that is_to_be_questioned(), replaces intervals by those of find_curvature(), and withholds estimates whose
+/// intervals do not end. Where that finds a lower cost, returns the minimum it leads to, and leaves the fit as it is.
 std::optional<Minimum> correct_for_curvature(const FitTask& task, const WeightedMinimum& at, const LinearFit& linear,
                                              Fit& fitted, FitEffort& effort);
 

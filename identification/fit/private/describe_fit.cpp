@@ -140,10 +140,8 @@ Fit outline_of(const FitTask& task, const FoundMinimum& found, const WeightedMin
   out.status = found.status;
   out.why = found.why;
   out.start = found.start;
-  if (at.minimum.is_reached()) {
-    out.cost = at.minimum.cost;
-    out.parameters = at.minimum.point.parameters;
-  }
+  if (at.minimum.is_reached()) out.cost = at.minimum.cost;
+  out.parameters = at.minimum.point.parameters;
   out.weighting = at.weighting;
   out.readings = task.readings;
   out.degrees_of_freedom = task.degrees_of_freedom();
@@ -187,6 +185,9 @@ Fit values_of_fit(const FitTask& task, const FoundMinimum& found, const Weighted
     run.nuisances = at.minimum.point.nuisances[r];
   }
   if (out.status == FitStatus::not_run) out.status = FitStatus::converged;
+  for (std::size_t i = 0; out.status == FitStatus::interrupted && i < out.parameters.size(); ++i) {
+    out.estimates.push_back(estimate_of(task.problem, i, out.parameters[i], out));
+  }
   return out;
 }
 

@@ -1,248 +1,359 @@
 #include "identification/fit/private/minimise.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
 
-#include "identification/fit/private/ceres_costs.hpp"
+#include "identification/fit/private/descent_cost.hpp"
+#include "solvers/linear_algebra.hpp"
 
 namespace poise {
 namespace {
 
-/// Motions of a fit that only has to be a start for more readings are less accurate by this factor, down to this.
-constexpr double accuracy_of_start = 100.0, least_accuracy = 1e-4;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-/// The least-squares problem in the form of Ceres: parameters in units of their scales, nuisances as differences from
-/// the start.
-class CeresFit {
+/// Steps that are tried, and those in turn whose motions cannot be computed.
+constexpr int most_steps = 100, most_without_motion = 20;
+/// A step is taken where the cost falls by more than this part of what is predicted.
+constexpr double least_success = 1e-3;
+/// Full steps are tried first: small oscillations are nearly linear in the parameters.
+constexpr double first_radius = 1e6, largest_radius = 1e16;
+/// A step after one that failed is shorter by this at least: a motion costs far more than a step.
+constexpr double shorter_after_failure = 0.5;
+
+/// Relative error of the cost that follows from the integration errors of the motions.
+constexpr double noise_of_cost = 1e-4;
+/// Steps that failed by no more than that, in turn, after which no further one is tried.
+constexpr int most_idle = 3;
+/// Predicted relative decrease of the cost below which no further step is tried after one that failed: the decrease is
+/// then smaller than what integration errors change, and shorter steps would fail, too.
+constexpr double least_decrease = 1e-5;
+/// The same where the result is a start for more readings, and the tolerance of its cost.
+constexpr double least_decrease_of_start = 1e-3, tolerance_of_start = 1e-3;
+/// A fit ends where a full step is predicted to decrease the cost by less than this part of the tolerance,
+constexpr double sure = 1e-2;
+/// or by less than this part of what the cost grows by at one standard error, where the size of the residuals is that
+/// of the noise: no estimate changes by more than a thousandth of its standard error then.
+constexpr double part_of_standard_error = 1e-6;
+/// After a step that failed, one ends besides where the parameters are predicted to change by less than a tenth of
+/// their standard errors, this part of what the cost grows by at one, while the whole decrease is a small part of the
+/// cost: what is left then are the starts of runs, along which the cost of bodies that friction holds is full of kinks.
+constexpr double part_of_parameters = 1e-2, small_decrease = 1e-3;
+/// Decreases below this part of the cost are rounding, and so are distances of variables from the ends of their ranges.
+constexpr double rounding = 1e-15, at_end = 1e-12;
+
+/// The part of a step from x that leaves no range.
+double part_within(const VectorXd& low, const VectorXd& high, const VectorXd& x, const VectorXd& step) {
+  double out = 1.0;
+  for (Index i = 0; i < x.size(); ++i) {
+    if (step[i] == 0.0) continue;
+    const double room = (step[i] > 0 ? high[i] : low[i]) - x[i];
+    if (std::abs(step[i]) > std::abs(room)) out = std::min(out, room / step[i]);
+  }
+  return out;
+}
+
+/// Steps of some variables, straight on as far as the first end of a range.
+class WithinRanges : public ceres::Manifold {
  public:
-  /// `weighting` and `start` must outlive this.
-  CeresFit(const FitTask& task, const Weighting& weighting, const FitPoint& start, double window, FitEffort& effort)
-      : task_(task),
-        start_(start),
-        window_(window),
-        effort_(effort),
-        runs_(task.options.jobs),
-        problem_(calling(runs_)),
-        held_(parameters().size(), 0) {
-    for (std::size_t i = 0; i < parameters().size(); ++i)
-      scaled_.push_back(start.parameters[i] / parameters()[i].scale);
-    for (const auto& nuisances : start.nuisances) shifts_.emplace_back(nuisances.size(), 0.0);
-    add_runs(weighting);
-    add_priors();
-    if (is_start()) stay_near();
-    for (const auto& [p, value] : task.options.held) hold(static_cast<std::size_t>(p));
-  }
+  WithinRanges(const VectorXd& low, const VectorXd& high, std::vector<Index> free)
+      : low_(low), high_(high), free_(std::move(free)) {}
 
-  /// Ceres' own bounds cost a line search in every step, so ranges are kept by an active set: a parameter that leaves
-  /// its range is held at the bound, and released where its gradient points inside again, as long as that lowers the
-  /// cost. Returns the cost reached, nothing where Ceres finds no usable point.
-  std::optional<double> solve() {
-    Watch watch(task_.options.interrupt, is_start(), function_tolerance(), [&] { return leaves_range(); });
-    ceres::Solver::Options options = settings();
-    options.callbacks.push_back(&watch);
-    hold_at_bounds();
-    double reached = INFINITY;
-    for (std::size_t round = 0;; ++round) {
-      const std::optional<double> cost = descend(options);
-      if (!cost || task_.stopped() || round > 2 * parameters().size()) return cost;
-      if (hold_what_left()) continue;
-      if (*cost > reached * (1 - function_tolerance())) return cost;
-      reached = *cost;
-      if (round > parameters().size() || !release()) return cost;
+  int AmbientSize() const override { return static_cast<int>(low_.size()); }
+  int TangentSize() const override { return static_cast<int>(free_.size()); }
+  bool Plus(const double* from, const double* delta, double* to) const override {
+    const Eigen::Map<const VectorXd> x(from, low_.size());
+    VectorXd step = VectorXd::Zero(low_.size());
+    for (std::size_t k = 0; k < free_.size(); ++k) step[free_[k]] = delta[k];
+    const double part = part_within(low_, high_, x, step);
+    Eigen::Map<VectorXd> reached(to, low_.size());
+    reached = x + part * step;
+    for (const Index i : free_) {
+      // The end that is met is met exactly.
+      const double room = (step[i] > 0 ? high_[i] : low_[i]) - x[i];
+      if (part < 1.0 && std::abs(part * step[i]) >= std::abs(room)) reached[i] = x[i] + room;
+      reached[i] = std::clamp(reached[i], low_[i], high_[i]);
     }
+    return true;
   }
-
-  FitPoint point() const {
-    FitPoint out = start_;
-    for (std::size_t i = 0; i < parameters().size(); ++i) out.parameters[i] = scaled_[i] * parameters()[i].scale;
-    for (std::size_t r = 0; r < shifts_.size(); ++r) {
-      for (std::size_t i = 0; i < shifts_[r].size(); ++i) out.nuisances[r][i] += shifts_[r][i];
-    }
-    return out;
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<Rows> out(jacobian, low_.size(), std::ssize(free_));
+    out.setZero();
+    for (std::size_t k = 0; k < free_.size(); ++k) out(free_[k], static_cast<Index>(k)) = 1.0;
+    return true;
   }
-
-  /// The runs linearized at the point, once.
-  std::vector<std::optional<LinearRun>> take_runs() {
-    std::vector<std::optional<LinearRun>> out;
-    for (OfRun& run : costs_) out.push_back(run.cost->take(run.blocks.data()));
-    return out;
+  bool Minus(const double* to, const double* from, double* delta) const override {
+    for (std::size_t k = 0; k < free_.size(); ++k) delta[k] = to[free_[k]] - from[free_[k]];
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<Rows> out(jacobian, std::ssize(free_), low_.size());
+    out.setZero();
+    for (std::size_t k = 0; k < free_.size(); ++k) out(static_cast<Index>(k), free_[k]) = 1.0;
+    return true;
   }
 
  private:
-  struct OfRun {
-    RunCost* cost;
-    std::vector<double*> blocks;
+  const VectorXd &low_, &high_;
+  std::vector<Index> free_;
+};
+
+/// The residuals for Ceres, which asks for them first and, where it accepts the point, for the Jacobian.
+class CostForCeres : public ceres::CostFunction {
+ public:
+  explicit CostForCeres(DescentCost& cost) : cost_(cost) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(cost.low().size()));
+    set_num_residuals(static_cast<int>(cost.rows()));
+  }
+  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
+    const Index columns = cost_.low().size();
+    const DescentCost::Place& place = cost_.at(Eigen::Map<const VectorXd>(blocks[0], columns));
+    if (!place.is_known()) return false;
+    const DescentCost::Model model = cost_.model(place);
+    Eigen::Map<VectorXd>(residuals, model.r.size()) = model.r;
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<Rows>(jacobians[0], model.r.size(), columns) = model.a;
+    return true;
+  }
+
+ private:
+  DescentCost& cost_;
+};
+
+/// A descent by Ceres in rounds: in each of them some variables are held at the ends of their ranges and the others
+/// descend, until another choice is the better one, or a step fails. A place is computed once, also for the round after
+/// it, so that a round costs no motion by itself.
+class Descent : ceres::IterationCallback {
+ public:
+  Descent(const FitTask& task, const Weighting& weighting, const FitPoint& start, double window, FitEffort& effort)
+      : task_(task), window_(window), effort_(effort), cost_(task, weighting, start, window, effort) {}
+
+  /// Returns the cost reached, nothing where the start has none.
+  std::optional<double> run() {
+    if (!cost_.here().is_known()) return std::nullopt;
+    look_ahead();
+    while (!ends_ && !task_.stopped()) round();
+    if (without_motion_ > most_without_motion && !moved_) return std::nullopt;
+    return here();
+  }
+
+  FitPoint point() const { return cost_.point(); }
+  std::vector<std::optional<LinearRun>> take_runs() { return cost_.take(); }
+
+ private:
+  /// The next step.
+  struct Plan {
+    std::vector<Index> free;  // variables that it changes
+    double part = 1.0;        // that leaves no range
+    double gain = 0.0;        // decrease of the cost by the whole step, to first order in the residuals
+    double decrease = 0.0;    // the same by that part
+    double length = 0.0;      // of that part, in units of the damping
   };
 
-  static ceres::Problem::Options calling(RunsInParallel& runs) {
-    ceres::Problem::Options out;
-    out.evaluation_callback = &runs;
+  bool is_start() const { return cost_.is_start(); }
+  double here() const { return cost_.here().cost; }
+  double tolerance() const { return is_start() ? tolerance_of_start : task_.options.function_tolerance; }
+
+  // --- the step ahead -----------------------------------------------------------------------------------------------
+
+  /// Decides on the next step from a new place, or that there is none.
+  void look_ahead() {
+    const DescentCost::Model model = cost_.model(cost_.here());
+    const Index n = model.a.cols();
+    damping_ = (1.0 + model.a.colwise().norm().transpose().array()).matrix();
+    MatrixXd rows = MatrixXd::Zero(std::max(model.a.rows(), n + 1), n + 1);
+    rows.topRows(model.a.rows()) << model.a, model.r;
+    triangle_ = solvers::triangular_factor(rows).topRows(n);
+    plan_ = plan(radius_);
+    whole_ = plan(largest_radius);
+    ends_ = steps_ >= most_steps || !(plan_.gain > rounding * here()) || is_flat();
+  }
+
+  double decrease_by(const VectorXd& step) const {
+    const VectorXd after = triangle_.col(triangle_.rows()) + triangle_.leftCols(triangle_.rows()) * step;
+    return (triangle_.col(triangle_.rows()).squaredNorm() - after.squaredNorm()) / 2;
+  }
+
+  /// Holds variables at ends of their ranges where their gradients, or the step of the others, pull them outwards.
+  Plan plan(double radius) const {
+    const VectorXd& low = cost_.low();
+    const VectorXd& high = cost_.high();
+    const VectorXd& x = cost_.here().x;
+    const Index n = x.size();
+    const auto is_low = [&](Index i) { return x[i] <= low[i] + at_end; };
+    const auto is_high = [&](Index i) { return x[i] >= high[i] - at_end; };
+    const auto leaves = [&](Index i, double towards) {
+      return towards == 0.0 || (is_low(i) && towards < 0) || (is_high(i) && towards > 0);
+    };
+    const VectorXd gradient = triangle_.leftCols(n).transpose() * triangle_.col(n);
+    Plan out;
+    for (Index i = 0; i < n; ++i) {
+      const bool is_at_end = is_low(i) || is_high(i);
+      if (low[i] < high[i] && !(is_at_end && leaves(i, -gradient[i]))) out.free.push_back(i);
+    }
+    VectorXd step;
+    do {
+      step = step_of(out.free, radius);
+    } while (std::erase_if(out.free, [&](Index i) { return step[i] != 0.0 && leaves(i, step[i]); }) > 0);
+    out.part = part_within(low, high, x, step);
+    out.gain = decrease_by(step);
+    out.decrease = decrease_by(out.part * step);
+    out.length = out.part * damping_.cwiseProduct(step).norm();
     return out;
   }
 
-  const std::vector<Parameter>& parameters() const { return task_.problem.parameters(); }
-  /// Says whether the result only has to be a start for a fit to more readings.
-  bool is_start() const { return window_ < 1.0; }
-
-  // --- the problem --------------------------------------------------------------------------------------------------
-
-  void add_runs(const Weighting& weighting) {
-    const FitProblem& problem = task_.problem;
-    for (std::size_t r = 0; r < problem.runs(); ++r) {
-      std::vector<double*> blocks;
-      for (const int p : problem.parameters_of(r)) blocks.push_back(&scaled_[static_cast<std::size_t>(p)]);
-      if (!shifts_[r].empty()) blocks.push_back(shifts_[r].data());
-      const double accuracy =
-          is_start() ? std::min(least_accuracy, accuracy_of_start * problem.accuracy(r)) : problem.accuracy(r);
-      auto* cost = new RunCost(problem, r, task_.records[r], until(r), accuracy, weighting, start_.nuisances[r],
-                               effort_.evaluations, task_.options.interrupt);
-      problem_.AddResidualBlock(cost, nullptr, blocks);
-      runs_.add(*cost, blocks);
-      costs_.push_back({cost, std::move(blocks)});
-    }
+  /// Levenberg and Marquardt's step, as Ceres computes it.
+  VectorXd step_of(const std::vector<Index>& free, double radius) const {
+    const Index n = triangle_.rows();
+    const Index m = std::ssize(free);
+    VectorXd out = VectorXd::Zero(n);
+    if (m == 0) return out;
+    MatrixXd rows = MatrixXd::Zero(n + m, m + 1);
+    rows.topRows(n) << triangle_(Eigen::all, free), -triangle_.col(n);
+    for (Index k = 0; k < m; ++k) rows(n + k, k) = damping_[free[static_cast<std::size_t>(k)]] / std::sqrt(radius);
+    const MatrixXd factor = solvers::triangular_factor(rows);
+    const VectorXd found = factor.topLeftCorner(m, m).triangularView<Eigen::Upper>().solve(factor.col(m).head(m));
+    for (Index k = 0; k < m; ++k) out[free[static_cast<std::size_t>(k)]] = found[k];
+    return out;
   }
 
-  void add_priors() {
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      const Unknown& unknown = task_.problem.unknown_of(i);
-      if (unknown.prior) add_prior(i, *unknown.prior - unknown.includes, unknown.prior_deviation);
-    }
+  /// What the cost grows by at one standard error where the size of the residuals is that of the noise.
+  double growth_at_error() const { return here() / std::max(1, task_.degrees_of_freedom()); }
+
+  /// What is left to gain is not worth a motion, whatever the radius is.
+  bool is_flat() const {
+    const double gain = std::max(plan_.gain, whole_.gain);
+    const double noise = is_start() ? 0.0 : part_of_standard_error * growth_at_error();
+    return gain < std::max((is_start() ? 1.0 : sure) * tolerance() * here(), noise);
   }
 
-  void add_prior(std::size_t i, double mean, double deviation) {
-    problem_.AddResidualBlock(new PriorCost(mean, deviation, parameters()[i].scale), nullptr, &scaled_[i]);
+  /// What is left to gain is nearly all that of the starts of runs.
+  bool is_of_starts() const {
+    const Index parameters = std::ssize(task_.problem.parameters());
+    std::vector<Index> starts = whole_.free;
+    std::erase_if(starts, [&](Index i) { return i < parameters; });
+    if (is_start() || starts.size() == whole_.free.size() || whole_.gain > small_decrease * here()) return false;
+    return whole_.gain - decrease_by(step_of(starts, largest_radius)) < part_of_parameters * growth_at_error();
   }
 
-  /// Few readings leave some directions of the parameters nearly free, and along these a step goes as far as residuals
-  /// of a wrong start drive it: to dimensions of kilometres, from which there is no way back. So a change of a
-  /// parameter by its reach counts as much as a reading at the start does.
-  void stay_near() {
-    double cost = 0.0;
-    if (!problem_.Evaluate({}, &cost, nullptr, nullptr, nullptr)) return;
-    std::size_t readings = 0;
-    for (std::size_t r = 0; r < task_.problem.runs(); ++r) readings += task_.problem.run(r).readings(until(r));
-    const double residual =
-        std::max(1.0, std::sqrt(2 * cost / static_cast<double>(std::max<std::size_t>(readings, 1))));
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      add_prior(i, start_.parameters[i], task_.problem.reach(i) / residual);
-    }
+  // --- rounds -------------------------------------------------------------------------------------------------------
+
+  void round() {
+    CostForCeres residuals(cost_);
+    WithinRanges ranges(cost_.low(), cost_.high(), plan_.free);
+    ceres::Problem::Options owns;
+    owns.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    owns.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(owns);
+    VectorXd x = cost_.here().x;
+    problem.AddResidualBlock(&residuals, nullptr, x.data());
+    problem.SetManifold(x.data(), &ranges);
+    ceres::Solver::Summary summary;
+    ceres::Solve(settings(), &problem, &summary);
+    // Ceres ends by itself where a step changes nothing that counts.
+    ends_ = ends_ || summary.termination_type != ceres::USER_SUCCESS;
   }
 
-  /// The time up to which a part of run r is fitted; it contains enough readings for the run's own values.
-  double until(std::size_t r) const {
-    const RunModel& run = task_.problem.run(r);
-    if (!is_start() || run.is_at_rest()) return INFINITY;
-    const auto least = static_cast<std::size_t>(run.columns()) + 4;
-    double part = window_;
-    while (part < 1.0 && run.readings(part * run.span()) < least) part *= 1.5;
-    return part < 1.0 ? part * run.span() : INFINITY;
-  }
-
-  // --- the descent --------------------------------------------------------------------------------------------------
-
-  double function_tolerance() const { return is_start() ? 1e-3 : task_.options.function_tolerance; }
-
-  ceres::Solver::Options settings() const {
+  ceres::Solver::Options settings() {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
-    options.max_num_iterations = 60;
-    // Trial dimensions with which the mechanism cannot be assembled make a step invalid, and the next one shorter.
-    options.max_num_consecutive_invalid_steps = 20;
-    options.function_tolerance = function_tolerance();
-    options.parameter_tolerance = 1e-14;
-    options.gradient_tolerance = 1e-12;
-    // Full steps are tried first: small oscillations are nearly linear in the parameters.
-    options.initial_trust_region_radius = 1e6;
-    options.update_state_every_iteration = true;
+    options.max_num_iterations = most_steps;
+    // A part of a step may be as small as it likes, and is not expected to do more than that part of it.
+    options.function_tolerance = plan_.part < 1.0 ? 0.0 : tolerance();
+    options.parameter_tolerance = options.gradient_tolerance = 0.0;
+    options.min_relative_decrease = least_success * plan_.part;
+    options.initial_trust_region_radius = radius_;
+    // A variable whose change by its unit changes the residuals by less than the noise is damped as if it did by as
+    // much: along a null a step would go as far as rounding drives it.
+    options.min_lm_diagonal = 1.0;
+    options.callbacks.push_back(this);
     return options;
   }
 
-  std::optional<double> descend(const ceres::Solver::Options& options) {
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    effort_.iterations += static_cast<int>(summary.iterations.size());
-    if (!summary.IsSolutionUsable()) return std::nullopt;
-    return summary.final_cost;
-  }
-
-  bool leaves_range() const {
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      const Parameter& p = parameters()[i];
-      if (scaled_[i] < p.min / p.scale || scaled_[i] > p.max / p.scale) return true;
+  /// Where Ceres has tried a step.
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    // Not as a failure, with which Ceres would not hand over the values reached.
+    constexpr auto ends_round = ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    if (task_.stopped()) return ends_round;
+    if (step.iteration == 0) return ceres::SOLVER_CONTINUE;
+    ++steps_;
+    ++effort_.iterations;
+    if (!step.step_is_successful) {
+      // Of a step that failed `cost` is what it led to: without limit where the motion could not be computed.
+      ends_ = fails_for_good(step.cost < std::numeric_limits<double>::max(), step.cost_change);
+      if (!ends_) shorten();
+      return ends_round;
     }
-    return false;
+    cost_.accept();
+    moved_ = true;
+    without_motion_ = idle_ = 0;
+    narrower_ = 2.0;
+    const Plan done = plan_;
+    // That only a part of a step could be taken says nothing against its length.
+    radius_ = done.part < 1.0 ? std::max(radius_, step.trust_region_radius) : step.trust_region_radius;
+    look_ahead();
+    say_progress(done.decrease);
+    return ends_ || plan_.free != done.free || done.part < 1.0 || plan_.part < 1.0 ? ends_round
+                                                                                   : ceres::SOLVER_CONTINUE;
   }
 
-  // --- ranges -------------------------------------------------------------------------------------------------------
-
-  void hold(std::size_t i) { problem_.SetParameterBlockConstant(&scaled_[i]); }
-
-  bool is_given(std::size_t i) const {
-    const auto& held = task_.options.held;
-    return std::any_of(held.begin(), held.end(), [&](const auto& one) { return one.first == static_cast<int>(i); });
+  /// Whether no shorter step would succeed either after this one that failed.
+  bool fails_for_good(bool is_computed, double change) {
+    if (steps_ >= most_steps) return true;
+    if (!is_computed) return ++without_motion_ > most_without_motion;
+    without_motion_ = 0;
+    idle_ = std::abs(change) < noise_of_cost * here() ? idle_ + 1 : 0;
+    const double least = is_start() ? least_decrease_of_start : least_decrease;
+    return idle_ >= most_idle || plan_.gain < least * here() || is_of_starts();
   }
 
-  /// A parameter that a shorter window, or another fit, left at a bound is held there at first.
-  void hold_at_bounds() {
-    if (effort_.iterations == 0 && task_.options.from == nullptr) return;
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      const Parameter& p = parameters()[i];
-      if (scaled_[i] * p.scale > p.min && scaled_[i] * p.scale < p.max) continue;
-      held_[i] = 1;
-      hold(i);
+  /// Damps the next step until it is short enough after one that failed.
+  void shorten() {
+    const double longest = shorter_after_failure * plan_.length;
+    do {
+      radius_ /= narrower_;
+      narrower_ *= 2;
+      plan_ = plan(radius_);
+      ends_ = !(plan_.gain > rounding * here());
+    } while (plan_.length > longest && !ends_);
+  }
+
+  /// Says how long the descent takes if steps gain ever less by the factor of the last two.
+  void say_progress(double decrease) {
+    if (!task_.options.progress) return;
+    std::string left;
+    const double limit = (is_start() ? 1.0 : sure) * tolerance() * here();
+    if (!ends_ && decrease > plan_.decrease && plan_.decrease > limit) {
+      const double steps =
+          std::min(std::log(limit / plan_.decrease) / std::log(plan_.decrease / decrease), 1.0 * most_steps);
+      const double seconds = (1.0 + steps) * cost_.seconds();
+      if (seconds >= 1.0) left = fmt::format(", about {:.0f} s left", seconds);
     }
-  }
-
-  /// Holds parameters outside of their ranges at the bound. False if there are none.
-  bool hold_what_left() {
-    bool any = false;
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      const Parameter& p = parameters()[i];
-      const double kept = std::clamp(scaled_[i], p.min / p.scale, p.max / p.scale);
-      if (kept == scaled_[i] || is_given(i)) continue;
-      scaled_[i] = kept;
-      held_[i] = 1;
-      hold(i);
-      any = true;
-    }
-    return any;
-  }
-
-  /// Releases parameters at bounds whose gradients point inside. False if there are none.
-  bool release() {
-    bool any = false;
-    for (std::size_t i = 0; i < parameters().size(); ++i) {
-      if (held_[i] == 0 || is_given(i)) continue;
-      problem_.SetParameterBlockVariable(&scaled_[i]);
-      ceres::Problem::EvaluateOptions only;
-      only.parameter_blocks = {&scaled_[i]};
-      std::vector<double> gradient;
-      problem_.Evaluate(only, nullptr, nullptr, &gradient, nullptr);
-      const bool at_min = scaled_[i] * parameters()[i].scale <= parameters()[i].min;
-      if (!gradient.empty() && (at_min ? gradient[0] < 0 : gradient[0] > 0)) {
-        held_[i] = 0;
-        any = true;
-      } else {
-        hold(i);
-      }
-    }
-    return any;
+    const std::string part = is_start() ? fmt::format(" the first {:.0f} % of every record", 100 * window_) : "";
+    task_.say(fmt::format("fitting{}: step {}, cost {:.6g}{}", part, steps_, here(), left));
   }
 
   const FitTask& task_;
-  const FitPoint& start_;
   double window_;
   FitEffort& effort_;
-  // Blocks of the problem: Ceres changes them in place.
-  std::vector<double> scaled_;
-  std::vector<std::vector<double>> shifts_;
-  RunsInParallel runs_;
-  ceres::Problem problem_;
-  std::vector<OfRun> costs_;
-  std::vector<char> held_;  // parameters at bounds
+  DescentCost cost_;
+  VectorXd damping_;                               // of each variable: its scale in the trust region
+  MatrixXd triangle_;                              // of the cost about this place, and its residuals
+  Plan plan_, whole_;                              // with the radius, and without any
+  double radius_ = first_radius;                   // of the trust region: the inverse of the damping
+  double narrower_ = 2.0;                          // factor by which the radius falls next
+  int steps_ = 0, without_motion_ = 0, idle_ = 0;  // tried; and those in turn that failed so
+  bool moved_ = false;                             // some step succeeded
+  bool ends_ = false;
 };
 
 std::string why_failed(const FitProblem& problem, const FitPoint& start) {
@@ -260,11 +371,11 @@ std::string why_failed(const FitProblem& problem, const FitPoint& start) {
 
 Minimum minimise(const FitTask& task, const Weighting& weighting, const FitPoint& start, double window,
                  FitEffort& effort) {
-  CeresFit fit(task, weighting, start, window, effort);
-  const std::optional<double> cost = fit.solve();
-  if (!cost) return {.point = start, .why_not = why_failed(task.problem, start)};
-  Minimum out{.cost = *cost, .point = fit.point()};
-  if (window == 1.0) out.computed = fit.take_runs();
+  Descent descent(task, weighting, start, window, effort);
+  const std::optional<double> cost = descent.run();
+  if (!cost) return {.point = start, .why_not = task.stopped() ? "interrupted" : why_failed(task.problem, start)};
+  Minimum out{.cost = *cost, .point = descent.point()};
+  if (window == 1.0) out.computed = descent.take_runs();
   return out;
 }
 

@@ -53,7 +53,7 @@ class StartSearch {
     if (weighting_.loss != Loss::squares) {
       for (const Record& record : task_.records) cleaned_.push_back(without_outliers(record));
     }
-    bool uses_starts = !attempt_oscillations();
+    bool uses_starts = !attempt_continued() && !attempt_oscillations();
     if (uses_starts) {
       out_.start =
           task_.problem.all_at_rest() ? "as given" : "as given, fitted over windows that grow to the whole records";
@@ -70,7 +70,8 @@ class StartSearch {
     if (task_.stopped()) {
       out_.status = FitStatus::interrupted;
       out_.why = out_.best.is_reached() ? "interrupted; the values reached so far are shown"
-                                        : "interrupted before the first step; no values were reached";
+                                        : "interrupted before the first step; the values shown are those of the start";
+      if (!out_.best.is_reached()) out_.best.point = {given(0).parameters, {}};
     } else if (!out_.best.is_reached()) {
       out_.status = FitStatus::failed;
       out_.why = failure_.empty() ? "no minimum was reached from any start" : failure_;
@@ -163,6 +164,14 @@ class StartSearch {
   /// Records for first guesses, which are least squares, or follow from few readings.
   const std::vector<Record>& for_guesses() const { return cleaned_.empty() ? task_.records : cleaned_; }
 
+  /// Goes on from another fit; false where there is none, or nothing is reached from it.
+  bool attempt_continued() {
+    if (task_.options.continued == nullptr) return false;
+    out_.start = "from what an earlier fit had reached";
+    attempt(given(0), {1.0});
+    return out_.best.is_reached();
+  }
+
   /// Starts from damped sines; false where the experiment's starts are wanted, or the records are no such oscillations.
   bool attempt_oscillations() {
     if (task_.options.use_starts) return false;
@@ -174,19 +183,25 @@ class StartSearch {
     return true;
   }
 
-  /// Returns the experiment's starts, from the first retry on changed at random by up to 30 %.
+  /// Returns the experiment's starts, or what the fit had reached that this one goes on from; from the first retry on
+  /// changed at random by up to 30 %.
   FitPoint given(int retry) const {
     const FitProblem& problem = task_.problem;
+    const Fit* const before = task_.options.continued;
     FitPoint point;
-    point.parameters = task_.options.starts.empty() ? problem.starts() : task_.options.starts;
+    point.parameters = before != nullptr              ? before->parameters
+                       : task_.options.starts.empty() ? problem.starts()
+                                                      : task_.options.starts;
     solvers::RandomStream random(static_cast<std::uint64_t>(retry));
     for (std::size_t i = 0; retry > 0 && i < point.parameters.size(); ++i) {
       const Parameter& p = problem.parameters()[i];
       point.parameters[i] = std::clamp(point.parameters[i] + p.scale * random.uniform(-0.3, 0.3), p.min, p.max);
     }
     for (std::size_t r = 0; r < problem.runs(); ++r) {
+      const bool known = before != nullptr && retry == 0 && r < before->runs.size();
       point.nuisances.push_back(
-          first_guess(problem.run(r), problem.unknowns_of(r, point.parameters), for_guesses()[r]));
+          known ? before->runs[r].nuisances
+                : first_guess(problem.run(r), problem.unknowns_of(r, point.parameters), for_guesses()[r]));
     }
     return point;
   }
