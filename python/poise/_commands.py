@@ -652,8 +652,8 @@ class SceneCommands:
             body.arm.mass=2, spring.S.stiffness=300, start.arm=0.5, ...;
             can be given several times;
             or a dictionary, {PATH: NUMBER}
-        excite: What swings as a cosine: a load, load.NAME, or a number of a spring, say
-            spring.NAME.free_length (docs/response.md)
+        excite: What swings as a cosine: a load, load.NAME, a number of a spring, say
+            spring.NAME.free_length, or controller.NAME.reference (docs/response.md)
         of: What answers: x.BODY.POINT, angle.BODY, travel.JOINT, length.ELEMENT,
             force.ELEMENT, d(A)/dt, or an expression of them (docs/quantities.md)
         from_: Lowest frequency (a tenth of the lowest natural frequency)

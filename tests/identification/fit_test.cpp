@@ -309,7 +309,9 @@ TEST(Fit, GoesOnFromWhereItWasInterrupted) {
     was_interrupted = stop;
     ASSERT_EQ(part.parameters.size(), whole.parameters.size()) << after;
     ASSERT_EQ(part.estimates.size(), whole.estimates.size()) << after;
-    if (was_interrupted) EXPECT_EQ(part.status, FitStatus::interrupted) << after;
+    if (was_interrupted) {
+      EXPECT_EQ(part.status, FitStatus::interrupted) << after;
+    }
     FitOptions going_on;
     going_on.continued = &part;
     const Fit rest = fit(problem, records, going_on);
