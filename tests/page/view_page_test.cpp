@@ -384,7 +384,9 @@ TEST_P(RandomDrags, AreAnsweredAndShown) {
       const json found = found_by_command_line(held, {"--seek", "any"});
       // Where the hand has pulled a chain straight, rounding of its place moves angles by far more.
       const json& rounding = found["certificate"]["rounding_effect"];
-      const double within_rounding = std::max(1e-9, rounding.is_number() ? rounding.get<double>() : 0.0);
+      // Where joints repeat each other at the place alone, the closures tell it to the root of rounding.
+      const double closed_to = found["certificate"]["outcome"] == "degenerate" ? 1e-6 : 1e-9;
+      const double within_rounding = std::max(closed_to, rounding.is_number() ? rounding.get<double>() : 0.0);
       const double nearest = farthest(start, found["angles"]);
       const double off = nearest < within_rounding
                              ? nearest
