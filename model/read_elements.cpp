@@ -38,11 +38,16 @@ class ElementReader {
                   [key](const ElementReader* self, const TomlTable& table) { return self->read_element(table, key); });
     }
     add_friction_of_struts();
+    // Before controllers, which may set them; functions of loads come last.
+    const auto first = std::ssize(scene_.time_functions);
     read_loads();
+    const auto behind = std::ssize(scene_.time_functions);
     ControllerReader(root_, measures_, scene_).read();
     read_times_of_springs();
     read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
+    const auto functions = scene_.time_functions.begin();
+    std::rotate(functions + first, functions + behind, scene_.time_functions.end());
     read_stops();
     add_stops_of_struts();
     read_family("blade", scene_.blades, &ElementReader::read_blade);

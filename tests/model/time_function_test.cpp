@@ -233,11 +233,11 @@ TEST(TimeFunction, NumbersAreOnesOfTheScene) {
   EXPECT_EQ(get_value(scene, "load.F.time.amplitude"), 1.5);
   EXPECT_NEAR(get_value(scene, "load.F.time.phase"), 40, 1e-12) << "degrees";
   set_value(scene, "load.F.time.offset", 4);
-  // Those of loads come first.
-  EXPECT_DOUBLE_EQ(scene.time_functions[0].at(0), 4 + 1.5 * std::sin(40 * std::numbers::pi / 180));
+  // Those of drives come first.
+  EXPECT_DOUBLE_EQ(scene.time_functions[1].at(0), 4 + 1.5 * std::sin(40 * std::numbers::pi / 180));
   EXPECT_NEAR(get_value(scene, "drive.drive 1.time.to"), 20, 1e-12) << "mm";
   EXPECT_THROW(set_value(scene, "drive.drive 1.rate", 1), InputError) << "which the function has taken the place of";
-  EXPECT_DOUBLE_EQ(scene.time_functions[1].at(9), 0.02) << "m";
+  EXPECT_DOUBLE_EQ(scene.time_functions[0].at(9), 0.02) << "m";
   const std::string message = test::message_of([&] { set_value(scene, "drive.drive 1.time.end", -1); });
   EXPECT_NE(message.find("starts before it ends"), std::string::npos) << message;
 }
