@@ -30,7 +30,7 @@ struct PendulumRig {
   double gear = 1.0;   ///< turns of the motor per turn of the first arm, on whose shaft the torque acts
   double rotor = 0.0;  ///< inertia of the motor
   double width = 0.0;  ///< of the dry friction, rad/s
-  /// By how much the dry friction is larger at rest, over its size: it falls as  1 + fall / (1 + rate / fall_rate).
+  /// The dry friction is larger at rest by this part of its size: it falls as  1 + fall / (1 + rate / fall_rate).
   double fall = 0.0, fall_rate = 1.0;
 };
 

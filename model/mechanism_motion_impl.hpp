@@ -206,7 +206,7 @@ T Mechanism<T>::more_by_setting(int controller, const Configuration<T>& here, co
   return outputs(control_of(controller), here, v, in_time, false).effort;
 }
 
-// Of one that sets a number the force that its element lacks by that.
+// A controller that sets a number pushes by the force that its element lacks then.
 template <class T>
 T Mechanism<T>::effort_by(const Control& control, const T& output, const Configuration<T>& here, const T* v,
                           const ForcesInTime<T>& in_time) const {

@@ -209,7 +209,7 @@ class LoopAtRest {
     return a(kept, Eigen::all) * by;
   }
 
-  /// Of C z, which no state changes.
+  /// Adds a pole for each component of C z, which no state changes.
   void add_poles_of_blades() {
     const double rests = out_.period > 0.0 ? 1.0 : 0.0;
     for (std::vector<std::complex<double>>* poles : {&out_.poles, &out_.open_poles}) {
@@ -640,9 +640,9 @@ class LoopAtRest {
     }
     std::vector<const State*> of_system;
     for (const State& state : states_) {
-      if (!(!state.of_controller && !is_free(state.k)) && !(!out_.delayed.empty() && is_held(state))) {
-        of_system.push_back(&state);
-      }
+      const bool follows_from_others = !state.of_controller && !is_free(state.k);
+      const bool is_input = !out_.delayed.empty() && is_held(state);
+      if (!follows_from_others && !is_input) of_system.push_back(&state);
     }
     out_.by_force = MatrixXd::Zero(static_cast<Index>(of_system.size()), n);
     for (Index i = 0; i < n; ++i) {

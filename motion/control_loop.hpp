@@ -64,9 +64,9 @@ struct ControlLoop {
   /// The closed loop, without inputs; not with samples. Of blades that of the motions with C z = 0, which forces make:
   /// coordinates z = N r, r those whose rates are states. It has none of those poles.
   solvers::DelayedSystem system;
-  /// Of the mechanism: the scaled coordinates of the model by each independent one, SI, of these, which column k is of;
-  /// their places and rates among its states; the changes of all states by scaled generalized forces on all
-  /// coordinates.
+  /// `along` has the scaled coordinates of the model by each independent one of the mechanism, SI, in its column;
+  /// `places` and `rates` say where these are among the states of `system`; `by_force` has the changes of all its
+  /// states by scaled generalized forces on all coordinates.
   Eigen::MatrixXd along, by_force;
   std::vector<int> places, rates;
   Stability stability = Stability::unstable;

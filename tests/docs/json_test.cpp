@@ -1024,7 +1024,7 @@ TEST(JsonDocs, Identify) {
   aliased.erase(aliased.find(inertia), inertia.size());
   aliased.replace(aliased.find("duration = 2\nrate = 100"), 23, "duration = 20\nrate = 1.7");
   folder.write("again.toml", ratios);
-  // Of mass, place of the centre and inertia only sums are identifiable.
+  // Only sums of mass, place of the centre and inertia are identifiable.
   std::string open = curved;
   open.insert(open.find("[[run]]"), "[[unknown]]\npath = \"body.wheel.mass\"\n" + inertia);
   open.replace(open.find("noise = 1.4e-3"), 14, "noise = 1e-4");

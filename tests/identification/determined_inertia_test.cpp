@@ -63,7 +63,7 @@ std::string unknown(const std::string& path, double start) {
   return fmt::format("[[unknown]]\npath = \"{}\"\nstart = {}\n", path, start);
 }
 
-// Of m, c and I the readings determine m c and I + m c^2 alone, with the errors of a fit of these two.
+// The readings determine m c and I + m c^2 of m, c and I alone, with the errors of a fit of these two.
 TEST(DeterminedInertia, HasTheErrorsOfAFitOfItsSums) {
   const app_tests::TempFolder folder;
   const Experiment open =

@@ -208,7 +208,7 @@ TEST(CsvTimes, AreThreeAtLeast) {
             "data.csv:2: t: expected at least 3 rows, found 2 after thinning; take more of them");
 }
 
-// Of a swing that dies out and is read in steps of 0.01 one reading is left of those within a step of the last.
+// A swing that dies out and is read in steps of 0.01 keeps one reading of those within a step of the last.
 TEST(Record, ReadingsAtRestCountOnce) {
   Series series;
   for (int i = 0; i < 1000; ++i) {

@@ -400,7 +400,7 @@ TEST(SetNumbers, AnElasticActuatorHasItsPoles) {
   EXPECT_NE(said.find("controller \"torque\" sets a number of it"), std::string::npos) << said;
 }
 
-// Of a part the paths are those of its own items; mirrored it moves the other way.
+// The paths in a part are those of its own items; mirrored it moves the other way.
 TEST(SetNumbers, PartsSetTheirOwnNumbers) {
   const app_tests::TempFolder folder;
   const std::string springs = all_together().substr(0, all_together().rfind("[[controller]]"));

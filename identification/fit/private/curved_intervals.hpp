@@ -13,7 +13,7 @@ namespace poise {
 /// step of another fit, nor a quick one.
 bool is_to_be_questioned(const FitTask& task, const Fit& fitted);
 
-/// Of a fit that is_to_be_questioned(), replaces intervals by those of find_curvature(), and withholds estimates whose
+/// Replaces intervals of a fit that is_to_be_questioned() by those of find_curvature(), and withholds estimates whose
 /// intervals do not end. Where that finds a lower cost, returns the minimum it leads to, and leaves the fit as it is.
 std::optional<Minimum> correct_for_curvature(const FitTask& task, const WeightedMinimum& at, const LinearFit& linear,
                                              Fit& fitted, FitEffort& effort);

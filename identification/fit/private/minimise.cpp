@@ -288,7 +288,7 @@ class Descent : ceres::IterationCallback {
     ++steps_;
     ++effort_.iterations;
     if (!step.step_is_successful) {
-      // Of a step that failed `cost` is what it led to: without limit where the motion could not be computed.
+      // `cost` is what a step that failed led to: without limit where the motion could not be computed.
       ends_ = fails_for_good(step.cost < std::numeric_limits<double>::max(), step.cost_change);
       if (!ends_) shorten();
       return ends_round;
@@ -298,7 +298,7 @@ class Descent : ceres::IterationCallback {
     without_motion_ = idle_ = 0;
     narrower_ = 2.0;
     const Plan done = plan_;
-    // That only a part of a step could be taken says nothing against its length.
+    // A bound that cut a step short says nothing against its length.
     radius_ = done.part < 1.0 ? std::max(radius_, step.trust_region_radius) : step.trust_region_radius;
     look_ahead();
     say_progress(done.decrease);
