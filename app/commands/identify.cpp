@@ -30,6 +30,7 @@ struct IdentifyRequest {
   std::vector<std::string> profiles;
   int bootstrap = 0;
   bool quick = false;
+  bool thorough = false;
   int jobs = 0;
   bool accept_misfit = false;
 };
@@ -45,6 +46,13 @@ void expect_unknowns(const FitProblem& problem, const std::vector<std::string>& 
   }
 }
 
+Checks checks_of(const IdentifyRequest& request) {
+  if (request.quick && request.thorough) {
+    throw InputError("--quick, --thorough: expected one of them at most, found both; leave one out");
+  }
+  return request.quick ? Checks::none : request.thorough ? Checks::all : Checks::bounded;
+}
+
 int run_identify(const IdentifyRequest& request, const Palette& palette) {
   const Request& common = request.experiment.common;
   FitOptions options;
@@ -53,7 +61,7 @@ int run_identify(const IdentifyRequest& request, const Palette& palette) {
   expect_number("--bootstrap", request.bootstrap,
                 request.bootstrap == 0 || request.bootstrap >= Bootstrap::least_samples,
                 "0 (none), or at least 20 samples");
-  options.quick = request.quick;
+  options.checks = checks_of(request);
   // From here on an interrupt leaves a result.
   options.interrupt = &request.experiment.common.interrupt();
   if (!common.svg.empty()) expect_plotter();
@@ -124,7 +132,7 @@ int run_comparison(const IdentifyRequest& request, const Palette& palette) {
   CompareOptions options;
   options.fit.use_starts = chosen("--start", request.start, start_words()) == 1;
   options.fit.jobs = read_jobs(request.jobs);
-  options.fit.quick = request.quick;
+  options.fit.checks = checks_of(request);
   Progress progress(request.experiment.common.listener());
   progress.now("reading the experiments");
   std::deque<Experiment> experiments;
@@ -173,6 +181,8 @@ Command identify_command() {
   command.add(
       {"--quick", &request->quick, "",
        "Leave out what puts the minimum in question: the cost away from\nit, other minima, fits without a run"});
+  command.add({"--thorough", &request->thorough, "",
+               "Put the minimum in question however long that takes, not only\nfor a fifth of the work of the fit"});
   command.add(
       {"--bootstrap", &request->bootstrap, "N",
        "Refit N records resampled from blocks of the residuals, for standard\nerrors that assume no model of them"});

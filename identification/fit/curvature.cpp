@@ -42,12 +42,13 @@ constexpr double much_longer = 1.5;
 class Explorer {
  public:
   Explorer(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
-           const std::vector<LinearRun>& linear, const FitOptions& options)
+           const std::vector<LinearRun>& linear, const FitOptions& options, int most)
       : problem_(problem),
         records_(records),
         fitted_(fitted),
         linear_(linear),
         options_(options),
+        most_(most),
         n_(static_cast<Index>(fitted.parameters.size())),
         scale_(n_) {
     for (Index i = 0; i < n_; ++i) {
@@ -81,6 +82,7 @@ class Explorer {
       const double variance =
           direction.dot(per_scale.asDiagonal() * fitted_.errors.covariance * per_scale.asDiagonal() * direction);
       if (std::sqrt(variance) < small_part && strongest * variance < 1.0) return;
+      if (is_exhausted()) return;
       const double leading = std::sqrt(variance / white_variance);
       const VectorXd step = std::sqrt(variance) * (scale_.asDiagonal() * direction);
       if (is_straight(step, leading)) return;
@@ -110,12 +112,21 @@ class Explorer {
         if (step[i] == 0 || number == nullptr || !number->is_geometric()) continue;
         if (most < 0 || std::abs(step[i] / scale_[i]) > std::abs(step[most] / scale_[most])) most = i;
       }
-      if (most < 0 || traced_[static_cast<std::size_t>(most)] || is_null(step)) continue;
+      if (most < 0 || traced_[static_cast<std::size_t>(most)]) continue;
+      if (is_exhausted()) return;
+      if (is_null(step)) continue;
       trace(most, step / step[most], null_step * scale_[most], largest_factor(), probe);
     }
   }
 
-  bool done() const { return out_.better || (options_.interrupt != nullptr && options_.interrupt->load()); }
+  bool done() const {
+    return out_.better || !out_.is_complete || (options_.interrupt != nullptr && options_.interrupt->load());
+  }
+  /// Whether another evaluation is one too many, which makes the result incomplete.
+  bool is_exhausted() {
+    if (out_.evaluations >= most_) out_.is_complete = false;
+    return !out_.is_complete;
+  }
   bool has_error(Index i) const {
     const auto at = static_cast<std::size_t>(i);
     return std::isfinite(fitted_.identifiability.standard_error[at]) && fitted_.errors.error[at] > 0 &&
@@ -160,17 +171,18 @@ class Explorer {
   }
 
   /// The cost there; nothing where a parameter leaves its range.
-  std::optional<double> cost_at(const VectorXd& step) const {
+  std::optional<double> cost_at(const VectorXd& step) {
     const FitPoint there = moved(step);
     for (std::size_t i = 0; i < there.parameters.size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       if (there.parameters[i] < p.min || there.parameters[i] > p.max) return {};
     }
+    ++out_.evaluations;
     return problem_.cost(there.parameters, there.nuisances, records_, fitted_.weighting, options_.jobs);
   }
 
   /// Whether the cost at two leading standard errors is that of the parabola, on the side that is within the ranges.
-  bool is_straight(const VectorXd& step, double leading) const {
+  bool is_straight(const VectorXd& step, double leading) {
     std::optional<double> cost = cost_at(probe * step);
     if (!cost) cost = cost_at(-probe * step);
     if (!cost || is_lower(*cost)) return false;
@@ -178,7 +190,7 @@ class Explorer {
     return std::abs(growth - 1) <= straight_within;
   }
 
-  bool is_null(const VectorXd& step) const {
+  bool is_null(const VectorXd& step) {
     const double least = std::max(lower_by, integration_part * fitted_.cost);
     constexpr std::array sides = {-1.0, 1.0};
     return std::all_of(sides.begin(), sides.end(), [&](double t) {
@@ -221,6 +233,7 @@ class Explorer {
     const double side = direction[held];
     const double estimate = fitted_.parameters[at];
     const auto add = [&](double x, const FitPoint& start) {
+      if (is_exhausted()) return false;
       if (options_.progress) {
         options_.progress(fmt::format("following the valley of {}, {:.1f} half intervals {}", p.name,
                                       std::abs(x - estimate) / reach, side < 0 ? "down" : "up"));
@@ -332,6 +345,7 @@ class Explorer {
   const Fit& fitted_;
   const std::vector<LinearRun>& linear_;
   const FitOptions& options_;
+  int most_;
   Index n_;
   VectorXd scale_;
   std::vector<bool> traced_;
@@ -341,8 +355,8 @@ class Explorer {
 }  // namespace
 
 Curvature find_curvature(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
-                         const std::vector<LinearRun>& linear, const FitOptions& options) {
-  return Explorer(problem, records, fitted, linear, options).run();
+                         const std::vector<LinearRun>& linear, const FitOptions& options, int most) {
+  return Explorer(problem, records, fitted, linear, options, most).run();
 }
 
 }  // namespace poise

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,12 +30,15 @@ struct Curvature {
   /// Per parameter: how much more slowly than the parabola the cost grows on a side on which the interval does not end;
   /// 0 where it ends.
   std::vector<double> open;
-  int evaluations = 0;        ///< of all runs, with their sensitivities, in the fits along the traces
+  int evaluations = 0;        ///< of all runs
+  bool is_complete = true;    ///< false where that took all evaluations that there were
   std::optional<Fit> better;  ///< a point with a lower cost was found: the fit had not reached the minimum
 };
 
-/// Of a usable fit with its standard errors. `linear`: the runs linearized there.
+/// Of a usable fit with its standard errors. `linear`: the runs linearized there. Ends after `most` evaluations with
+/// what was found until then.
 Curvature find_curvature(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
-                         const std::vector<LinearRun>& linear, const FitOptions& options);
+                         const std::vector<LinearRun>& linear, const FitOptions& options,
+                         int most = std::numeric_limits<int>::max());
 
 }  // namespace poise

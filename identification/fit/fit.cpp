@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -21,6 +23,9 @@
 namespace poise {
 namespace {
 
+/// Checks may take this part of a fit's own evaluations, and compute as many readings and derivatives of readings
+/// however few these are.
+constexpr double check_share = 0.2, least_check_work = 4e6;
 /// How often a lower cost found beside the minimum leads to another one.
 constexpr int most_improvements = 3;
 /// A sum of squared residuals over the noise is lower where it is so by this.
@@ -79,8 +84,20 @@ std::optional<Minimum> better_minimum(const FitTask& task, const WeightedMinimum
   return least;
 }
 
+/// The evaluations that checks of a fit may take which took so many itself.
+int most_checks(const FitTask& task, int own) {
+  if (task.options.checks == Checks::all) return std::numeric_limits<int>::max();
+  double numbers = 0.0;  // that one evaluation computes
+  for (std::size_t r = 0; r < task.problem.runs(); ++r) {
+    const RunModel& run = task.problem.run(r);
+    numbers += static_cast<double>(run.readings(INFINITY)) * (1.0 + run.columns());
+  }
+  return static_cast<int>(std::max(check_share * own, least_check_work / std::max(1.0, numbers)));
+}
+
 /// Describes the fit at a minimum, or at a better one that it leads to.
 Fit examined_fit(const FitTask& task, const FoundMinimum& found, WeightedMinimum at, FitEffort& effort) {
+  effort.most_checks = most_checks(task, effort.evaluations);
   LinearFit linear = linearize(task, at.weighting, at.minimum);
   Fit out = describe_fit(task, found, at, linear, effort);
   OtherMinima others;
@@ -93,7 +110,12 @@ Fit examined_fit(const FitTask& task, const FoundMinimum& found, WeightedMinimum
   }
   set_effort(out, effort);
   compare_with(others.all, task, at, out);
-  if (is_to_be_questioned(task, out)) examine_runs(task.problem, task.records, linear.runs, task.options, out);
+  if (is_to_be_questioned(task, out)) {
+    examine_runs(task.problem, task.records, linear.runs, task.options, effort.most_checks, out);
+  }
+  if (task.options.checks == Checks::none && task.options.from == nullptr) {
+    out.unexamined = {"the cost away from the minimum", "other minima", "fits without a run"};
+  }
   return out;
 }
 
@@ -137,7 +159,6 @@ Fit fit(const FitProblem& problem, const std::vector<Record>& records, const Fit
   }
   const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begun;
   out.microseconds = took.count();
-  out.is_quick = options.quick;
   return out;
 }
 

@@ -61,6 +61,12 @@ std::string to_string(FitStatus status);
 
 struct Fit;
 
+enum class Checks {
+  none,
+  bounded,  ///< as far as they take a fifth of the evaluations of the fit itself, or compute few numbers
+  all
+};
+
 struct FitOptions {
   bool use_starts = false;       ///< start from the experiment's starts even where start_from_oscillations() applies
   std::vector<double> starts{};  ///< in place of the experiment's: values in the scene, SI, one per parameter
@@ -71,8 +77,8 @@ struct FitOptions {
   /// Goes on from what this fit of the same unknowns has reached: its parameters, its runs' nuisances where it has
   /// them, and its noise of sensors whose noise is not stated. What it leads to is examined as any other minimum.
   const Fit* continued = nullptr;
-  /// Leaves out what puts the minimum in question: curvature, minima elsewhere, fits without a run.
-  bool quick = false;
+  /// How far curvature, minima elsewhere and fits without a run put the minimum in question.
+  Checks checks = Checks::bounded;
   std::vector<std::pair<int, double>> held{};  ///< parameters that keep these values in the scene, SI; with `from`
   bool values_only = false;   ///< with `from`: of the result only cost, parameters, nuisances and status are needed
   bool holds_starts = false;  ///< the nuisances are kept too, where all parameters are
@@ -120,10 +126,11 @@ struct Fit {
   int degrees_of_freedom = 0;  ///< readings less the parameters and nuisances that are not held
   int iterations = 0;
   int evaluations = 0;        ///< of all runs, with their sensitivities
-  int check_evaluations = 0;  ///< the same in the fits along traces and without a run
+  int check_evaluations = 0;  ///< the same to put the minimum in question; with those without sensitivities
   int tries = 0;
   double microseconds = 0.0;
-  bool is_quick = false;  ///< FitOptions::quick: nothing has put the minimum in question
+  /// What has not put the minimum in question although it should have, because of FitOptions::checks; in words.
+  std::vector<std::string> unexamined;
 
   bool usable() const { return status == FitStatus::converged || status == FitStatus::misfit; }
 };

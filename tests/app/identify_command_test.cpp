@@ -590,10 +590,11 @@ TEST(IdentifyCommand, SaysThatAQuickFitWasNotExamined) {
   const TempFolder folder;
   const std::string file = experiment(folder, std::string(wheel_unknowns) + one_run);
   const json quick = run_json(folder, {"identify", file, "--quick"}, 0);
-  EXPECT_EQ(quick["quick"], true);
+  EXPECT_EQ(quick["unexamined"].size(), 3U);
   EXPECT_EQ(quick["check_evaluations"], 0);
-  EXPECT_TRUE(has(run_poise({"identify", file, "--quick"}).out, "Quick: the cost away from the minimum"));
-  EXPECT_EQ(run_json(folder, {"identify", file}, 0)["quick"], false);
+  EXPECT_TRUE(has(run_poise({"identify", file, "--quick"}).out, "Not all examined, to save time: the cost away from the minimum, other minima, fits without a run."));
+  EXPECT_TRUE(run_json(folder, {"identify", file}, 0)["unexamined"].empty());
+  EXPECT_EQ(run_poise({"identify", file, "--quick", "--thorough"}).exit_code, 2);
 }
 
 }  // namespace

@@ -328,9 +328,11 @@ TEST(Fit, LeavesOutChecksWhereItIsToBeQuick) {
   const std::vector<Record> records = problem.records();
   FitOptions options;
   const Fit whole = fit(problem, records, options);
-  options.quick = true;
+  options.checks = Checks::none;
   const Fit quick = fit(problem, records, options);
   EXPECT_EQ(quick.check_evaluations, 0);
+  EXPECT_EQ(quick.unexamined.size(), 3U);
+  EXPECT_TRUE(whole.unexamined.empty());
   EXPECT_EQ(quick.parameters, whole.parameters);
 }
 

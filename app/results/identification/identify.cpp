@@ -203,10 +203,10 @@ std::vector<Line> warnings(const FitProblem& problem, const Identification& answ
     out.push_back(fault.is_wrong ? bad(words) : doubtful(words));
   }
   if (!fitted.usable()) return out;
-  if (fitted.is_quick) {
-    out.push_back(
-        doubtful("Quick: the cost away from the minimum, other minima and single runs were not examined; the intervals "
-                 "are those of the parabola at the minimum."));
+  if (!fitted.unexamined.empty()) {
+    out.push_back(doubtful(
+        fmt::format("Not all examined, to save time: {}. Intervals may be too short, and other minima exist; {}.",
+                    fmt::join(fitted.unexamined, ", "), "--thorough examines all")));
   }
   if (withheld(fitted) > 0) {
     const std::string all = count(static_cast<int>(fitted.estimates.size()), "estimate", "estimates");
@@ -715,7 +715,7 @@ void add_fit_data(Group& content, const FitProblem& problem, const Identificatio
   content.data("evaluations", fitted.evaluations);
   content.data("check_evaluations", fitted.check_evaluations);
   content.data("tries", fitted.tries);
-  content.data("quick", fitted.is_quick);
+  content.data("unexamined", fitted.unexamined);
   content.data("microseconds", fitted.microseconds);
   Group& values = content.group("reached", "", Verbosity::data);
   for (std::size_t p = 0; p < fitted.parameters.size(); ++p) {

@@ -34,21 +34,23 @@ void widen(const FitProblem& problem, std::size_t i, double low, double high, Fi
 Minimum minimum_near(const FitTask& task, const Weighting& weighting, const Fit& better, FitEffort& effort) {
   Minimum out{.cost = better.cost, .point = {better.parameters, {}}};
   for (const RunFit& run : better.runs) out.point.nuisances.push_back(run.nuisances);
-  Minimum lower = minimise(task, weighting, out.point, 1.0, effort);
+  Minimum lower = minimise_as_check(task, weighting, out.point, effort);
   return lower.cost <= out.cost ? lower : out;
 }
 
 }  // namespace
 
 bool is_to_be_questioned(const FitTask& task, const Fit& fitted) {
-  return fitted.usable() && fitted.identifiability.ok && task.options.from == nullptr && !task.options.quick &&
-         !task.stopped();
+  return fitted.usable() && fitted.identifiability.ok && task.options.from == nullptr &&
+         task.options.checks != Checks::none && !task.stopped();
 }
 
 std::optional<Minimum> correct_for_curvature(const FitTask& task, const WeightedMinimum& at, const LinearFit& linear,
                                              Fit& fitted, FitEffort& effort) {
-  Curvature found = find_curvature(task.problem, task.records, fitted, linear.runs, task.options);
+  Curvature found = find_curvature(task.problem, task.records, fitted, linear.runs, task.options,
+                                   effort.most_checks - effort.check_evaluations);
   effort.check_evaluations += found.evaluations;
+  if (!found.is_complete) leave_out(fitted, "the cost away from the minimum");
   if (found.better) return minimum_near(task, at.weighting, *found.better, effort);
   fitted.traces = std::move(found.traces);
   for (std::size_t i = 0; i < fitted.estimates.size(); ++i) {

@@ -10,7 +10,7 @@
 namespace poise {
 
 /// Says whether lower costs beside the fit, other minima and single runs may put it in question: it is usable, and no
-/// step of another fit, nor a quick one.
+/// step of another fit, nor without checks.
 bool is_to_be_questioned(const FitTask& task, const Fit& fitted);
 
 /// Replaces intervals of a fit that is_to_be_questioned() by those of find_curvature(), and withholds estimates whose

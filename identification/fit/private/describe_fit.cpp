@@ -1,5 +1,6 @@
 #include "identification/fit/private/describe_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -196,6 +197,11 @@ void set_effort(Fit& fit, const FitEffort& effort) {
   fit.iterations = effort.iterations;
   fit.evaluations = effort.evaluations;
   fit.check_evaluations = effort.check_evaluations;
+}
+
+void leave_out(Fit& fit, const std::string& what) {
+  std::vector<std::string>& all = fit.unexamined;
+  if (std::find(all.begin(), all.end(), what) == all.end()) all.push_back(what);
 }
 
 void withhold(Fit& fit, std::size_t parameter, const std::string& why) {

@@ -19,6 +19,9 @@ Fit values_of_fit(const FitTask& task, const FoundMinimum& found, const Weighted
 /// States what the fit has taken.
 void set_effort(Fit& fit, const FitEffort& effort);
 
+/// Says, once, that this has not put the minimum in question.
+void leave_out(Fit& fit, const std::string& what);
+
 /// Says that a parameter is not identifiable, and why.
 void withhold(Fit& fit, std::size_t parameter, const std::string& why);
 

@@ -38,7 +38,10 @@ struct FitEffort {
   int tries = 0;              ///< starts
   int iterations = 0;         ///< of Ceres
   int evaluations = 0;        ///< of all runs, with their sensitivities
-  int check_evaluations = 0;  ///< the same in the fits along traces
+  int check_evaluations = 0;  ///< the same to put the minimum in question
+  int most_checks = 0;        ///< as many of these are enough
+
+  bool may_check() const { return check_evaluations < most_checks; }
 };
 
 }  // namespace poise

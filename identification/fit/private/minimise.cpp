@@ -379,4 +379,12 @@ Minimum minimise(const FitTask& task, const Weighting& weighting, const FitPoint
   return out;
 }
 
+Minimum minimise_as_check(const FitTask& task, const Weighting& weighting, const FitPoint& start, FitEffort& effort) {
+  FitEffort own;
+  Minimum out = minimise(task, weighting, start, 1.0, own);
+  effort.iterations += own.iterations;
+  effort.check_evaluations += own.evaluations;
+  return out;
+}
+
 }  // namespace poise

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "identification/fit/private/alternatives.hpp"
+#include "identification/fit/private/describe_fit.hpp"
 #include "identification/fit/private/following_nuisances.hpp"
 #include "identification/fit/private/twins.hpp"
 #include "solvers/random_stream.hpp"
@@ -112,31 +113,38 @@ std::vector<Minimum> starts_with_other_states(const FitTask& task, const Weighte
 
 }  // namespace
 
-std::vector<Minimum> minima_with_other_states(const FitTask& task, const WeightedMinimum& at, const Fit& fitted,
+std::vector<Minimum> minima_with_other_states(const FitTask& task, const WeightedMinimum& at, Fit& fitted,
                                               FitEffort& effort) {
   std::vector<Minimum> out;
   std::vector<std::vector<double>> tried;
   for (const Minimum& start : starts_with_other_states(task, at, fitted)) {
     if (task.stopped() || out.size() >= most_twins || !start.is_reached()) break;
+    if (!effort.may_check()) {
+      leave_out(fitted, "other minima");
+      break;
+    }
     const std::vector<double>& parameters = start.point.parameters;
     const auto same = [&](const std::vector<double>& one) { return !differ(fitted, one, parameters); };
     if (std::any_of(tried.begin(), tried.end(), same)) continue;
     tried.push_back(parameters);
     ++effort.tries;
-    const Minimum found = minimise(task, at.weighting, start.point, 1.0, effort);
+    const Minimum found = minimise_as_check(task, at.weighting, start.point, effort);
     if (found.is_reached()) out.push_back({.cost = found.cost, .point = found.point});
   }
   return out;
 }
 
-std::vector<Minimum> minima_of_twins(const FitTask& task, const WeightedMinimum& at, const Fit& fitted,
-                                     FitEffort& effort) {
+std::vector<Minimum> minima_of_twins(const FitTask& task, const WeightedMinimum& at, Fit& fitted, FitEffort& effort) {
   std::vector<Minimum> out;
   for (const FitPoint& point : twins(task.problem, fitted)) {
     if (task.stopped() || out.size() >= most_twins) break;
+    if (!effort.may_check()) {
+      leave_out(fitted, "other minima");
+      break;
+    }
     task.say("trying other dimensions with which it moves alike");
     ++effort.tries;
-    const Minimum found = minimise(task, at.weighting, point, 1.0, effort);
+    const Minimum found = minimise_as_check(task, at.weighting, point, effort);
     if (found.is_reached()) out.push_back({.cost = found.cost, .point = found.point});
   }
   return out;

@@ -9,6 +9,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
+#include "identification/fit/private/describe_fit.hpp"
 #include "identification/fit/projection.hpp"
 #include "identification/fit/some_runs.hpp"
 #include "solvers/linear_algebra.hpp"
@@ -112,10 +113,14 @@ void examine(const FitProblem& problem, const std::vector<Record>& records, cons
 }  // namespace
 
 void examine_runs(const FitProblem& problem, const std::vector<Record>& records, const std::vector<LinearRun>& linear,
-                  const FitOptions& options, Fit& fitted) {
+                  const FitOptions& options, int most, Fit& fitted) {
   if (problem.runs() < 3) return;
   for (const std::size_t r : doubtful(problem, fitted)) {
     if (options.interrupt != nullptr && options.interrupt->load()) return;
+    if (fitted.check_evaluations >= most) {
+      leave_out(fitted, "fits without a run");
+      return;
+    }
     if (options.progress) options.progress(fmt::format("fitting without run \"{}\"", problem.run(r).run().name));
     examine(problem, records, linear[r], options, r, fitted);
   }

@@ -17,8 +17,9 @@ namespace poise {
 /// of the variance of p. That variance is what the other runs' residuals say: of their series, or from run to run where
 /// that is more, both as far as Student's t of so many says it.
 ///
-/// Nothing changes with fewer than three runs. `linear`: all runs at the fit.
+/// Nothing changes with fewer than three runs. `linear`: all runs at the fit. Ends where all checks of the fit have
+/// taken `most` evaluations, which the fit says then.
 void examine_runs(const FitProblem& problem, const std::vector<Record>& records, const std::vector<LinearRun>& linear,
-                  const FitOptions& options, Fit& fitted);
+                  const FitOptions& options, int most, Fit& fitted);
 
 }  // namespace poise
