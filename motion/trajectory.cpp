@@ -33,13 +33,14 @@ double reading_error(std::span<const NodeValues> nodes, double t) {
   return std::abs(others) * (std::abs(row[last - 1]) + std::abs(row[last] * (at - s[last - 1])));
 }
 
-TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, bool rates)
+TrajectoryReader::TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, int derivatives)
     : trajectory_(trajectory),
       coordinates_(std::move(coordinates)),
       stride_(1 + static_cast<std::size_t>(trajectory.columns)),
-      rates_(rates),
+      derivatives_(derivatives),
       value_(coordinates_.size() * stride_),
-      rate_(value_.size()) {}
+      rate_(value_.size()),
+      acceleration_(value_.size()) {}
 
 TrajectoryReader::Nodes TrajectoryReader::best_nodes(std::size_t interval) const {
   const std::size_t n = static_cast<std::size_t>(trajectory_.coordinates);
@@ -129,7 +130,7 @@ void TrajectoryReader::at(double t) {
   // Horner's scheme for the polynomial and its derivative.
   const double* top = &newton_[(conditions - 1) * width];
   std::copy(top, top + width, value_.begin());
-  if (!rates_) {
+  if (derivatives_ == 0) {
     for (std::size_t m = conditions - 1; m-- > 0;) {
       const double* row = &newton_[m * width];
       const double from = s - node_[m];
@@ -138,29 +139,33 @@ void TrajectoryReader::at(double t) {
     return;
   }
   std::fill(rate_.begin(), rate_.end(), 0.0);
+  std::fill(acceleration_.begin(), acceleration_.end(), 0.0);
   for (std::size_t m = conditions - 1; m-- > 0;) {
     const double* row = &newton_[m * width];
     const double from = s - node_[m];
+    for (std::size_t i = 0; derivatives_ == 2 && i < width; ++i)
+      acceleration_[i] = acceleration_[i] * from + 2 * rate_[i];
     for (std::size_t i = 0; i < width; ++i) {
       rate_[i] = rate_[i] * from + value_[i];
       value_[i] = value_[i] * from + row[i];
     }
   }
   for (double& r : rate_) r /= scale_;
+  for (double& a : acceleration_) a /= scale_ * scale_;
 }
 
-double TrajectoryReader::a(std::size_t i) const {
+// Horner's scheme for the polynomial and its Taylor coefficients at s.
+double TrajectoryReader::derivative(std::size_t i, std::size_t order) const {
   const std::size_t width = value_.size();
-  double value = newton_[(node_.size() - 1) * width + i * stride_];
-  double rate = 0.0;
-  double half_bend = 0.0;
+  std::array<double, 4> taylor{newton_[(node_.size() - 1) * width + i * stride_]};
   for (std::size_t m = node_.size() - 1; m-- > 0;) {
     const double from = s_ - node_[m];
-    half_bend = half_bend * from + rate;
-    rate = rate * from + value;
-    value = value * from + newton_[m * width + i * stride_];
+    for (std::size_t k = order; k > 0; --k) taylor[k] = taylor[k] * from + taylor[k - 1];
+    taylor[0] = taylor[0] * from + newton_[m * width + i * stride_];
   }
-  return 2 * half_bend / (scale_ * scale_);
+  double out = taylor[order];
+  for (std::size_t k = 1; k <= order; ++k) out *= static_cast<double>(k) / scale_;
+  return out;
 }
 
 }  // namespace poise

@@ -33,21 +33,25 @@ double reading_error(std::span<const NodeValues> nodes, double t);
 class TrajectoryReader {
  public:
   /// `trajectory` must outlive this and have at least two nodes. Only `coordinates` are read.
-  /// Without `rates` v() and v_p() are zero.
-  TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, bool rates = true);
+  /// Up to which derivative by time: 0 coordinates alone, 1 their rates, 2 also a_p(). Those beyond are zero.
+  TrajectoryReader(const Trajectory& trajectory, std::vector<int> coordinates, int derivatives = 1);
 
   /// Interpolates at time t, which may lie anywhere, but is fastest between the nodes of the last one.
   void at(double t);
   /// Of the i-th coordinate read; valid until the next at().
   double q(std::size_t i) const { return value_[i * stride_]; }
   double v(std::size_t i) const { return rate_[i * stride_]; }
-  double a(std::size_t i) const;
+  double a(std::size_t i) const { return derivative(i, 2); }
+  /// The derivative of a() by time.
+  double jerk(std::size_t i) const { return derivative(i, 3); }
   /// `columns` sensitivities of the same.
   std::span<const double> q_p(std::size_t i) const { return {value_.data() + i * stride_ + 1, stride_ - 1}; }
   std::span<const double> v_p(std::size_t i) const { return {rate_.data() + i * stride_ + 1, stride_ - 1}; }
+  std::span<const double> a_p(std::size_t i) const { return {acceleration_.data() + i * stride_ + 1, stride_ - 1}; }
 
  private:
   void enter(std::size_t interval);
+  double derivative(std::size_t i, std::size_t order) const;
   struct Nodes {
     std::size_t first = 0, count = 0;
   };
@@ -57,13 +61,13 @@ class TrajectoryReader {
   const Trajectory& trajectory_;
   std::vector<int> coordinates_;
   std::size_t stride_;  // 1 + columns
-  bool rates_;
+  int derivatives_;
   std::size_t interval_ = static_cast<std::size_t>(-1);
   double origin_ = 0.0, scale_ = 1.0;  // s = (t - origin) / scale
   double s_ = 0.0;                     // of the last at()
   std::vector<double> node_;           // s of each condition, every node three times
   std::vector<double> newton_;         // divided differences, one row per condition
-  std::vector<double> value_, rate_;
+  std::vector<double> value_, rate_, acceleration_;
 };
 
 }  // namespace poise

@@ -194,7 +194,7 @@ class RunFaults {
 
   void find_wild(std::size_t k) {
     const std::vector<double>& y = series(k).value;
-    if (experiment_.loss != Loss::squares || !sensor(k).reads_measure()) return;
+    if (experiment_.loss != Loss::squares || !sensor(k).is_of_measure() || sensor(k).reads_acceleration()) return;
     std::vector<double> medians = y;
     for (std::size_t i = 2; i + 2 < y.size(); ++i) {
       const auto at = y.begin() + static_cast<std::ptrdiff_t>(i);
@@ -249,8 +249,7 @@ class RunFaults {
 
   std::optional<Jump> largest_jump(std::size_t k) const {
     const Series& read = series(k);
-    if (read.value.size() < 4 * parabola || experiment_.sensors[k].rate || !experiment_.sensors[k].reads_measure())
-      return std::nullopt;
+    if (read.value.size() < 4 * parabola || !sensor(k).reads_measure()) return std::nullopt;
     std::vector<double> spacings;
     for (std::size_t i = 1; i < read.time.size(); ++i) spacings.push_back(read.time[i] - read.time[i - 1]);
     const double spacing = quantile_of(spacings, 0.5);
@@ -329,7 +328,7 @@ class RunFaults {
     std::size_t in = 0;
     for (std::size_t k = 0; k < record_.sensors.size(); ++k) {
       const Series& read = series(k);
-      if (read.value.size() < least_readings || sensor(k).rate || sensor(k).reads_impacts()) continue;
+      if (read.value.size() < least_readings || !sensor(k).is_of_rest()) continue;
       const double unsure = noise_at_most(read);
       const double place = quantile_of({read.value.begin(), read.value.begin() + 5}, 0.5);
       std::size_t i = 0;

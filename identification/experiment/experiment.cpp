@@ -41,7 +41,7 @@ bool is_held(const Experiment& experiment, const Run& run) {
   const auto moves = [](const Release& release) { return release.rate && release.value != 0; };
   // Rates may also be those of the first readings.
   const auto reads_rate = [&](const Sensor& sensor) {
-    return sensor.rate && run.reads(static_cast<std::size_t>(&sensor - experiment.sensors.data()));
+    return sensor.reads_rate() && run.reads(static_cast<std::size_t>(&sensor - experiment.sensors.data()));
   };
   return !run.unknown_start && experiment.scene_of(run.part).drives.empty() &&
          std::none_of(run.release.begin(), run.release.end(), moves) &&

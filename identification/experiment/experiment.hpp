@@ -27,8 +27,8 @@ struct SensorNumber {
   Of of = Of::zero;
 };
 
-/// A sensor reads a measure of the pose, the force of an element of the scene, or a quantity that a mechanism has at
-/// rest; values SI. At time t its column has
+/// A sensor reads a measure of the pose or a derivative of it by time, the force of an element of the scene, what an
+/// accelerometer feels, or a quantity that a mechanism has at rest; values SI. At time t its column has
 ///   (g(t - delay) - zero) / unit,  g the quantity.
 /// A delay means nothing at rest.
 /// One of impacts reads the times T_1 < T_2 < ... of those at some limits of stops:  (T_i - zero) / unit.
@@ -36,6 +36,9 @@ struct Sensor {
   Measure on;                ///< body_a is the ground for an absolute angle
   int element = -1;          ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::vector<int> stops{};  ///< indices into Scene::stops whose impacts it reads the times of; else none
+  /// An accelerometer at the point on.b of a body reads  e . (a - g):  a its acceleration, g gravity, e the unit vector
+  /// at this angle from the x axis of the body; else none.
+  std::optional<double> axis{};
   std::optional<SoughtQuantity>
       at_rest{};  ///< what else it reads of a mechanism at rest: such a sensor reads no motion
   std::string name;
@@ -44,7 +47,7 @@ struct Sensor {
   std::optional<std::vector<double>> missing{};  ///< numbers of the column that mean the same; absent: none is expected
   std::optional<double>
       wraps{};              ///< the column starts again after so much, SI; 0: it does not; absent: expected not to
-  bool rate = false;        ///< the time derivative of the above (not of a force)
+  int by_time = 0;          ///< the derivative of the measure by time of this order, at most 2; no other has one
   double noise = 0.0;       ///< standard deviation of one reading, SI
   bool noise_known = true;  ///< false: `noise` is a first guess from the readings, and a fit estimates it
   double unit = 1.0;        ///< SI value of one unit of the file's column
@@ -55,23 +58,26 @@ struct Sensor {
 
   bool reads_force() const { return element >= 0; }
   bool reads_impacts() const { return !stops.empty(); }
-  /// Whether it reads its measure itself, or the rate of that.
-  bool reads_measure() const { return !reads_force() && !reads_impacts() && !at_rest; }
+  bool is_accelerometer() const { return axis.has_value(); }
+  /// Whether it reads its measure itself, or a derivative of that by time.
+  bool is_of_measure() const { return !reads_force() && !reads_impacts() && !is_accelerometer() && !at_rest; }
+  bool reads_measure() const { return is_of_measure() && by_time == 0; }
+  bool reads_rate() const { return is_of_measure() && by_time == 1; }
+  bool reads_acceleration() const { return is_accelerometer() || by_time == 2; }
   /// Whether a mechanism at rest has what it reads, and whether one that moves has.
-  bool is_of_rest() const { return !reads_impacts() && !rate; }
+  bool is_of_rest() const { return !reads_impacts() && !is_accelerometer() && by_time == 0; }
   bool is_of_motion() const { return !at_rest; }
   /// Whether it reads an angle itself, not its rate or an effort.
-  bool reads_angle() const { return on.is_angle() && !rate && reads_measure(); }
+  bool reads_angle() const { return on.is_angle() && reads_measure(); }
   /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
-  bool reads_coordinate() const {
-    return (on.is_angle() || on.kind == Measure::Kind::travel) && !rate && reads_measure();
-  }
+  bool reads_coordinate() const { return (on.is_angle() || on.kind == Measure::Kind::travel) && reads_measure(); }
   /// Of a reading.
   Dimension dimension() const {
     if (reads_impacts()) return dimension::time;
     if (at_rest) return at_rest->dimension;
+    if (is_accelerometer()) return dimension::length * dimension::time.power(-2);
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
-    return rate ? read * dimension::time.power(-1) : read;
+    return read * dimension::time.power(-by_time);
   }
   /// Of one of its numbers.
   Dimension dimension(SensorNumber::Of of) const {

@@ -139,19 +139,26 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name", "read", "angle", "travel", "distance", "x", "y", "force", "impacts", "rate", "column",
-                      "gaps", "missing", "wraps", "noise", "zero", "factor", "delay"});
+    table.allow_keys({"name",    "read",    "angle",         "travel",    "distance", "x",      "y",
+                      "force",   "impacts", "accelerometer", "direction", "rate",     "column", "gaps",
+                      "missing", "wraps",   "noise",         "zero",      "factor",   "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
     const double unit = read_quantity(table, names, sensor);
-    const bool is_rate = sensor.rate;
-    sensor.rate = table.flag("rate", is_rate);
-    if (is_rate && table.has("rate")) {
+    if (sensor.by_time > 0 && table.has("rate")) {
       table.place_of("rate").fail("d(A)/dt is a rate already; leave it out");
     }
-    if (sensor.rate && sensor.reads_force()) {
-      table.place_of("rate").fail("expected the rate of a position or angle; the rate of a force is not available");
+    if (table.flag("rate", false)) {
+      if (sensor.reads_force() || sensor.is_accelerometer()) {
+        table.place_of("rate").fail(
+            fmt::format("expected the rate of a position or angle; the rate of {} is not available",
+                        sensor.reads_force() ? "a force" : "an acceleration"));
+      }
+      sensor.by_time = 1;
+    }
+    if (table.has("direction") && !sensor.is_accelerometer()) {
+      table.place_of("direction").fail("expected a direction of an accelerometer only; leave it out");
     }
     if (sensor.reads_impacts()) {
       for (const char* const key : {"rate", "gaps", "missing", "delay"}) {
@@ -183,7 +190,8 @@ class ExperimentReader {
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
   double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
-    constexpr std::array measures = {"read", "angle", "travel", "distance", "x", "y", "force", "impacts"};
+    constexpr std::array measures = {"read", "angle", "travel",  "distance",     "x",
+                                     "y",    "force", "impacts", "accelerometer"};
     std::vector<std::string> given;
     std::copy_if(measures.begin(), measures.end(), std::back_inserter(given),
                  [&](const char* key) { return table.has(key); });
@@ -209,6 +217,17 @@ class ExperimentReader {
       sensor.on = experiment_.scene.stops[static_cast<std::size_t>(sensor.stops.front())].on;
       return 1.0;
     }
+    if (table.has("accelerometer")) {
+      const TomlText point = table.text("accelerometer");
+      sensor.on = Measure::y_of(movable_point(point, names));
+      sensor.axis = table.find_number("direction", units.angle, Range::finite).value_or(0.0);
+      for (const TimeFunction& function : experiment_.scene.time_functions) {
+        if (function.of == TimeFunction::Of::frame) {
+          point.place.fail("accelerometers of a scene with a [frame] that moves are not available; read positions");
+        }
+      }
+      return sensor.dimension().unit(units);
+    }
     if (table.has("travel")) {
       sensor.on = Measure::travel_of(names.travelling_joint(table.text("travel")));
     } else if (table.has("distance")) {
@@ -219,12 +238,16 @@ class ExperimentReader {
       }
     } else {
       const char* const key = table.has("x") ? "x" : "y";
-      const TomlText point = table.text(key);
-      const PointRef at = names.point(point);
+      const PointRef at = movable_point(table.text(key), names);
       sensor.on = table.has("x") ? Measure::x_of(at) : Measure::y_of(at);
-      if (at.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
     }
     return units.length;
+  }
+
+  static PointRef movable_point(const TomlText& point, const SceneNames& names) {
+    const PointRef at = names.point(point);
+    if (at.body == 0) point.place.fail("expected a point of a body that can move, found one of the ground");
+    return at;
   }
 
   /// read = "length.strut", a quantity of the scene: a measure, its rate or the force of a spring; or any other that a
@@ -233,11 +256,9 @@ class ExperimentReader {
     const Scene& scene = experiment_.scene;
     SoughtQuantity found = located(name.place, [&] { return find_quantity(scene, name.value, AskedOf::motion); });
     const double unit = found.dimension.unit(scene.units);
-    if (found.kind == SoughtQuantity::Kind::by_time) {
-      sensor.rate = true;
-      found = SoughtQuantity(found.of.front());
-    }
-    const bool is_force = found.kind == SoughtQuantity::Kind::element_force && !sensor.rate &&
+    int by_time = 0;
+    for (; found.kind == SoughtQuantity::Kind::by_time; ++by_time) found = SoughtQuantity(found.of.front());
+    const bool is_force = found.kind == SoughtQuantity::Kind::element_force && by_time == 0 &&
                           stores_energy(scene.elements[static_cast<std::size_t>(found.item)].law);
     sensor.on = is_force ? scene.elements[static_cast<std::size_t>(found.item)].on : found.on;
     if (is_force) {
@@ -249,7 +270,10 @@ class ExperimentReader {
     const bool is_measure =
         found.kind == SoughtQuantity::Kind::measure &&
         std::find(read_as_they_are.begin(), read_as_they_are.end(), found.on.kind) != read_as_they_are.end();
-    if (!is_measure) sensor.at_rest = read_at_rest(name);
+    if (is_measure && by_time <= 2)
+      sensor.by_time = by_time;
+    else
+      sensor.at_rest = read_at_rest(name);
     return unit;
   }
 
@@ -258,7 +282,8 @@ class ExperimentReader {
     const auto fail = [&] {
       name.place.fail(
           fmt::format("sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT "
-                      "between two points or bodies, d(A)/dt of these, or force.SPRING, and at rest all quantities but "
+                      "between two points or bodies, d(A)/dt of these and its d(d(A)/dt)/dt, or force.SPRING, and at "
+                      "rest all quantities but "
                       "stresses, modes and those over a path; found {}",
                       name.value));
     };

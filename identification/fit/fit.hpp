@@ -139,7 +139,7 @@ struct Fit {
 ///
 /// It starts from start_from_oscillations() where that applies; else from the experiment's starts, over windows that
 /// grow to the whole records. Where the residuals exceed the noise, other starts are tried and the best result is kept:
-/// the starts changed at random, then with all frequencies scaled by factors from 1/4 to 4.
+/// start_from_regression(), the starts changed at random, then with all frequencies scaled by factors from 1/4 to 4.
 ///
 /// Where the times of the readings hardly distinguish the frequencies found from others between a quarter of and four
 /// times those found and those at the start, the parameters with these others are starts as well. Minima whose sums of

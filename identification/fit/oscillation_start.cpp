@@ -140,7 +140,7 @@ std::optional<OscillationStart> start_from_oscillations(const FitProblem& proble
     if (!problem.scales_with_force(static_cast<int>(i))) return std::nullopt;
   }
   const Sensor& sensor = problem.experiment().sensors.front();
-  if (sensor.rate || !sensor.reads_measure()) return std::nullopt;
+  if (!sensor.reads_measure()) return std::nullopt;
   std::vector<DampedSine> sines;
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel& run = problem.run(r);

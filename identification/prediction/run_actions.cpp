@@ -65,15 +65,45 @@ struct Acting {
     const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + n});
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
     const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + n});
+    const bool jerks = std::any_of(numbers.begin(), numbers.end(), [&](const ReadNumber& number) {
+      return number.of == SensorNumber::Of::delay && sensors[number.reader].reads_acceleration();
+    });
+    const std::vector<double> jerk = jerks ? change_of_accelerations() : std::vector<double>();
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const ReadNumber& number = numbers[i];
-      const Read now = read(readers[number.reader], q, v, v.data(), a.data());
+      const Read now = read(readers[number.reader], q, v, a);
+      const double change = now.along(v.data(), a.data(), jerk.empty() ? nullptr : jerk.data());
       out(reduced.freedoms() + static_cast<Eigen::Index>(number.reader), static_cast<Eigen::Index>(i)) =
           number.of == SensorNumber::Of::zero     ? -1.0
           : number.of == SensorNumber::Of::factor ? (number.zero - now.value) / number.factor
-                                                  : -now.change;
+                                                  : -change;
     }
     return out;
+  }
+
+  /// The derivatives of all accelerations by time along the motion, SI: what loads and drives change with time itself
+  /// by differences. After at(), whose state it leaves.
+  std::vector<double> change_of_accelerations() {
+    const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
+    std::vector<double> out(n, 0.0), z, w;
+    for (int k = 0; k < reduced.freedoms(); ++k) {
+      const auto own = static_cast<std::size_t>(reduced.independent()[k]);
+      z.push_back(reduced.q()[own]);
+      w.push_back(reduced.v()[own]);
+      for (std::size_t i = 0; i < n; ++i)
+        out[i] += reduced.a_z(k)[i] * w.back() + reduced.a_w(k)[i] * reduced.alpha()[k];
+    }
+    if (reduced.drives() > 0 || !reduced.inputs().empty()) {
+      constexpr double step = 1e-5;  // s
+      const double now = reduced.time();
+      for (const double side : {1.0, -1.0}) {
+        if (reduced.evaluate(now + side * step, z.data(), w.data()) != Reduced::Status::ok) continue;
+        for (std::size_t i = 0; i < n; ++i) out[i] += side * reduced.a()[i] / (2 * step);
+      }
+      reduced.evaluate(now, z.data(), w.data());
+      reduced.linearize();
+    }
+    return model.to_si(out);
   }
 
   /// d(reading)/d(time) of the rows of by_sensor_numbers(), zero of the others.
@@ -98,6 +128,7 @@ struct Acting {
     const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
     const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + n});
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
+    const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + n});
     for (std::size_t p = 0; p < influences.size(); ++p) {
       reduced.influence(influences[p], alpha.data());
       out.col(static_cast<Eigen::Index>(p)).head(f) = Eigen::Map<const Eigen::VectorXd>(alpha.data(), f);
@@ -105,21 +136,17 @@ struct Acting {
       for (std::size_t k = 0; k < sensors.size(); ++k) {
         double& by = out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p));
         if (sensors[k].reads_force()) {
-          const double g = read(readers[k], q, v, nullptr, nullptr).measure;
+          const double g = read(readers[k], q, v, a).measure;
           by += numbers[p].force_by(model.scene(), sensors[k].element, g, 0.0);
         }
         if (!influences[p].moves()) continue;
         const std::vector<double> q_p = model.to_si({reduced.q_p(), reduced.q_p() + n});
         const std::vector<double> v_p = model.to_si({reduced.v_p(), reduced.v_p() + n});
-        by += read(readers[k], q, v, q_p.data(), v_p.data()).change;
+        const std::vector<double> a_p = model.to_si({reduced.a_p(), reduced.a_p() + n});
+        by += read(readers[k], q, v, a).along(q_p.data(), v_p.data(), a_p.data());
         if (influences[p].variation < 0) continue;
         SensorVariation& direct = varied[static_cast<std::size_t>(influences[p].variation)][k];
-        std::vector<double> own_q, own_v;
-        for (const int i : direct.coordinates()) {
-          own_q.push_back(q[static_cast<std::size_t>(i)]);
-          own_v.push_back(v[static_cast<std::size_t>(i)]);
-        }
-        by += direct.read(own_q.data(), own_v.data());
+        by += direct.read(some(q, direct).data(), some(v, direct).data(), some(a, direct).data());
       }
     }
     return out;
@@ -160,21 +187,35 @@ struct Acting {
   }
 
   struct Read {
-    double value = 0.0, measure = 0.0, change = 0.0;  // the change along q' and v'
-  };
-  static Read read(SensorReader& reader, const std::vector<double>& q, const std::vector<double>& v, const double* q_p,
-                   const double* v_p) {
-    const std::vector<int>& on = reader.coordinates();
-    std::vector<double> own_q, own_v, by_q(on.size()), by_v(on.size());
-    for (const int i : on) {
-      own_q.push_back(q[static_cast<std::size_t>(i)]);
-      own_v.push_back(v[static_cast<std::size_t>(i)]);
+    double value = 0.0, measure = 0.0;
+    const SensorReader* reader = nullptr;
+
+    /// The change along q', v' and a'; null of accelerations that no sensor needs.
+    double along(const double* q_p, const double* v_p, const double* a_p) const {
+      const std::vector<int>& on = reader->coordinates();
+      const SensorReader::Derivatives& by = reader->derivatives();
+      double out = 0.0;
+      for (std::size_t i = 0; i < on.size(); ++i) {
+        out += by.by_q[i] * q_p[on[i]] + by.by_v[i] * v_p[on[i]];
+        if (a_p != nullptr) out += by.by_a[i] * a_p[on[i]];
+      }
+      return out;
     }
+  };
+  static Read read(SensorReader& reader, const std::vector<double>& q, const std::vector<double>& v,
+                   const std::vector<double>& a) {
     Read out;
-    out.value = reader.read(own_q.data(), own_v.data(), by_q.data(), by_v.data());
+    out.value = reader.read(some(q, reader).data(), some(v, reader).data(), some(a, reader).data());
     out.measure = reader.measure();
-    for (std::size_t i = 0; q_p != nullptr && i < on.size(); ++i)
-      out.change += by_q[i] * q_p[on[i]] + by_v[i] * v_p[on[i]];
+    out.reader = &reader;
+    return out;
+  }
+
+  /// The values of the coordinates that a sensor depends on.
+  template <class Reader>
+  static std::vector<double> some(const std::vector<double>& all, const Reader& reader) {
+    std::vector<double> out;
+    for (const int i : reader.coordinates()) out.push_back(all[static_cast<std::size_t>(i)]);
     return out;
   }
 };

@@ -286,9 +286,9 @@ void RunModel::start_drives_in(const MotionModel& model) {
     Sensor sensor;
     sensor.on = drive.on;
     SensorReader reader(model, sensor);
-    std::vector<double> q, none(reader.coordinates().size(), 0.0), by_q(none), by_v(none);
+    std::vector<double> q, none(reader.coordinates().size(), 0.0);
     for (const int i : reader.coordinates()) q.push_back(closed_[static_cast<std::size_t>(i)]);
-    drive.start = reader.read(q.data(), none.data(), by_q.data(), by_v.data());
+    drive.start = reader.read(q.data(), none.data(), none.data());
   }
 }
 
@@ -560,14 +560,14 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
   SensorReader reader(model, experiment_.sensors.front());
   const std::vector<double> q = model.to_si(x);
   const std::size_t n = reader.coordinates().size();
-  std::vector<double> own(n), rate(n, 0.0), by_q(n), by_v(n);
+  std::vector<double> own(n), none(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) own[i] = q[static_cast<std::size_t>(reader.coordinates()[i])];
-  out.reading = reader.read(own.data(), rate.data(), by_q.data(), by_v.data());
+  out.reading = reader.read(own.data(), none.data(), none.data());
   const auto by_z = [&](int i) {
     const double unit = i < model.layout().angles ? 1.0 : scales_.length;
     return reduced.B(0)[i] * unit / z_unit;
   };
-  for (std::size_t i = 0; i < n; ++i) out.reading_by_z += by_q[i] * by_z(reader.coordinates()[i]);
+  for (std::size_t i = 0; i < n; ++i) out.reading_by_z += reader.derivatives().by_q[i] * by_z(reader.coordinates()[i]);
   out.z = q[static_cast<std::size_t>(independent_[0])];
   if (equilibrium_coordinate_ >= 0) out.equilibrium_by_z = by_z(equilibrium_coordinate_);
   return out;

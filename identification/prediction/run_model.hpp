@@ -108,6 +108,19 @@ class RunModel {
     std::vector<double> q, v;
   };
 
+  /// What readings say of a motion at one time: independent coordinates, their rates and accelerations, SI.
+  struct ReadState {
+    double t = 0.0;
+    std::vector<double> z, w, a;
+  };
+  /// At `count` times, those of smoothing splines through the readings of angles and travels. Empty unless these
+  /// tell all independent coordinates. Of the unknowns, the numbers of the sensors count.
+  std::vector<ReadState> states_from_readings(const double* unknowns, const Record& record, std::size_t count) const;
+  /// The accelerations alpha that the equations of motion have at these coordinates and rates, at ascending times, in
+  /// SI, a row for each; under an equilibrium that is unknown at that of the run as it is written. Empty where the
+  /// mechanism cannot take such a state.
+  Eigen::MatrixXd accelerations(const double* unknowns, const std::vector<ReadState>& states) const;
+
   /// How the unknowns act at single states (t, z, w) of this run, whatever led there. Each state has rows
   ///   d alpha/d(unknown)  at fixed z, w, of each degree of freedom,
   ///   d(quantity - what the sensor's numbers add)/d(unknown)  at fixed z, w, of each sensor that is read,

@@ -41,10 +41,12 @@ class RunModel::Readings {
       if (!run.times_[k].empty() && !run.experiment_.sensors[k].reads_impacts()) add_sensor(k, jacobian);
     }
     const std::vector<Sensor>& sensors = run.experiment_.sensors;
-    const bool rates =
-        run.delayed_ || std::any_of(sensors.begin(), sensors.end(), [](const Sensor& sensor) { return sensor.rate; });
-    trajectory_.emplace(motion.trajectory, coordinates_, rates);
-    for (auto* each : {&q_, &v_, &by_q_, &by_v_}) each->resize(coordinates_.size());
+    int derivatives = run.delayed_ ? 1 : 0;
+    for (const Sensor& sensor : sensors) {
+      derivatives = std::max(derivatives, sensor.reads_acceleration() ? 2 : sensor.by_time);
+    }
+    trajectory_.emplace(motion.trajectory, coordinates_, derivatives);
+    for (auto* each : {&q_, &v_, &a_}) each->resize(coordinates_.size());
   }
 
   /// Moves to the time of a reading of sensor k, not before those moved to, and reads it. Returns the quantity.
@@ -54,18 +56,20 @@ class RunModel::Readings {
     now_ = within;
     still_ = run_.held_ && time < 0;
     beyond_ = still_ || std::abs(time - within) < time_rounding * run_.end_ ? 0.0 : time - within;
-    move_to(places_[k]);
-    return readers_[k]->read(q_.data(), v_.data(), by_q_.data(), by_v_.data());
+    move_to(k);
+    return readers_[k]->read(q_.data(), v_.data(), a_.data());
   }
 
   /// Gives the derivative of the quantity read last by its time.
   double rate_of_change(std::size_t k) const {
     if (still_) return 0.0;
     const std::vector<std::size_t>& at = places_[k];
+    const SensorReader::Derivatives& by = readers_[k]->derivatives();
     double sum = 0.0;
     for (std::size_t i = 0; i < at.size(); ++i) {
-      sum += by_q_[i] * v_[i];
-      if (by_v_[i] != 0 && beyond_ == 0) sum += by_v_[i] * trajectory_->a(at[i]);
+      sum += by.by_q[i] * v_[i];
+      if (by.by_v[i] != 0 && beyond_ == 0) sum += by.by_v[i] * trajectory_->a(at[i]);
+      if (by.by_a[i] != 0 && beyond_ == 0) sum += by.by_a[i] * trajectory_->jerk(at[i]);
     }
     return sum;
   }
@@ -79,8 +83,8 @@ class RunModel::Readings {
     double* numbers = column_.data() + starts;
     if (run_.experiment_.sensors[k].reads_force()) add_law(k, numbers);
     for (VariedReader& other : varied_[k]) {
-      move_to(other.places);
-      numbers[other.number] += other.reader.read(q_.data(), v_.data());
+      move_to(other.places, run_.experiment_.sensors[k].reads_acceleration());
+      numbers[other.number] += other.reader.read(q_.data(), v_.data(), a_.data());
     }
     follow_start();
     return column_;
@@ -108,7 +112,8 @@ class RunModel::Readings {
     places_[k] = places_of(readers_[k]->coordinates());
     for (std::size_t i = 0; jacobian && i < run_.numbers_.size(); ++i) {
       const int variation = built_.influences[i].variation;
-      if (variation < 0 || run_.numbers_[i].place().owner == Owner::scene) continue;
+      // Of the numbers of the whole scene, which are gravity's, only accelerometers have any.
+      if (variation < 0 || (run_.numbers_[i].place().owner == Owner::scene && !sensor.is_accelerometer())) continue;
       SensorVariation reader(built_.variations[static_cast<std::size_t>(variation)], sensor);
       if (!reader.acts()) continue;
       std::vector<std::size_t> at = places_of(reader.coordinates());
@@ -126,22 +131,33 @@ class RunModel::Readings {
     return found;
   }
 
-  void move_to(const std::vector<std::size_t>& at) {
+  void move_to(std::size_t k) { move_to(places_[k], run_.experiment_.sensors[k].reads_acceleration()); }
+
+  void move_to(const std::vector<std::size_t>& at, bool accelerations) {
     for (std::size_t i = 0; i < at.size(); ++i) {
       q_[i] = trajectory_->q(at[i]) + beyond_ * trajectory_->v(at[i]);
       v_[i] = trajectory_->v(at[i]);
+      a_[i] = accelerations && moves() ? trajectory_->a(at[i]) : 0.0;
     }
   }
 
+  /// Beyond its ends the motion goes on at constant rates, and before a start at rest it stands.
+  bool moves() const { return !still_ && beyond_ == 0; }
+
   void add_motion(std::size_t k) {
+    const SensorReader::Derivatives& by = readers_[k]->derivatives();
     for (std::size_t i = 0; i < places_[k].size(); ++i) {
       const std::span<const double> q_p = trajectory_->q_p(places_[k][i]);
       const std::span<const double> v_p = trajectory_->v_p(places_[k][i]);
-      const double on_q = by_q_[i];
-      const double on_v = by_v_[i] + by_q_[i] * beyond_;
+      const double on_q = by.by_q[i];
+      const double on_v = by.by_v[i] + by.by_q[i] * beyond_;
       for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += on_q * q_p[c];
-      if (on_v == 0) continue;
-      for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += on_v * v_p[c];
+      if (on_v != 0) {
+        for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += on_v * v_p[c];
+      }
+      if (by.by_a[i] == 0 || !moves()) continue;
+      const std::span<const double> a_p = trajectory_->a_p(places_[k][i]);
+      for (std::size_t c = 0; c < column_.size(); ++c) column_[c] += by.by_a[i] * a_p[c];
     }
   }
 
@@ -164,7 +180,7 @@ class RunModel::Readings {
   double now_ = -INFINITY;
   double beyond_ = 0.0;  // time after the end of the motion, or before its start
   bool still_ = false;
-  std::vector<double> q_, v_, by_q_, by_v_, column_;
+  std::vector<double> q_, v_, a_, column_;
 };
 
 void RunModel::predict(const double* unknowns, const double* nuisances, double until, double accuracy, bool jacobian,

@@ -54,16 +54,42 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
     for (int k = 0; k < freedoms_; ++k) out(row, k) = reduced.alpha()[k];
     const std::vector<double> q = model.to_si({reduced.q(), reduced.q() + near.size()});
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + near.size()});
+    const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + near.size()});
     for (std::size_t i = 0; i < readers.size(); ++i) {
       auto& [k, reader] = readers[i];
-      std::vector<double> own_q, own_v, by_q(reader.coordinates().size()), by_v(by_q);
+      std::vector<double> own_q, own_v, own_a;
       for (const int c : reader.coordinates()) {
         own_q.push_back(q[static_cast<std::size_t>(c)]);
         own_v.push_back(v[static_cast<std::size_t>(c)]);
+        own_a.push_back(a[static_cast<std::size_t>(c)]);
       }
       const double gain = experiment_.sensors[k].unit / scaling[k].factor;
       out(row, freedoms_ + static_cast<Eigen::Index>(i)) =
-          gain * (reader.read(own_q.data(), own_v.data(), by_q.data(), by_v.data()) - scaling[k].zero);
+          gain * (reader.read(own_q.data(), own_v.data(), own_a.data()) - scaling[k].zero);
+    }
+  }
+  return out;
+}
+
+Eigen::MatrixXd RunModel::accelerations(const double* unknowns, const std::vector<ReadState>& states) const {
+  const Built built = build(unknowns, equilibrium_at(), false);
+  if (!built.model) return {};
+  const MotionModel& model = *built.model;
+  ReducedMotion<double> reduced(model.scaled_scene(), model.mechanism(), model.inertia());
+  reduced.set_inputs(model.scaled_scene(), scaled(inputs_in(model.scene()), model.scene(), model.scales()));
+  reduced.begin(0.0, model.from_si(built.q).data(), &independent_);
+  const std::size_t f = independent_.size();
+  std::vector<double> units, z(f), w(f);
+  for (const int i : independent_) units.push_back(i < model.layout().angles ? 1.0 : model.scales().length);
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(states.size()), freedoms_);
+  for (std::size_t s = 0; s < states.size(); ++s) {
+    for (std::size_t k = 0; k < f; ++k) {
+      z[k] = states[s].z[k] / units[k];
+      w[k] = states[s].w[k] / units[k];
+    }
+    if (reduced.evaluate(states[s].t, z.data(), w.data()) != ReducedMotion<double>::Status::ok) return {};
+    for (int k = 0; k < freedoms_; ++k) {
+      out(static_cast<Eigen::Index>(s), k) = units[static_cast<std::size_t>(k)] * reduced.alpha()[k];
     }
   }
   return out;

@@ -14,7 +14,9 @@
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/run_model.hpp"
 #include "motion/blades.hpp"
+#include "motion/time_curve.hpp"
 #include "solvers/linear_algebra.hpp"
+#include "solvers/quintic_spline.hpp"
 
 namespace poise {
 namespace {
@@ -53,9 +55,7 @@ class GivenCoordinates {
 /// The reading of an angle, a travel or a rate where its coordinate is 0.
 double zero_of(SensorReader& reader) {
   const double none = 0.0;
-  double by_q = 0.0;
-  double by_v = 0.0;
-  return reader.read(&none, &none, &by_q, &by_v);
+  return reader.read(&none, &none, &none);
 }
 
 }  // namespace
@@ -136,8 +136,8 @@ void RunModel::add_first_readings(const MotionModel& model, const ReducedMotion<
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
       const Sensor& sensor = experiment_.sensors[k];
       const bool read_at_start = !record.sensors[k].time.empty() && record.sensors[k].time.front() == 0.0;
-      if (sensor.rate != rate || !sensor.reads_measure() || !read_at_start || !is_exact(k) || sensor.delay != 0 ||
-          (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
+      if (!(rate ? sensor.reads_rate() : sensor.reads_measure()) || !read_at_start || !is_exact(k) ||
+          sensor.delay != 0 || (sensor.on.kind != Measure::Kind::angle && sensor.on.kind != Measure::Kind::travel)) {
         continue;
       }
       SensorReader reader(model, sensor);
@@ -280,7 +280,7 @@ void RunModel::vary_start(const MotionModel& model, const std::vector<double>& a
             sensor.on = *part.on;
             SensorVariation zero(out.variations[static_cast<std::size_t>(influence.variation)], sensor);
             const std::vector<double> none(zero.coordinates().size(), 0.0);
-            own -= zero.read(none.data(), none.data());
+            own -= zero.read(none.data(), none.data(), none.data());
           }
           return own - places_by[c];
         },
@@ -361,6 +361,64 @@ std::vector<double> RunModel::start_from_readings(const double* unknowns, const 
     wanted.push_back({coordinate, true, fit[1]});
   }
   return independent_of(start_motion(model, wanted, &closed_));
+}
+
+std::vector<RunModel::ReadState> RunModel::states_from_readings(const double* unknowns, const Record& record,
+                                                                std::size_t count) const {
+  constexpr std::size_t least_readings = 30;
+  constexpr double edge = 0.03;  // of the common time at both ends, where curves are less sure
+  if (is_at_rest()) return {};
+  const MotionModel model(scene_, scales_, varying_);
+  const std::vector<Scaling> scaling = scalings(unknowns);
+  std::vector<TimeCurve> curves;
+  std::vector<double> rows;  // of d(quantity)/dz
+  double from = 0.0, to = INFINITY;
+  for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+    const Sensor& sensor = experiment_.sensors[k];
+    if (!sensor.reads_coordinate() || record.sensors[k].time.size() < least_readings) continue;
+    SensorReader reader(model, sensor);
+    const std::vector<int>& on = reader.coordinates();
+    const auto is_independent = [&](int i) {
+      return std::find(independent_.begin(), independent_.end(), i) != independent_.end();
+    };
+    if (!std::all_of(on.begin(), on.end(), is_independent)) continue;
+    const std::vector<double> none(on.size(), 0.0);
+    const double at_zero = reader.read(none.data(), none.data(), none.data());
+    for (const int i : independent_) {
+      const auto at = std::find(on.begin(), on.end(), i);
+      rows.push_back(at == on.end() ? 0.0 : reader.derivatives().by_q[static_cast<std::size_t>(at - on.begin())]);
+    }
+    const double factor = scaling[k].factor / sensor.unit;
+    Series read = record.sensors[k];
+    for (double& t : read.time) t -= scaling[k].delay;
+    for (double& y : read.value) y = factor * y + (scaling[k].zero - factor * sensor.zero) - at_zero;
+    std::optional<solvers::QuinticSpline> spline;
+    for (double noise = std::abs(factor) * sensor.noise; !spline; noise *= 4) {
+      spline = solvers::smoothing_spline(read.time, read.value, noise);
+    }
+    curves.push_back(TimeCurve::along(*spline));
+    from = std::max(from, read.time.front());
+    to = std::min(to, read.time.back());
+  }
+  const auto sensors = static_cast<Eigen::Index>(curves.size());
+  const Eigen::MatrixXd by_z = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      rows.data(), sensors, freedoms_);
+  if (sensors < freedoms_ || freedoms_ == 0 || !(from < to)) return {};
+  const solvers::LeastSquares<double> coordinates_of(by_z);
+  if (coordinates_of.rank() < freedoms_) return {};
+  std::vector<ReadState> out;
+  for (std::size_t s = 0; s < count; ++s) {
+    const double part = edge + (1 - 2 * edge) * static_cast<double>(s) / static_cast<double>(count - 1);
+    ReadState& state = out.emplace_back();
+    state.t = from + part * (to - from);
+    for (int order = 0; order <= 2; ++order) {
+      Eigen::VectorXd read(sensors);
+      for (Eigen::Index i = 0; i < sensors; ++i) read[i] = curves[static_cast<std::size_t>(i)].at(state.t, order);
+      const Eigen::VectorXd found = coordinates_of.solve(read);
+      (order == 0 ? state.z : order == 1 ? state.w : state.a).assign(found.begin(), found.end());
+    }
+  }
+  return out;
 }
 
 }  // namespace poise

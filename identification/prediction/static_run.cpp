@@ -62,7 +62,7 @@ StaticRun::StaticRun(const Experiment& experiment, std::size_t run, const Scene&
     if (!run_.reads(k)) continue;
     if (!experiment.sensors[k].is_of_rest()) {
       throw InputError(
-          fmt::format("{}:{}: run \"{}\": expected sensors that read at rest, \"{}\" reads rates or impacts",
+          fmt::format("{}:{}: run \"{}\": expected sensors that read at rest, \"{}\" reads what only motions have",
                       experiment.file_of(run_.part), run_.line, run_.name, experiment.sensors[k].name));
     }
     sensors_.push_back(k);

@@ -150,7 +150,7 @@ Trial trial(std::uint64_t seed) {
     Sensor sensor;
     sensor.name = name;
     sensor.on = measure;
-    sensor.rate = random.chance(0.3);
+    sensor.by_time = random.chance(0.5) ? 0 : random.chance(0.5) ? 1 : 2;
     sensor.noise = 1e-3;
     e.sensors.push_back(sensor);
     if (random.chance(0.3)) {
@@ -171,6 +171,15 @@ Trial trial(std::uint64_t seed) {
     sensor.noise = 1e-3;
     e.sensors.push_back(sensor);
     break;
+  }
+  for (std::size_t body = 1; body < e.scene.bodies.size() && random.chance(0.5); ++body) {
+    if (e.scene.bodies[body].points.empty()) continue;
+    Sensor sensor;
+    sensor.name = "accelerometer";
+    sensor.on = Measure::y_of({static_cast<int>(body), 0});
+    sensor.axis = random.uniform(-3.0, 3.0);
+    sensor.noise = 1e-2;
+    e.sensors.push_back(sensor);
   }
   // One number of every kind of owner, and two more points.
   std::map<Owner, std::vector<std::string>> paths;

@@ -67,7 +67,7 @@ TEST(ReadExperiment, ReadsEveryKindOfSensorInSi) {
   EXPECT_EQ(sensors[0].line, 2);
   EXPECT_EQ(sensors[0].on.body_a, 0);
   EXPECT_EQ(sensors[0].on.body_b, 1);
-  EXPECT_FALSE(sensors[0].rate);
+  EXPECT_EQ(sensors[0].by_time, 0);
   EXPECT_DOUBLE_EQ(sensors[0].noise, 0.5 * degree);
   EXPECT_DOUBLE_EQ(sensors[0].zero, 90 * degree);
   EXPECT_DOUBLE_EQ(sensors[0].unit, -2 * degree);
@@ -76,7 +76,7 @@ TEST(ReadExperiment, ReadsEveryKindOfSensorInSi) {
   EXPECT_EQ(sensors[1].column, "phi");
   EXPECT_EQ(sensors[1].on.body_a, 1);
   EXPECT_EQ(sensors[1].on.body_b, 2);
-  EXPECT_TRUE(sensors[1].rate);
+  EXPECT_EQ(sensors[1].by_time, 1);
   EXPECT_DOUBLE_EQ(sensors[1].unit, degree);
   EXPECT_EQ(sensors[2].on.kind, Measure::Kind::travel);
   EXPECT_EQ(sensors[2].on.joint, 3);
@@ -109,7 +109,7 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
     EXPECT_EQ(a.on.joint, b.on.joint) << by_name;
     EXPECT_TRUE(a.on.b == b.on.b) << by_name;
     EXPECT_EQ(a.element, b.element) << by_name;
-    EXPECT_EQ(a.rate, b.rate) << by_name;
+    EXPECT_EQ(a.by_time, b.by_time) << by_name;
     EXPECT_DOUBLE_EQ(a.noise, b.noise) << by_name;
   };
   both("read = \"angle.crank\"", "angle = \"crank\"");
@@ -124,7 +124,7 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
       "add one, or make it [[static]]");
   EXPECT_EQ(error_of_sensor("read = \"mode.1.frequency\"" + tail),
             "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
-            "length.ELEMENT between two points or bodies, d(A)/dt of these, or force.SPRING, and at rest all "
+            "length.ELEMENT between two points or bodies, d(A)/dt of these and its d(d(A)/dt)/dt, or force.SPRING, and at rest all "
             "quantities but stresses, modes and those over a path; found mode.1.frequency");
   EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("\"angle.crank\""), std::string::npos);
   EXPECT_NE(error_of_sensor("read = \"d(angle.crank)/dt\"\nrate = true" + tail).find("is a rate already"),
@@ -201,7 +201,7 @@ TEST(ReadExperiment, RejectsTheFile) {
 
 TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
-  const std::string kinds = "expected one of the keys read, angle, travel, distance, x, y, force, impacts";
+  const std::string kinds = "expected one of the keys read, angle, travel, distance, x, y, force, impacts, accelerometer";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
   EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"),
             place + kinds + ", found x and y; leave one in, or give each a sensor");

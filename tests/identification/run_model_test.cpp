@@ -66,7 +66,7 @@ void expect_jacobian(const RunModel& run, double unknown_step, double nuisance_s
 Sensor of(Measure on, bool rate) {
   Sensor sensor;
   sensor.on = std::move(on);
-  sensor.rate = rate;
+  sensor.by_time = rate ? 1 : 0;
   sensor.noise = 1e-3;
   return sensor;
 }

@@ -24,7 +24,7 @@ namespace poise::sensor_reader_test {
 namespace {
 
 struct State {
-  std::vector<double> q, v;
+  std::vector<double> q, v, a;
 };
 
 // States of a motion, loops closed.
@@ -41,7 +41,7 @@ std::vector<State> moving_states(const MotionModel& model) {
     const auto of = [&](const std::vector<double>& all) {
       return std::vector<double>(all.begin() + first, all.begin() + first + n);
     };
-    states.push_back({of(motion.trajectory.q), of(motion.trajectory.v)});
+    states.push_back({of(motion.trajectory.q), of(motion.trajectory.v), of(motion.trajectory.a)});
   }
   return states;
 }
@@ -53,28 +53,32 @@ State random_state(const MotionModel& model, std::uint64_t seed) {
   for (int i = 0; i < model.layout().kept; ++i) {
     state.q.push_back(random.uniform(-2.0, 2.0));
     state.v.push_back(random.uniform(-3.0, 3.0));
+    state.a.push_back(random.uniform(-5.0, 5.0));
   }
   return state;
 }
 
 struct Taken {
   double value = 0.0;
-  std::vector<double> by_q, by_v;  // over all coordinates of the layout
+  std::vector<double> by_q, by_v, by_a;  // over all coordinates of the layout
 };
 
 Taken take(const MotionModel& model, const Sensor& sensor, const State& state) {
   SensorReader reader(model, sensor);
   const std::vector<int>& own = reader.coordinates();
-  std::vector<double> q, v, by_q(own.size()), by_v(own.size());
+  std::vector<double> q, v, a;
   for (const int i : own) {
     q.push_back(state.q[static_cast<std::size_t>(i)]);
     v.push_back(state.v[static_cast<std::size_t>(i)]);
+    a.push_back(state.a[static_cast<std::size_t>(i)]);
   }
-  Taken out{0.0, std::vector<double>(state.q.size(), 0.0), std::vector<double>(state.q.size(), 0.0)};
-  out.value = reader.read(q.data(), v.data(), by_q.data(), by_v.data());
+  const std::vector<double> none(state.q.size(), 0.0);
+  Taken out{0.0, none, none, none};
+  out.value = reader.read(q.data(), v.data(), a.data());
   for (std::size_t i = 0; i < own.size(); ++i) {
-    out.by_q[static_cast<std::size_t>(own[i])] = by_q[i];
-    out.by_v[static_cast<std::size_t>(own[i])] = by_v[i];
+    out.by_q[static_cast<std::size_t>(own[i])] = reader.derivatives().by_q[i];
+    out.by_v[static_cast<std::size_t>(own[i])] = reader.derivatives().by_v[i];
+    out.by_a[static_cast<std::size_t>(own[i])] = reader.derivatives().by_a[i];
   }
   return out;
 }
@@ -83,17 +87,27 @@ Taken take(const MotionModel& model, const Sensor& sensor, const State& state) {
 double expected(const MotionModel& model, const Sensor& sensor, const State& state) {
   const Scene& scene = model.scene();
   const std::vector<double> x = model.from_si(state.q);
-  const std::vector<BodyMotion> bodies =
-      body_motions(model, x, model.from_si(state.v), std::vector<double>(x.size(), 0.0));
+  const std::vector<BodyMotion> bodies = body_motions(model, x, model.from_si(state.v), model.from_si(state.a));
   const auto place = [&](PointRef p) { return bodies[static_cast<std::size_t>(p.body)].pose.world(scene.local(p)); };
   const auto velocity = [&](PointRef p) {
     return bodies[static_cast<std::size_t>(p.body)].velocity_of(scene.local(p));
   };
+  const auto acceleration = [&](PointRef p) {
+    return bodies[static_cast<std::size_t>(p.body)].acceleration_of(scene.local(p));
+  };
+  const auto by_time = [&](double value, double rate, double second) {
+    return sensor.by_time == 0 ? value : sensor.by_time == 1 ? rate : second;
+  };
   const auto apart = [&](PointRef a, PointRef b) {
-    const Vec2 d = place(b) - place(a);
-    return sensor.rate ? dot(d, velocity(b) - velocity(a)) / norm(d) : norm(d);
+    const Vec2 d = place(b) - place(a), u = velocity(b) - velocity(a);
+    const double l = norm(d), rate = dot(d, u) / l;
+    return by_time(l, rate, (dot(d, acceleration(b) - acceleration(a)) + dot(u, u) - rate * rate) / l);
   };
   const Measure& on = sensor.on;
+  if (sensor.is_accelerometer()) {
+    const BodyMotion& body = bodies[static_cast<std::size_t>(on.b.body)];
+    return dot(unit(body.pose.angle + *sensor.axis), acceleration(on.b) - scene.gravity);
+  }
   if (sensor.reads_force()) {
     const Element& element = scene.elements[static_cast<std::size_t>(sensor.element)];
     const auto& spring = std::get<LinearSpring>(element.law);
@@ -106,22 +120,24 @@ double expected(const MotionModel& model, const Sensor& sensor, const State& sta
   const BodyMotion& b = bodies[static_cast<std::size_t>(on.body_b)];
   switch (on.kind) {
     case Measure::Kind::angle:
-      return sensor.rate ? b.rate - a.rate : b.pose.angle - a.pose.angle;
+      return by_time(b.pose.angle - a.pose.angle, b.rate - a.rate, b.angular_acceleration - a.angular_acceleration);
     case Measure::Kind::travel: {
       // Along the axis, which turns with the body of the joint's first point.
       const Joint& joint = scene.joints[static_cast<std::size_t>(on.joint)];
       const BodyMotion& rail = bodies[static_cast<std::size_t>(joint.a.body)];
       const Vec2 axis = joint.direction() * unit(rail.pose.angle);
       const Vec2 d = place(joint.b) - place(joint.a);
-      if (!sensor.rate) return dot(axis, d);
-      return dot(axis, velocity(joint.b) - velocity(joint.a)) + rail.rate * dot(quarter_turn(axis), d);
+      const Vec2 u = velocity(joint.b) - velocity(joint.a), across = quarter_turn(axis);
+      return by_time(dot(axis, d), dot(axis, u) + rail.rate * dot(across, d),
+                     dot(axis, acceleration(joint.b) - acceleration(joint.a)) + 2 * rail.rate * dot(across, u) +
+                         rail.angular_acceleration * dot(across, d) - rail.rate * rail.rate * dot(axis, d));
     }
     case Measure::Kind::distance:
       return apart(on.a, on.b);
     case Measure::Kind::x:
-      return sensor.rate ? velocity(on.b).x : place(on.b).x;
+      return by_time(place(on.b).x, velocity(on.b).x, acceleration(on.b).x);
     case Measure::Kind::y:
-      return sensor.rate ? velocity(on.b).y : place(on.b).y;
+      return by_time(place(on.b).y, velocity(on.b).y, acceleration(on.b).y);
     case Measure::Kind::component:
     case Measure::Kind::clearance:
     case Measure::Kind::along_outline:
@@ -160,14 +176,22 @@ Sensor force_of_spring(const Scene& scene, int n) {
   return s;
 }
 
-// Every quantity also as a rate, but a force.
-Case both_ways(std::string name, Scene scene, std::vector<Sensor> sensors) {
+Sensor accelerometer(const Scene& scene, const std::string& p, double axis) {
+  Sensor s = of("accelerometer at " + p, Measure::y_of(test::point(scene, p)));
+  s.axis = axis;
+  return s;
+}
+
+// Every quantity also as a rate and an acceleration, but a force.
+Case all_ways(std::string name, Scene scene, std::vector<Sensor> sensors) {
   const std::size_t count = sensors.size();
   for (std::size_t i = 0; i < count; ++i) {
-    if (sensors[i].reads_force()) continue;
-    sensors.push_back(sensors[i]);
-    sensors.back().rate = true;
-    sensors.back().name += " rate";
+    if (!sensors[i].is_of_measure()) continue;
+    for (const int by_time : {1, 2}) {
+      sensors.push_back(sensors[i]);
+      sensors.back().by_time = by_time;
+      sensors.back().name += by_time == 1 ? " rate" : " acceleration";
+    }
   }
   return {std::move(name), std::move(scene), std::move(sensors)};
 }
@@ -176,19 +200,21 @@ std::vector<Case> cases() {
   // A block on a rail that turns with the rocker; both share one angle.
   const Scene turning = test::quick_return();
   const int crank = 1, rocker = 2, block = 3;
-  Case on_rail = both_ways(
-      "QuickReturn", turning,
-      {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank), travel(2),
-       travel(3), distance(turning, "ground.E", "block.c"), distance(turning, "crank.B", "block.c"),
-       x(turning, "block.c"), y(turning, "block.c"), force_of_spring(turning, 0)});
+  Case on_rail =
+      all_ways("QuickReturn", turning,
+               {angle(0, crank), angle(crank, rocker), angle(0, block), angle(rocker, block), angle(block, crank),
+                travel(2), travel(3), distance(turning, "ground.E", "block.c"), distance(turning, "crank.B", "block.c"),
+                x(turning, "block.c"), y(turning, "block.c"), force_of_spring(turning, 0),
+                accelerometer(turning, "crank.B", 0.0), accelerometer(turning, "block.c", 0.7)});
   // A carriage on a fixed rail.
   const Scene still = test::driven_five_bar();
   const auto track =
       std::find_if(still.joints.begin(), still.joints.end(), [](const Joint& j) { return j.has_travel(); });
-  Case on_track = both_ways("FiveBar", still,
-                            {travel(static_cast<int>(track - still.joints.begin())),
-                             distance(still, "ground.A", "swing.D"), distance(still, "carriage.E", "left.C"),
-                             x(still, "carriage.E"), y(still, "swing.D"), force_of_spring(still, 0)});
+  Case on_track = all_ways(
+      "FiveBar", still,
+      {travel(static_cast<int>(track - still.joints.begin())), distance(still, "ground.A", "swing.D"),
+       distance(still, "carriage.E", "left.C"), x(still, "carriage.E"), y(still, "swing.D"), force_of_spring(still, 0),
+       accelerometer(still, "swing.D", -0.4), accelerometer(still, "carriage.E", 1.1)});
   // Springs that take only pull or only push, one of each slack and taut as the states go.
   Scene pair = turning;
   pair.elements.push_back(test::element(pair, "spring"));
@@ -208,7 +234,7 @@ TEST_P(SensorReaders, ReadWhatTheBodiesDo) {
   for (const Sensor& sensor : GetParam().sensors) {
     for (const State& state : moving_states(model)) {
       EXPECT_NEAR(take(model, sensor, state).value, expected(model, sensor, state),
-                  sensor.reads_force() ? 1e-10 : 1e-12)
+                  sensor.reads_force() || sensor.reads_acceleration() ? 1e-10 : 1e-12)
           << sensor.name;
     }
   }
@@ -232,6 +258,7 @@ TEST_P(SensorReaders, HaveExactDerivatives) {
       };
       EXPECT_NEAR(here.by_q[i], difference(&State::q), 1e-8 * size);
       EXPECT_NEAR(here.by_v[i], difference(&State::v), 1e-8 * size);
+      EXPECT_NEAR(here.by_a[i], difference(&State::a), 1e-8 * size);
     }
   }
 }
@@ -242,15 +269,18 @@ TEST_P(SensorReaders, RatesAreTimeDerivatives) {
   const double h = 1e-5;
   const State state = random_state(model, 21);
   for (const Sensor& rate : GetParam().sensors) {
-    if (!rate.rate) continue;
+    if (rate.by_time == 0) continue;
     Sensor sensor = rate;
-    sensor.rate = false;
+    --sensor.by_time;
     const auto after = [&](double t) {
       State moved = state;
-      for (std::size_t i = 0; i < moved.q.size(); ++i) moved.q[i] += t * moved.v[i];
+      for (std::size_t i = 0; i < moved.q.size(); ++i) {
+        moved.q[i] += t * moved.v[i] + t * t / 2 * moved.a[i];
+        moved.v[i] += t * moved.a[i];
+      }
       return take(model, sensor, moved).value;
     };
-    EXPECT_NEAR(take(model, rate, state).value, (after(h) - after(-h)) / (2 * h), 1e-8) << rate.name;
+    EXPECT_NEAR(take(model, rate, state).value, (after(h) - after(-h)) / (2 * h), 1e-7) << rate.name;
   }
 }
 
@@ -263,11 +293,11 @@ TEST(SensorReader, WhatTheModelDropsIsCarriedAlong) {
   scene.start.travel[1] = 2.5;
   const MotionModel model(scene);
   ASSERT_EQ(model.layout().kept, 1);
-  const State state{{0.3}, {2.0}};
+  const State state{{0.3}, {2.0}, {0.0}};
   const Vec2 at = 2.5 * (Vec2{0.6, 0.8} * unit(0.3));
   Sensor height = y(scene, "bead.c");
   EXPECT_NEAR(take(model, height, state).value, at.y, 1e-14);
-  height.rate = true;
+  height.by_time = 1;
   EXPECT_NEAR(take(model, height, state).value, 2.0 * at.x, 1e-14);
   EXPECT_DOUBLE_EQ(take(model, travel(1), state).value, 2.5);
 }
@@ -280,7 +310,7 @@ TEST(SensorReader, BodiesThatNothingMovesStayAtTheirStart) {
   scene.start.angle[2] = 0.7;
   const MotionModel model(scene);
   ASSERT_EQ(model.layout().kept, 1);
-  const State state{{0.3}, {2.0}};
+  const State state{{0.3}, {2.0}, {0.0}};
   EXPECT_DOUBLE_EQ(take(model, angle(0, 2), state).value, 0.7);
   EXPECT_DOUBLE_EQ(take(model, angle(1, 2), state).value, 0.4);
   EXPECT_NEAR(take(model, x(scene, "pointer.b"), state).value, 0.5 * std::cos(0.7), 1e-15);

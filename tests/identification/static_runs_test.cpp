@@ -408,7 +408,7 @@ TEST(StaticRuns, BadInputIsNamed) {
   EXPECT_NE(error_of(head + "inputs = { \"body.block.mass\" = [1, -2] }\n").find("row 2"), std::string::npos);
   EXPECT_NE(error_of("[[sensor]]\nname = \"v\"\ntravel = \"guide\"\nrate = true\nnoise = 1\n" + head +
                      "sensors = [\"v\"]\n" + weights)
-                .find("reads rates or impacts"),
+                .find("reads what only motions have"),
             std::string::npos);
   EXPECT_NE(error_of("[[sensor]]\nname = \"R\"\nread = \"force.lift\"\nnoise = 1\n" + head + weights +
                      "[[run]]\nsensors = [\"R\"]\nduration = 1\nrate = 10\n")

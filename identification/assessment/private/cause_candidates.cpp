@@ -216,7 +216,7 @@ class Candidates {
     const Scene& scene = experiment_.scene;
     for (std::size_t k = 0; experiment_.parts.empty() && k < experiment_.sensors.size(); ++k) {
       const Measure& on = sensor(k).on;
-      if (!sensor(k).reads_measure() || on.kind != Measure::Kind::angle) continue;
+      if (!sensor(k).is_of_measure() || on.kind != Measure::Kind::angle) continue;
       const std::string& body = scene.bodies[static_cast<std::size_t>(on.body_b)].name;
       const auto add = [&](int from, std::string cure) {
         add_plain(fmt::format("{} counts from {}", named(sensor(k)),

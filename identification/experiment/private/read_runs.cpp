@@ -32,7 +32,53 @@ struct RunTable {
   RunSource source;
   std::vector<InputTable> inputs;
   bool measured = false;
+  double piece = INFINITY;  // s, about which the pieces last that its records are cut into
 };
+
+/// What a run is made of: readings of sensors and inputs, SI, from `zero` on its record's clock on.
+struct Piece {
+  double zero = 0.0;
+  Record record;
+  std::vector<Series> inputs;
+};
+
+/// The readings with first <= time < end, which then count from `zero`; with as many more as `beside` on both sides.
+Series cut(const Series& series, double zero, double end, std::ptrdiff_t beside) {
+  const auto& time = series.time;
+  const auto from = std::lower_bound(time.begin(), time.end(), zero);
+  const auto to = std::lower_bound(from, time.end(), end);
+  const auto first = std::max(from - time.begin() - beside, std::ptrdiff_t{0});
+  const auto last = std::min(to - time.begin() + beside, std::ssize(time));
+  Series out{{time.begin() + first, time.begin() + last}, {series.value.begin() + first, series.value.begin() + last}};
+  for (double& t : out.time) t -= zero;
+  return out;
+}
+
+/// Pieces of equal length, about as long as asked, each from a reading on. A smooth curve through an input needs
+/// readings beyond its ends.
+std::vector<Piece> pieces_of(Piece whole, double length, double end) {
+  constexpr std::ptrdiff_t beside = 16;
+  const int count = static_cast<int>(std::max(1.0, std::round(end / length)));
+  if (count == 1) return {std::move(whole)};
+  std::vector<double> edges;
+  for (int k = 0; k <= count; ++k) {
+    double edge = k < count ? INFINITY : std::nextafter(end, INFINITY);
+    for (const Series& series : whole.record.sensors) {
+      const auto next = std::lower_bound(series.time.begin(), series.time.end(), k * end / count * (1 - 1e-12));
+      if (k < count && next != series.time.end()) edge = std::min(edge, *next);
+    }
+    if (edges.empty() || edge > edges.back()) edges.push_back(edge);
+  }
+  std::vector<Piece> out;
+  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+    Piece& piece = out.emplace_back();
+    piece.zero = edges[k];
+    for (const Series& series : whole.record.sensors)
+      piece.record.sensors.push_back(cut(series, edges[k], edges[k + 1], 0));
+    for (const Series& series : whole.inputs) piece.inputs.push_back(cut(series, edges[k], edges[k + 1], beside));
+  }
+  return out;
+}
 
 class RunsReader {
  public:
@@ -75,14 +121,14 @@ class RunsReader {
       expect_none(table, {"duration", "rate", "seed"},
                   "of a simulated run only, this one has data; leave it out, or leave data out to simulate");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
-                        "data", "time", "time_factor", "split", "segments", "every", "from", "to", "skip"});
+                        "data", "time", "time_factor", "split", "segments", "every", "from", "to", "skip", "piece"});
       written.measured = true;
       written.source = read_source(table, folder);
       read_kept(table, written.source);
       run.time_column = written.source.files.front().time;
       run.states_time_factor = read_time_factors(table, written.source);
     } else {
-      expect_none(table, {"time", "time_factor", "split", "segments", "every", "from", "to", "skip"},
+      expect_none(table, {"time", "time_factor", "split", "segments", "every", "from", "to", "skip", "piece"},
                   "of a measured run only, this one has no data; leave it out, or add data = \"...\"");
       table.allow_keys({"name", "set", "labels", "rest", "release", "release_rate", "start_known", "sensors", "inputs",
                         "data", "duration", "rate", "seed"});
@@ -99,7 +145,22 @@ class RunsReader {
     run.unknown_start = !table.flag("start_known", false);
     written.source.begins_at_first_row = !run.unknown_start;
     written.inputs = read_inputs(table, folder, scene, written.measured, written.source);
+    if (table.has("piece")) written.piece = read_piece(table, run);
     return written;
+  }
+
+  /// Pieces begin at states, and times, of their own.
+  double read_piece(const TomlTable& table, const Run& run) const {
+    const TomlPlace place = table.place_of("piece");
+    const auto fail = [&](const char* what) {
+      place.fail(fmt::format("expected no pieces of a run {}; leave it out", what));
+    };
+    if (!run.unknown_start) fail("whose start is known");
+    if (!experiment_.scene.time_functions.empty()) fail("of a scene with functions of time, which begin with the run");
+    for (const std::size_t k : sensors_of(run)) {
+      if (experiment_.sensors[k].reads_impacts()) fail("whose impacts are counted from its start");
+    }
+    return table.number("piece", 1.0, Range::positive);
   }
 
   /// The sensors that are read in a run, as indices.
@@ -316,39 +377,68 @@ class RunsReader {
       if (written.measured && !run.states_time_factor) expect_no_row_numbers(source, data);
       if (data.segment) run.name += " " + *data.segment;
       run.segment = data.segment;
-      run.clock_zero = data.clock_zero;
-      Record record;
+      Piece whole;
       std::size_t column = 0;
       if (written.measured) {
-        record.sensors.resize(experiment_.sensors.size());
+        whole.record.sensors.resize(experiment_.sensors.size());
         for (const std::size_t k : sensors_of(run)) {
           const Sensor& sensor = experiment_.sensors[k];
-          record.sensors[k] = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
+          Series& series = whole.record.sensors[k];
+          series = in_si(std::move(data.columns[column++]), sensor.zero, sensor.unit);
           if (!sensor.reads_angle()) continue;
           make_continuous({experiment_.file, sensor.line, "sensor \"" + sensor.name + "\""}, sensor.wraps, sensor.unit,
-                          run.name, record.sensors[k]);
+                          run.name, series);
         }
-        if (record.count() < least_run_readings) {
-          source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
-                            std::to_string(record.count()) + ", all others are gaps or left out; leave the run out");
-        }
-      }
-      if (written.measured) expect_own_columns(run, source);
-      double end = run.duration;
-      for (const Series& series : record.sensors) {
-        if (!series.time.empty()) end = std::max(end, series.time.back());
+        expect_readings(whole.record, run, source);
+        expect_own_columns(run, source);
       }
       for (const InputTable& table : written.inputs) {
-        Series series = in_si(std::move(data.columns[column]), table.zero, table.unit);
+        Series& series = whole.inputs.emplace_back(in_si(std::move(data.columns[column++]), table.zero, table.unit));
         if (table.is_angle) make_continuous(table.place, table.wraps, table.unit, run.name, series);
-        run.inputs.push_back(input_of(table, std::move(series), run.name, end));
-        run.inputs.back().file = source.files[*source.columns[column++].file].path;
       }
-      check_delays(run, end);
-      if (written.measured) leave_out_of(run, record, end);
-      if (written.measured) expect_own_record(run, record, source);
-      add_run(std::move(run), std::move(record));
+      const double end = end_of(whole.record, run);
+      std::vector<Piece> pieces = pieces_of(std::move(whole), written.piece, end);
+      for (Piece& piece : pieces) {
+        Run own = run;
+        own.clock_zero = data.clock_zero + piece.zero;
+        if (pieces.size() > 1) {
+          own.labels.emplace_back("run", run.name);  // a number per run is one for all of them
+          own.name += fmt::format(" from {:.6g} s", own.clock_zero);
+          if (piece.zero > 0) own.release.clear();
+          expect_readings(piece.record, own, source);
+        }
+        add(written, std::move(own), std::move(piece));
+      }
     }
+  }
+
+  void add(const RunTable& written, Run run, Piece piece) {
+    const RunSource& source = written.source;
+    const double end = end_of(piece.record, run);
+    std::size_t column = written.measured ? sensors_of(run).size() : 0;
+    for (std::size_t i = 0; i < written.inputs.size(); ++i) {
+      run.inputs.push_back(input_of(written.inputs[i], std::move(piece.inputs[i]), run.name, end));
+      run.inputs.back().file = source.files[*source.columns[column++].file].path;
+    }
+    check_delays(run, end);
+    if (written.measured) leave_out_of(run, piece.record, end);
+    if (written.measured) expect_own_record(run, piece.record, source);
+    add_run(std::move(run), std::move(piece.record));
+  }
+
+  /// Of the last reading, s.
+  static double end_of(const Record& record, const Run& run) {
+    double end = run.duration;
+    for (const Series& series : record.sensors) {
+      if (!series.time.empty()) end = std::max(end, series.time.back());
+    }
+    return end;
+  }
+
+  static void expect_readings(const Record& record, const Run& run, const RunSource& source) {
+    if (record.count() >= least_run_readings) return;
+    source.place.fail("expected at least 3 readings in run \"" + run.name + "\", found " +
+                      std::to_string(record.count()) + ", all others are gaps or left out; leave the run out");
   }
 
   /// Whole numbers in steps of one are seldom seconds.

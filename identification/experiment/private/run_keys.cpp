@@ -30,7 +30,7 @@ void read_sensors(const TomlTable& table, const Experiment& experiment, Run& run
       if (is_read(sensors[k])) run.sensors.push_back(k);
     }
     if (run.sensors.empty()) {
-      table.place().fail(run.is_at_rest() ? "expected a sensor that reads at rest, all read rates or impacts; add one"
+      table.place().fail(run.is_at_rest() ? "expected a sensor that reads at rest, all read what only motions have; add one"
                                           : "expected a sensor that reads motions, all read what only a mechanism at "
                                             "rest has; add one, or make it [[static]]");
     }

@@ -10,6 +10,7 @@
 #include "identification/fit/oscillation_start.hpp"
 #include "identification/fit/private/alternatives.hpp"
 #include "identification/fit/private/following_nuisances.hpp"
+#include "identification/fit/regression_start.hpp"
 #include "solvers/random_stream.hpp"
 
 namespace poise {
@@ -59,6 +60,7 @@ class StartSearch {
           task_.problem.all_at_rest() ? "as given" : "as given, fitted over windows that grow to the whole records";
       attempt(given(0), {0.1, 0.35, 1.0});
     }
+    if (!task_.stopped() && is_suspicious()) attempt_regression();
     uses_starts = attempt_changed_starts() || uses_starts;
     if (!task_.stopped() && out_.best.is_reached()) attempt_aliases();
     if (!task_.stopped() && is_suspicious()) {
@@ -181,6 +183,22 @@ class StartSearch {
     out_.start = "from damped sines fitted to the records and linear least squares, no guess needed";
     attempt({oscillations->parameters, oscillations->nuisances}, {1.0});
     return true;
+  }
+
+  /// Starts from the numbers with which the equations of motion have the accelerations of the readings.
+  void attempt_regression() {
+    task_.say("fitting the equations of motion to smoothed readings");
+    const std::optional<std::vector<double>> parameters = start_from_regression(task_.problem, for_guesses());
+    if (!parameters) return;
+    FitPoint point{*parameters, {}};
+    for (std::size_t r = 0; r < task_.problem.runs(); ++r) {
+      const RunModel& run = task_.problem.run(r);
+      point.nuisances.push_back(first_guess(run, task_.problem.unknowns_of(r, *parameters), for_guesses()[r]));
+    }
+    const double before = out_.best.cost;
+    if (attempt(std::move(point), {0.1, 0.35, 1.0}) < before) {
+      out_.start = "from the equations of motion fitted to smoothed readings, no guess needed";
+    }
   }
 
   /// Returns the experiment's starts, or what the fit had reached that this one goes on from; from the first retry on

@@ -1,0 +1,133 @@
+// Records that are cut into pieces with starts of their own: motions that no start tells for long.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "identification/fit/fit.hpp"
+#include "tests/identification/experiments.hpp"
+#include "tests/identification/written_experiment.hpp"
+
+namespace poise::pieces_test {
+namespace {
+
+const std::string scene = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.upper]
+points = { A = [0, 0], B = [0.3, 0] }
+mass = 1.2
+center = [0.16, 0]
+inertia = 0.012
+[body.lower]
+points = { B = [0, 0] }
+mass = 0.7
+center = [0.14, 0]
+inertia = 0.006
+[[pin]]
+points = ["ground.O", "upper.A"]
+[[pin]]
+points = ["upper.B", "lower.B"]
+[[torsion_damper]]
+name = "grease"
+bodies = ["ground", "upper"]
+coefficient = 0.004
+[start]
+upper = -1.5707963267948966
+lower = -1.5707963267948966
+)";
+
+const std::string sensors = R"(
+scene = "scene.toml"
+[[sensor]]
+name = "one"
+angle = "upper"
+noise = 2e-3
+[[sensor]]
+name = "two"
+angle = "lower"
+noise = 2e-3
+)";
+
+const std::string unknowns = R"(
+[[unknown]]
+path = "body.upper.inertia"
+start = 0.02
+[[unknown]]
+path = "body.lower.inertia"
+start = 0.01
+[[unknown]]
+path = "torsion_damper.grease.coefficient"
+start = 0
+)";
+
+class Pieces : public test::WrittenExperiment {
+ protected:
+  Pieces() : WrittenExperiment(scene) {
+    // It goes over the top: neighbouring motions part within a second or two.
+    const Experiment e = read(sensors + "[[run]]\nduration = 12\nrate = 100\nrelease = { upper = 1.8, lower = 2.3 }\n");
+    const FitProblem problem(e);
+    whole_ = problem.records()[0];
+    std::string text = "time,one,two";
+    for (std::size_t i = 0; i < whole_.sensors[0].time.size(); ++i) {
+      text += fmt::format("\n{:.17g},{:.17g},{:.17g}", 5 + whole_.sensors[0].time[i], whole_.sensors[0].value[i],
+                          whole_.sensors[1].value[i]);
+    }
+    folder_.write("swing.csv", text + "\n");
+  }
+
+  Record whole_;
+};
+
+TEST_F(Pieces, AreTheRecordCutApart) {
+  const Experiment e =
+      read(sensors + "[[unknown]]\npath = \"body.upper.inertia\"\nper = \"run\"\n" +
+           "[[run]]\nname = \"swing\"\ndata = \"swing.csv\"\nrelease = { upper = 1.8 }\npiece = 1.55\n");
+  ASSERT_EQ(e.runs.size(), 8U);  // of 1.5 s
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < e.runs.size(); ++r) {
+    EXPECT_EQ(e.runs[r].name, fmt::format("swing from {:.6g} s", e.runs[r].clock_zero));
+    EXPECT_EQ(e.runs[r].release.size(), r == 0 ? 1U : 0U);
+    const Series& series = e.records[r].sensors[1];
+    EXPECT_EQ(series.time.front(), 0.0);
+    for (std::size_t i = 0; i < series.time.size(); ++i, ++next) {
+      EXPECT_NEAR(e.runs[r].clock_zero + series.time[i], 5 + whole_.sensors[1].time[next], 1e-12);
+      EXPECT_EQ(series.value[i], whole_.sensors[1].value[next]);
+    }
+  }
+  EXPECT_EQ(next, whole_.sensors[1].time.size());
+  EXPECT_EQ(FitProblem(e).parameters().size(), 1U);
+}
+
+TEST_F(Pieces, FitAMotionThatIsChaotic) {
+  const std::string run = "[[run]]\ndata = \"swing.csv\"\n";
+  const Experiment in_one = read(sensors + unknowns + run), in_pieces = read(sensors + unknowns + run + "piece = 1\n");
+  const std::vector<double> truth = {0.012, 0.006, 0.004};
+  const Fit whole = fit(FitProblem(in_one), FitProblem(in_one).records());
+  const Fit found = fit(FitProblem(in_pieces), FitProblem(in_pieces).records());
+  ASSERT_EQ(found.status, FitStatus::converged) << found.why;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    SCOPED_TRACE(found.estimates[i].name);
+    EXPECT_FALSE(found.estimates[i].withheld);
+    EXPECT_NEAR(found.estimates[i].value, truth[i], 4 * found.estimates[i].standard_error);
+    EXPECT_LT(found.estimates[i].standard_error, 0.05 * truth[i]);
+  }
+  EXPECT_GT(std::abs(whole.estimates[0].value - truth[0]), 0.1 * truth[0]) << "a start and numbers far off suffice";
+}
+
+TEST_F(Pieces, AreRefusedWhereTheyHaveNoMeaning) {
+  const auto says = [&](const std::string& more) { return error(sensors + "[[run]]\ndata = \"swing.csv\"\n" + more); };
+  EXPECT_EQ(says("piece = 0"), "experiment.toml:13: run 1.piece: expected a number > 0, found 0");
+  EXPECT_EQ(says("piece = 1\nstart_known = true"),
+            "experiment.toml:13: run 1.piece: expected no pieces of a run whose start is known; leave it out");
+  EXPECT_NE(says("piece = 0.01").find("expected at least 3 readings in run \"run 1 from 5 s\""), std::string::npos);
+  folder_.write("scene.toml", scene + "[[torque]]\nname = \"M\"\nbody = \"upper\"\namplitude = 0.1\nfrequency = 2\n");
+  EXPECT_NE(says("piece = 1").find("expected no pieces of a run of a scene with functions of time"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace poise::pieces_test
