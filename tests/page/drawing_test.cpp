@@ -329,7 +329,7 @@ TEST(Drawing, WhatWasNotSavedIsThereAgain) {
 // undo leads back to the first byte, and what is called an equilibrium is one for `poise solve` of the text that is
 // shown. POISE_FIRST_SEQUENCE=I begins with sequence I.
 TEST(Drawing, AtRandomTextPictureAndUndoAgree) {
-  const int sequences = test::cases(10, 250);
+  const int sequences = test::cases(6, 250);
   const char* const first_sequence = std::getenv("POISE_FIRST_SEQUENCE");
   const TempFolder folder;
   int done = 0, refused = 0, rests = 0, compared = 0;
