@@ -119,13 +119,44 @@ TEST_F(Pieces, FitAMotionThatIsChaotic) {
   EXPECT_GT(std::abs(whole.estimates[0].value - truth[0]), 0.1 * truth[0]) << "a start and numbers far off suffice";
 }
 
+// A measured torque goes on across the cuts.
+TEST_F(Pieces, FollowTheirPartOfAnInput) {
+  folder_.write("scene.toml", scene + "[[torque]]\nname = \"M\"\non = \"upper\"\nvalue = 0\n");
+  const std::string input = "inputs = { \"load.M\" = \"tau\" }\n";
+  std::vector<double> torque;
+  std::string text = "time,tau";
+  for (int i = 0; i <= 600; ++i) {
+    torque.push_back(1.5 * std::sin(0.05 * i) + 0.8 * std::sin(0.021 * i * std::sqrt(1.0 + i)));
+    text += fmt::format("\n{:.17g},{:.17g}", 0.02 * i, torque.back());
+  }
+  folder_.write("tau.csv", text + "\n");
+  const FitProblem simulated(read(sensors +
+                                  "[[run]]\nduration = 12\nrate = 50\nrelease = { upper = -1.5, lower = -1.6 }\n" +
+                                  "inputs = { \"load.M\" = { column = \"tau\", file = \"tau.csv\" } }\n"));
+  const Record record = simulated.records()[0];
+  text = "time,one,two,tau";
+  for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
+    text += fmt::format("\n{:.17g},{:.17g},{:.17g},{:.17g}", record.sensors[0].time[i], record.sensors[0].value[i],
+                        record.sensors[1].value[i], torque[i]);
+  }
+  folder_.write("driven.csv", text + "\n");
+  const Experiment e = read(sensors + unknowns + "[[run]]\ndata = \"driven.csv\"\npiece = 2\n" + input);
+  ASSERT_EQ(e.runs.size(), 6U);
+  const FitProblem problem(e);
+  const Fit found = fit(problem, problem.records());
+  ASSERT_EQ(found.status, FitStatus::converged) << found.why;
+  EXPECT_NEAR(found.residual_over_noise, 1.0, 0.1);
+  EXPECT_NEAR(found.estimates[0].value, 0.012, 4 * found.estimates[0].standard_error);
+  EXPECT_NEAR(found.estimates[1].value, 0.006, 4 * found.estimates[1].standard_error);
+}
+
 TEST_F(Pieces, AreRefusedWhereTheyHaveNoMeaning) {
   const auto says = [&](const std::string& more) { return error(sensors + "[[run]]\ndata = \"swing.csv\"\n" + more); };
   EXPECT_EQ(says("piece = 0"), "experiment.toml:13: run 1.piece: expected a number > 0, found 0");
   EXPECT_EQ(says("piece = 1\nstart_known = true"),
             "experiment.toml:13: run 1.piece: expected no pieces of a run whose start is known; leave it out");
   EXPECT_NE(says("piece = 0.01").find("expected at least 3 readings in run \"run 1 from 5 s\""), std::string::npos);
-  folder_.write("scene.toml", scene + "[[torque]]\nname = \"M\"\nbody = \"upper\"\namplitude = 0.1\nfrequency = 2\n");
+  folder_.write("scene.toml", scene + "[[torque]]\nname = \"M\"\non = \"upper\"\nvalue = 0.1\ntime = { sine = { amplitude = 1, frequency = 2 } }\n");
   EXPECT_NE(says("piece = 1").find("expected no pieces of a run of a scene with functions of time"), std::string::npos);
 }
 

@@ -43,14 +43,14 @@ bodies = ["upper", "lower"]
 coefficient = 0.03
 [[torque]]
 name = "shoulder"
-body = "upper"
-amplitude = 5
-frequency = 0.8
+on = "upper"
+value = 5
+time = { sine = { amplitude = 1, frequency = 0.8 } }
 [[torque]]
 name = "elbow"
-body = "lower"
-amplitude = 1.5
-frequency = 1.3
+on = "lower"
+value = 1.5
+time = { sine = { amplitude = 1, frequency = 1.3 } }
 [start]
 upper = -1.5707963267948966
 lower = -1.5707963267948966

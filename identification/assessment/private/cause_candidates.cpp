@@ -104,9 +104,22 @@ class Candidates {
               [k](Experiment& e, double) { scale_readings(e, k, -1); });
   }
 
+  void add_turned_axis(std::size_t k, const std::string& name) {
+    const double written = *sensor(k).axis, unit = experiment_.scene.units.angle;
+    const auto cure = [=](double by) { return fmt::format("direction = {:.6g} in {}", (written + by) / unit, name); };
+    for (const double turn : {pi / 2, -pi / 2}) {
+      add_plain(fmt::format("the axis of {} stands across", name), cure(turn),
+                [k, turn](Experiment& e, double) { *e.sensors[k].axis += turn; });
+    }
+    add_number(
+        fmt::format("the axis of {} is turned", name), cure,
+        [k](Experiment& e, double by) { *e.sensors[k].axis += by; }, 0.0, -pi, pi, 0.01);
+  }
+
   void add_sensor(std::size_t k) {
     if (!is_scaled(k)) return;
     const std::string name = named(sensor(k));
+    if (sensor(k).is_accelerometer()) add_turned_axis(k, name);
     for (const UsualFactor& one : usual_factors(sensor(k).on.is_angle())) {
       add_plain(fmt::format("{} has another unit, by {}", name, one.words), factor_of(k, one.factor),
                 [k, one](Experiment& e, double) { scale_readings(e, k, one.factor); });
