@@ -10,11 +10,11 @@ namespace {
 
 /// Of all runs together.
 constexpr std::size_t most_states = 2000, least_states_of_run = 20, most_states_of_run = 400;
-constexpr int most_iterations = 20, most_halvings = 6;
+constexpr int most_regressions = 20, most_halvings = 6;
 /// Of a number's scale: the step of its difference.
-constexpr double step = 1e-5;
+constexpr double regression_step = 1e-5;
 /// The sum falls by less than this part of it at the end.
-constexpr double flat = 1e-4;
+constexpr double regression_flat = 1e-4;
 
 class Regression {
  public:
@@ -63,7 +63,7 @@ class Regression {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Parameter& p = problem_.parameters()[i];
       std::vector<double> moved = parameters;
-      const double by = parameters[i] + step * p.scale > p.max ? -step : step;
+      const double by = parameters[i] + regression_step * p.scale > p.max ? -regression_step : regression_step;
       moved[i] += by * p.scale;
       const Eigen::VectorXd there = residuals(moved);
       if (there.size() == here.size()) out.col(static_cast<Eigen::Index>(i)) = (there - here) / by;
@@ -87,7 +87,7 @@ std::optional<std::vector<double>> start_from_regression(const FitProblem& probl
   std::vector<double> parameters = problem.starts();
   Eigen::VectorXd here = regression.residuals(parameters);
   if (here.size() == 0) return std::nullopt;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < most_regressions; ++iteration) {
     const Eigen::MatrixXd slopes = regression.slopes(parameters, here);
     if (slopes.isZero(0.0)) return std::nullopt;
     const Eigen::VectorXd change = solvers::minimum_norm_solution<double>(slopes, -here, 1e-6);
@@ -105,7 +105,7 @@ std::optional<std::vector<double>> start_from_regression(const FitProblem& probl
       here = there;
       break;
     }
-    if (!(here.squaredNorm() < (1 - flat) * before)) break;
+    if (!(here.squaredNorm() < (1 - regression_flat) * before)) break;
   }
   return parameters;
 }

