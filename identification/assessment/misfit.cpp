@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "identification/assessment/private/altered.hpp"
 #include "identification/assessment/private/cause_candidates.hpp"
 #include "identification/assessment/residuals.hpp"
 #include "identification/fit/first_readings.hpp"
@@ -304,6 +305,50 @@ double over_noise_of(const std::vector<double>& noise, const Fit& fitted, const 
   return readings > 0 ? std::sqrt(squares / readings) : INFINITY;
 }
 
+/// The time after which small changes of the start have grown to 30 times those in the beginning, s, the shortest of
+/// all runs, where they then grow to 1000 times: no start tells such a motion for long.
+std::optional<double> forgets_start_after(const FitProblem& problem, const Fit& fitted) {
+  constexpr double beginning = 0.05, grown = 30, chaotic = 1000;
+  std::optional<double> out;
+  for (std::size_t r = 0; r < std::min(problem.runs(), fitted.runs.size()); ++r) {
+    const RunModel& run = problem.run(r);
+    const auto starts = static_cast<std::size_t>(2 * run.freedoms()), width = static_cast<std::size_t>(run.columns());
+    Prediction predicted;
+    if (!run.start_is_unknown() || !run.scene().time_functions.empty()) continue;
+    run.predict(problem.unknowns_of(r, fitted.parameters).data(), fitted.runs[r].nuisances.data(), INFINITY,
+                problem.accuracy(r), true, predicted);
+    if (!predicted.ok) continue;
+    // By start and sensor: those in the beginning, the largest, and when they have grown.
+    std::size_t row = 0;
+    for (const std::vector<double>& times : run.times()) {
+      for (std::size_t c = width - starts; c < width; ++c) {
+        double first = 0.0, largest = 0.0;
+        std::optional<double> when;
+        for (std::size_t i = 0; i < times.size(); ++i) {
+          const double by = std::abs(predicted.jacobian[(row + i) * width + c]);
+          if (times[i] <= beginning * run.span()) first = std::max(first, by);
+          largest = std::max(largest, by);
+          if (!when && first > 0 && by > grown * first) when = times[i];
+        }
+        if (when && largest > chaotic * first) out = std::min(out.value_or(INFINITY), *when);
+      }
+      row += times.size();
+    }
+  }
+  return out;
+}
+
+/// Pieces of about that length, with as many digits as a person would write.
+void add_pieces(double length, std::vector<CauseCandidate>& to) {
+  const double unit = std::pow(10.0, std::floor(std::log10(length)) - 1);
+  length = unit * std::round(length / unit);
+  CauseCandidate& one = to.emplace_back();
+  one.words = fmt::format("no start tells the motion for long: its small changes have grown to 30 times after {:.3g} s",
+                          length);
+  one.cure = [length](double) { return fmt::format("piece = {:.3g} in the run", length); };
+  one.change = [length](Experiment& e, double) { cut_into_pieces(e, length); };
+}
+
 }  // namespace
 
 std::vector<double> compared_noise(const Experiment& experiment, const std::vector<Record>& records) {
@@ -357,8 +402,9 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   const std::vector<double> noise = compared_noise(experiment, records);
   if (std::any_of(noise.begin(), noise.end(), [](double n) { return !std::isfinite(n); })) return {};
   for (std::size_t k = 0; k < noise.size(); ++k) experiment.sensors[k].noise = noise[k];
-  const std::vector<CauseCandidate> candidates =
+  std::vector<CauseCandidate> candidates =
       cause_candidates(experiment, fitted.runs.empty() ? std::vector<std::size_t>{} : worst_first(fitted));
+  if (const std::optional<double> length = forgets_start_after(problem, fitted)) add_pieces(*length, candidates);
   std::vector<std::unique_ptr<CauseFit>> fits;
   for (const CauseCandidate& one : candidates) {
     fits.push_back(std::make_unique<CauseFit>(one, experiment, problem, fitted, options.interrupt));

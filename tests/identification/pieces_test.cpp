@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "identification/assessment/misfit.hpp"
+#include "identification/fit/first_readings.hpp"
 #include "identification/fit/fit.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
@@ -115,6 +117,31 @@ TEST_F(Pieces, FitAMotionThatIsChaotic) {
     EXPECT_NEAR(found.estimates[i].value, truth[i], 4 * found.estimates[i].standard_error);
     EXPECT_LT(found.estimates[i].standard_error, 0.05 * truth[i]);
   }
+}
+
+// What a fit of the whole record leaves is named, with the text that cures it.
+TEST_F(Pieces, AreTheCauseOfAMisfitWithoutThem) {
+  const Experiment e = read(sensors + unknowns + "[[run]]\ndata = \"swing.csv\"\n");
+  const FitProblem problem(e);
+  const std::vector<Record> records = problem.records();
+  Fit whole;
+  whole.status = FitStatus::misfit;
+  whole.parameters = problem.starts();
+  whole.rms = {1.0, 1.0};
+  const std::vector<double> unknown = problem.unknowns_of(0, whole.parameters);
+  whole.runs.push_back({.name = e.runs[0].name,
+                        .nuisances = first_guess(problem.run(0), unknown, records[0]),
+                        .rms = whole.rms,
+                        .autocorrelation = {1.0, 1.0},
+                        .mean = {0.0, 0.0},
+                        .correlated = {true, true},
+                        .shifted = {false, false}});
+  const std::vector<MisfitCause> causes = misfit_causes(problem, whole, records, {});
+  ASSERT_FALSE(causes.empty());
+  EXPECT_NE(causes[0].words.find("no start tells the motion for long"), std::string::npos) << causes[0].words;
+  EXPECT_EQ(causes[0].cure.find("piece = "), 0U) << causes[0].cure;
+  EXPECT_LT(causes[0].over_noise, 1.2);
+  EXPECT_TRUE(causes[0].cures);
 }
 
 // A measured torque goes on across the cuts.

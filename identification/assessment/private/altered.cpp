@@ -1,9 +1,12 @@
 #include "identification/assessment/private/altered.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "identification/experiment/pieces.hpp"
 #include "solvers/quintic_spline.hpp"
 
 namespace poise {
@@ -44,6 +47,31 @@ void stretch_clock(Experiment& experiment, std::size_t r, double factor) {
     if (!experiment.sensors[k].reads_impacts()) continue;
     for (double& v : read[k].value) v *= factor;
   }
+}
+
+void cut_into_pieces(Experiment& experiment, double length) {
+  std::vector<Run> runs;
+  std::vector<Record> records;
+  for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
+    const Run& run = experiment.runs[r];
+    double end = 0.0;
+    for (const Series& series : experiment.records[r].sensors) {
+      if (!series.time.empty()) end = std::max(end, series.time.back());
+    }
+    const double whole = run.unknown_start ? length : INFINITY;
+    for (Piece& piece : pieces_of({0.0, experiment.records[r], {}}, whole, end)) {
+      runs.push_back(run);
+      records.push_back(std::move(piece.record));
+      if (piece.zero == 0.0) continue;
+      runs.back().release.clear();
+      for (RunInput& input : runs.back().inputs) {
+        move_input(
+            input, [&](double t) { return t - piece.zero; }, [](double v) { return v; });
+      }
+    }
+  }
+  experiment.runs = std::move(runs);
+  experiment.records = std::move(records);
 }
 
 }  // namespace poise

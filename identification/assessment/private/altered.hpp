@@ -16,4 +16,7 @@ void move_input(RunInput& input, const std::function<double(double)>& time, cons
 /// inputs. Delays stay.
 void stretch_clock(Experiment& experiment, std::size_t r, double factor);
 
+/// Cuts the records of runs whose starts are estimated into pieces of about that length, s, with starts of their own.
+void cut_into_pieces(Experiment& experiment, double length);
+
 }  // namespace poise

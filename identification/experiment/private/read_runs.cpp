@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "identification/experiment/pieces.hpp"
 #include "identification/experiment/private/read_inputs.hpp"
 #include "identification/experiment/private/run_data.hpp"
 #include "identification/experiment/private/run_keys.hpp"
@@ -34,51 +35,6 @@ struct RunTable {
   bool measured = false;
   double piece = INFINITY;  // s, about which the pieces last that its records are cut into
 };
-
-/// What a run is made of: readings of sensors and inputs, SI, from `zero` on its record's clock on.
-struct Piece {
-  double zero = 0.0;
-  Record record;
-  std::vector<Series> inputs;
-};
-
-/// The readings with first <= time < end, which then count from `zero`; with as many more as `beside` on both sides.
-Series cut(const Series& series, double zero, double end, std::ptrdiff_t beside) {
-  const auto& time = series.time;
-  const auto from = std::lower_bound(time.begin(), time.end(), zero);
-  const auto to = std::lower_bound(from, time.end(), end);
-  const auto first = std::max(from - time.begin() - beside, std::ptrdiff_t{0});
-  const auto last = std::min(to - time.begin() + beside, std::ssize(time));
-  Series out{{time.begin() + first, time.begin() + last}, {series.value.begin() + first, series.value.begin() + last}};
-  for (double& t : out.time) t -= zero;
-  return out;
-}
-
-/// Pieces of equal length, about as long as asked, each from a reading on. A smooth curve through an input needs
-/// readings beyond its ends.
-std::vector<Piece> pieces_of(Piece whole, double length, double end) {
-  constexpr std::ptrdiff_t beside = 16;
-  const int count = static_cast<int>(std::max(1.0, std::round(end / length)));
-  if (count == 1) return {std::move(whole)};
-  std::vector<double> edges;
-  for (int k = 0; k <= count; ++k) {
-    double edge = k < count ? INFINITY : std::nextafter(end, INFINITY);
-    for (const Series& series : whole.record.sensors) {
-      const auto next = std::lower_bound(series.time.begin(), series.time.end(), k * end / count * (1 - 1e-12));
-      if (k < count && next != series.time.end()) edge = std::min(edge, *next);
-    }
-    if (edges.empty() || edge > edges.back()) edges.push_back(edge);
-  }
-  std::vector<Piece> out;
-  for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
-    Piece& piece = out.emplace_back();
-    piece.zero = edges[k];
-    for (const Series& series : whole.record.sensors)
-      piece.record.sensors.push_back(cut(series, edges[k], edges[k + 1], 0));
-    for (const Series& series : whole.inputs) piece.inputs.push_back(cut(series, edges[k], edges[k + 1], beside));
-  }
-  return out;
-}
 
 class RunsReader {
  public:
