@@ -347,6 +347,7 @@ void add_pieces(double length, std::vector<CauseCandidate>& to) {
                           length);
   one.cure = [length](double) { return fmt::format("piece = {:.3g} in the run", length); };
   one.change = [length](Experiment& e, double) { cut_into_pieces(e, length); };
+  one.shows_late = true;
 }
 
 }  // namespace
@@ -425,7 +426,10 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   for (const Stage& stage : stages) {
     if (left.size() > stage.most) left.resize(stage.most);
     // What is written is always fitted to all.
-    if (std::find(left.begin(), left.end(), 0) == left.end()) left.push_back(0);
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (i > 0 && !candidates[i].shows_late) continue;
+      if (std::find(left.begin(), left.end(), i) == left.end()) left.push_back(i);
+    }
     solvers::parallel_for(left.size(), {options.jobs, options.interrupt, {}}, [&](std::size_t n) {
       CauseFit& one = *fits[left[n]];
       try {

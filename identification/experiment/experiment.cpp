@@ -51,7 +51,8 @@ bool is_held(const Experiment& experiment, const Run& run) {
 TimeRange compared_times(const Experiment& experiment, const Run& run, std::size_t k, double end) {
   if (run.is_at_rest()) return {-INFINITY, INFINITY};
   const Sensor& sensor = experiment.sensors[k];
-  return {is_held(experiment, run) ? 0.0 : std::max(0.0, sensor.most_delay),
+  // What holds it until then is no part of the scene.
+  return {is_held(experiment, run) && !sensor.quantity ? 0.0 : std::max(0.0, sensor.most_delay),
           run.inputs.empty() ? INFINITY : end + std::min(0.0, sensor.least_delay)};
 }
 

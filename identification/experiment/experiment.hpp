@@ -28,7 +28,7 @@ struct SensorNumber {
 };
 
 /// A sensor reads a measure of the pose or a derivative of it by time, the force of an element of the scene, what an
-/// accelerometer feels, or a quantity that a mechanism has at rest; values SI. At time t its column has
+/// accelerometer feels, or another quantity; values SI. At time t its column has
 ///   (g(t - delay) - zero) / unit,  g the quantity.
 /// A delay means nothing at rest.
 /// One of impacts reads the times T_1 < T_2 < ... of those at some limits of stops:  (T_i - zero) / unit.
@@ -39,8 +39,8 @@ struct Sensor {
   /// An accelerometer at the point on.b of a body reads  e . (a - g):  a its acceleration, g gravity, e the unit vector
   /// at this angle from the x axis of the body; else none.
   std::optional<double> axis{};
-  std::optional<SoughtQuantity>
-      at_rest{};  ///< what else it reads of a mechanism at rest: such a sensor reads no motion
+  std::optional<SoughtQuantity> quantity{};  ///< what else it reads
+  bool quantity_moves = false;               ///< of mechanisms that move too; else of those at rest alone
   std::string name;
   std::string column;  ///< of a data file
   bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
@@ -60,13 +60,13 @@ struct Sensor {
   bool reads_impacts() const { return !stops.empty(); }
   bool is_accelerometer() const { return axis.has_value(); }
   /// Whether it reads its measure itself, or a derivative of that by time.
-  bool is_of_measure() const { return !reads_force() && !reads_impacts() && !is_accelerometer() && !at_rest; }
+  bool is_of_measure() const { return !reads_force() && !reads_impacts() && !is_accelerometer() && !quantity; }
   bool reads_measure() const { return is_of_measure() && by_time == 0; }
   bool reads_rate() const { return is_of_measure() && by_time == 1; }
   bool reads_acceleration() const { return is_accelerometer() || by_time == 2; }
   /// Whether a mechanism at rest has what it reads, and whether one that moves has.
   bool is_of_rest() const { return !reads_impacts() && !is_accelerometer() && by_time == 0; }
-  bool is_of_motion() const { return !at_rest; }
+  bool is_of_motion() const { return !quantity || quantity_moves; }
   /// Whether it reads an angle itself, not its rate or an effort.
   bool reads_angle() const { return on.is_angle() && reads_measure(); }
   /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
@@ -74,7 +74,7 @@ struct Sensor {
   /// Of a reading.
   Dimension dimension() const {
     if (reads_impacts()) return dimension::time;
-    if (at_rest) return at_rest->dimension;
+    if (quantity) return quantity->dimension;
     if (is_accelerometer()) return dimension::length * dimension::time.power(-2);
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
     return read * dimension::time.power(-by_time);

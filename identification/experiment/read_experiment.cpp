@@ -273,8 +273,19 @@ class ExperimentReader {
     if (is_measure && by_time <= 2)
       sensor.by_time = by_time;
     else
-      sensor.at_rest = read_at_rest(name);
+      sensor.quantity = read_at_rest(name);
+    sensor.quantity_moves = sensor.quantity && moves(found) && by_time == 0;
     return unit;
+  }
+
+  /// Whether a motion has this quantity at each time by itself.
+  static bool moves(const SoughtQuantity& of) {
+    using Kind = SoughtQuantity::Kind;
+    constexpr std::array those = {Kind::measure,    Kind::number,  Kind::element_force, Kind::drive_force,
+                                  Kind::reaction,   Kind::energy,  Kind::stop_reaction, Kind::sum,
+                                  Kind::difference, Kind::product, Kind::quotient};
+    return std::find(those.begin(), those.end(), of.kind) != those.end() &&
+           std::all_of(of.of.begin(), of.of.end(), moves);
   }
 
   /// A quantity that equilibria have, with derivatives.

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 
+#include "identification/prediction/private/quantity_reader.hpp"
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/random_states.hpp"
 #include "identification/prediction/run_model.hpp"
@@ -25,6 +26,9 @@ constexpr double least_pivot = 1e-3;
 /// Further impacts at the same limit tell the same.
 constexpr std::ptrdiff_t most_impacts_of_side = 2;
 
+/// Of the terms of what differences give, and of a quantity itself for a change of a number by all of it.
+constexpr double lost_in_differences = 1e-7, lost_in_quantity = 1e-10;
+
 /// An unknown number of a sensor that is read.
 struct ReadNumber {
   SensorNumber::Of of;
@@ -35,12 +39,24 @@ struct ReadNumber {
 /// A run's model with what its unknowns change.
 struct Acting {
   Acting(const MotionModel& m, const std::vector<Influence>& i, const std::vector<Variation>& v,
-         const std::vector<Sensor>& s, const std::vector<MotionInput>& inputs)
-      : model(m), influences(i), variations(v), sensors(s), reduced(m.scaled_scene(), m.mechanism(), m.inertia()) {
-    for (const Sensor& sensor : sensors) readers.emplace_back(model, sensor);
+         const std::vector<Sensor>& s, std::vector<std::optional<VariedQuantity>> of_quantities,
+         const std::vector<MotionInput>& inputs)
+      : model(m),
+        influences(i),
+        variations(v),
+        sensors(s),
+        reduced(m.scaled_scene(), m.mechanism(), m.inertia()),
+        quantities(std::move(of_quantities)) {
+    for (const Sensor& sensor : sensors) {
+      std::optional<SensorReader>& reader = readers.emplace_back();
+      if (!sensor.quantity) reader.emplace(model, sensor);
+    }
     for (const Variation& variation : variations) {
-      std::vector<SensorVariation>& of_sensors = varied.emplace_back();
-      for (const Sensor& sensor : sensors) of_sensors.emplace_back(variation, sensor);
+      std::vector<std::optional<SensorVariation>>& of_sensors = varied.emplace_back();
+      for (const Sensor& sensor : sensors) {
+        std::optional<SensorVariation>& of_sensor = of_sensors.emplace_back();
+        if (!sensor.quantity) of_sensor.emplace(variation, sensor);
+      }
     }
     reduced.set_inputs(m.scaled_scene(), scaled(inputs, m.scene(), m.scales()));
     reduced.set_variations(variations);
@@ -51,9 +67,11 @@ struct Acting {
   const std::vector<Variation>& variations;
   const std::vector<Sensor>& sensors;
   Reduced reduced;
-  std::vector<SensorReader> readers;
-  std::vector<std::vector<SensorVariation>> varied;  // by variation and sensor
-  Eigen::MatrixXd terms;  // of the derivatives of alpha by at(): the size of what they are sums of
+  std::vector<std::optional<SensorReader>> readers;                 // none of one that reads a quantity
+  std::vector<std::vector<std::optional<SensorVariation>>> varied;  // by variation and sensor
+  std::vector<std::optional<VariedQuantity>> quantities;            // none of the others
+  // Of the derivatives of alpha by at() the size of what they are sums of, and of those of quantities their error.
+  Eigen::MatrixXd terms, unsure;
 
   Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
 
@@ -66,16 +84,25 @@ struct Acting {
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + n});
     const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + n});
     const bool jerks = std::any_of(numbers.begin(), numbers.end(), [&](const ReadNumber& number) {
-      return number.of == SensorNumber::Of::delay && sensors[number.reader].reads_acceleration();
+      const Sensor& sensor = sensors[number.reader];
+      return number.of == SensorNumber::Of::delay && (sensor.reads_acceleration() || sensor.quantity);
     });
     const std::vector<double> jerk = jerks ? change_of_accelerations() : std::vector<double>();
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const ReadNumber& number = numbers[i];
-      const Read now = read(readers[number.reader], q, v, a);
-      const double change = now.along(v.data(), a.data(), jerk.empty() ? nullptr : jerk.data());
+      double value = 0.0, change = 0.0;
+      if (std::optional<VariedQuantity>& quantity = quantities[number.reader]) {
+        const MovingState here = state();
+        value = quantity->read(reduced.time(), here);
+        if (!jerk.empty()) change = quantity->by_time(reduced.time(), here, model.from_si(jerk));
+      } else {
+        const Read now = read(*readers[number.reader], q, v, a);
+        value = now.value;
+        change = now.along(v.data(), a.data(), jerk.empty() ? nullptr : jerk.data());
+      }
       out(reduced.freedoms() + static_cast<Eigen::Index>(number.reader), static_cast<Eigen::Index>(i)) =
           number.of == SensorNumber::Of::zero     ? -1.0
-          : number.of == SensorNumber::Of::factor ? (number.zero - now.value) / number.factor
+          : number.of == SensorNumber::Of::factor ? (number.zero - value) / number.factor
                                                   : -change;
     }
     return out;
@@ -123,6 +150,7 @@ struct Acting {
     const Eigen::Index f = reduced.freedoms();
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows(), static_cast<Eigen::Index>(influences.size()));
     terms.resize(f, out.cols());
+    unsure = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(sensors.size()), out.cols());
     std::vector<double> alpha(static_cast<std::size_t>(f));
     reduced.linearize();
     const std::size_t n = static_cast<std::size_t>(reduced.coordinates());
@@ -135,17 +163,22 @@ struct Acting {
       reduced.influence_terms(influences[p], terms.col(static_cast<Eigen::Index>(p)).data());
       for (std::size_t k = 0; k < sensors.size(); ++k) {
         double& by = out(f + static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p));
+        if (quantities[k]) {
+          by = by_number(*quantities[k], p, alpha, numbers[p].get(model.scene()),
+                         unsure(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(p)));
+          continue;
+        }
         if (sensors[k].reads_force()) {
-          const double g = read(readers[k], q, v, a).measure;
+          const double g = read(*readers[k], q, v, a).measure;
           by += numbers[p].force_by(model.scene(), sensors[k].element, g, 0.0);
         }
         if (!influences[p].moves()) continue;
         const std::vector<double> q_p = model.to_si({reduced.q_p(), reduced.q_p() + n});
         const std::vector<double> v_p = model.to_si({reduced.v_p(), reduced.v_p() + n});
         const std::vector<double> a_p = model.to_si({reduced.a_p(), reduced.a_p() + n});
-        by += read(readers[k], q, v, a).along(q_p.data(), v_p.data(), a_p.data());
+        by += read(*readers[k], q, v, a).along(q_p.data(), v_p.data(), a_p.data());
         if (influences[p].variation < 0) continue;
-        SensorVariation& direct = varied[static_cast<std::size_t>(influences[p].variation)][k];
+        SensorVariation& direct = *varied[static_cast<std::size_t>(influences[p].variation)][k];
         by += direct.read(some(q, direct).data(), some(v, direct).data(), some(a, direct).data());
       }
     }
@@ -211,6 +244,32 @@ struct Acting {
     return out;
   }
 
+  MovingState state() const {
+    const auto n = static_cast<std::size_t>(reduced.coordinates());
+    return {{reduced.q(), reduced.q() + n}, {reduced.v(), reduced.v() + n}, {reduced.a(), reduced.a() + n}};
+  }
+
+  /// After influence() of number p, which gave alpha: the derivative of a quantity, and its error.
+  double by_number(VariedQuantity& quantity, std::size_t p, const std::vector<double>& alpha, double value,
+                   double& error) const {
+    const auto n = static_cast<std::size_t>(reduced.coordinates());
+    const MovingState here = state();
+    MovingState change{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+    if (influences[p].moves()) {
+      change = {
+          {reduced.q_p(), reduced.q_p() + n}, {reduced.v_p(), reduced.v_p() + n}, {reduced.a_p(), reduced.a_p() + n}};
+    } else {
+      for (int k = 0; k < reduced.freedoms(); ++k) {
+        for (std::size_t i = 0; i < n; ++i) change.a[i] += reduced.B(k)[i] * alpha[static_cast<std::size_t>(k)];
+      }
+    }
+    const double t = reduced.time();
+    const double along = quantity.along(t, here, change), direct = quantity.by_number(p, t, here);
+    error = lost_in_differences * (std::abs(along) + std::abs(direct));
+    if (value != 0) error += lost_in_quantity * std::abs(quantity.read(t, here) / value);
+    return along + direct;
+  }
+
   /// The values of the coordinates that a sensor depends on.
   template <class Reader>
   static std::vector<double> some(const std::vector<double>& all, const Reader& reader) {
@@ -234,8 +293,10 @@ class RunModel::ActionRows {
         sensors_(sensors_that_are_read(unknowns)),
         near_model_(std::make_shared<const MotionModel>(disturbed(model_.scene()), run.scales_, run.varying_)),
         changes_(changes_of(near_model_)),
-        own_(model_, built.influences, built.variations, sensors_, run.inputs_in(model_.scene())),
-        changed_(*near_model_, changes_.influences, changes_.variations, sensors_, run.inputs_in(near_model_->scene())),
+        own_(model_, built.influences, built.variations, sensors_, quantities_in(built.model),
+             run.inputs_in(model_.scene())),
+        changed_(*near_model_, changes_.influences, changes_.variations, sensors_, quantities_in(near_model_),
+                 run.inputs_in(near_model_->scene())),
         p_(static_cast<Eigen::Index>(run.numbers_.size())),
         z_(static_cast<std::size_t>(run.freedoms_), 0.0),
         w_(z_) {
@@ -374,6 +435,17 @@ class RunModel::ActionRows {
     return out;
   }
 
+  /// Of the sensors that are read.
+  std::vector<std::optional<VariedQuantity>> quantities_in(const std::shared_ptr<const MotionModel>& model) const {
+    std::vector<std::optional<VariedQuantity>> out;
+    for (std::size_t k = 0; k < run_.times_.size(); ++k) {
+      if (run_.times_[k].empty()) continue;
+      out.emplace_back();
+      if (run_.experiment_.sensors[k].quantity) out.back().emplace(run_.quantity_of(k, model, true));
+    }
+    return out;
+  }
+
   Built changes_of(const std::shared_ptr<const MotionModel>& model) const {
     Built out;
     run_.vary(model, out);
@@ -435,6 +507,7 @@ class RunModel::ActionRows {
         if (unknowns_[i] != 0) lost(k, i) = std::max(lost(k, i), lost_in_whole * whole / std::abs(unknowns_[i]));
       }
     }
+    lost.block(run_.freedoms_, 0, own_.unsure.rows(), p_) = own_.unsure.leftCols(p_);
     return lost;
   }
 

@@ -40,7 +40,7 @@ void expect_sensors_of_motion(const Experiment& experiment, const Run& run) {
     throw InputError(at_line(experiment.file_of(run.part), run.line) +
                      fmt::format("run \"{}\": expected sensors that read motions, \"{}\" reads {}, which a run at rest "
                                  "alone has",
-                                 run.name, sensor.name, sensor.at_rest->name));
+                                 run.name, sensor.name, sensor.quantity->name));
   }
 }
 

@@ -15,6 +15,8 @@
 
 namespace poise {
 
+class VariedQuantity;
+
 /// Predicted readings of a run and their derivatives by its unknowns.
 struct Prediction {
   bool ok = false;
@@ -246,6 +248,8 @@ class RunModel {
   std::vector<double> simulated_impacts(const Sensor& sensor) const;
   /// Says which sensor has read more impacts, up to the time `until`, than a motion has; empty if none.
   std::string lacks_impacts(double until, const Motion& motion) const;
+  VariedQuantity quantity_of(std::size_t sensor, const std::shared_ptr<const MotionModel>& model,
+                             bool derivatives) const;
   struct Reading {
     double time;
     std::size_t sensor, at;  // index into times_[sensor]

@@ -1,8 +1,11 @@
 // The readings that a run model predicts, with derivatives: members of RunModel.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -10,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "identification/prediction/private/quantity_reader.hpp"
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/run_model.hpp"
 
@@ -35,6 +39,7 @@ class RunModel::Readings {
   Readings(const RunModel& run, const Built& built, const Motion& motion, double duration, bool jacobian)
       : run_(run), built_(built), duration_(duration), column_(static_cast<std::size_t>(motion.trajectory.columns)) {
     readers_.resize(run.times_.size());
+    quantities_.resize(run.times_.size());
     places_.resize(run.times_.size());
     varied_.resize(run.times_.size());
     for (std::size_t k = 0; k < run.times_.size(); ++k) {
@@ -43,7 +48,7 @@ class RunModel::Readings {
     const std::vector<Sensor>& sensors = run.experiment_.sensors;
     int derivatives = run.delayed_ ? 1 : 0;
     for (const Sensor& sensor : sensors) {
-      derivatives = std::max(derivatives, sensor.reads_acceleration() ? 2 : sensor.by_time);
+      derivatives = std::max(derivatives, sensor.reads_acceleration() || sensor.quantity ? 2 : sensor.by_time);
     }
     trajectory_.emplace(motion.trajectory, coordinates_, derivatives);
     for (auto* each : {&q_, &v_, &a_}) each->resize(coordinates_.size());
@@ -57,13 +62,22 @@ class RunModel::Readings {
     still_ = run_.held_ && time < 0;
     beyond_ = still_ || std::abs(time - within) < time_rounding * run_.end_ ? 0.0 : time - within;
     move_to(k);
+    if (quantities_[k]) {
+      take_state();
+      return quantities_[k]->read(now_, state_);
+    }
     return readers_[k]->read(q_.data(), v_.data(), a_.data());
   }
 
   /// Gives the derivative of the quantity read last by its time.
-  double rate_of_change(std::size_t k) const {
+  double rate_of_change(std::size_t k) {
     if (still_) return 0.0;
     const std::vector<std::size_t>& at = places_[k];
+    if (quantities_[k]) {
+      std::vector<double> jerk;
+      for (const std::size_t i : at) jerk.push_back(moves() ? trajectory_->jerk(i) : 0.0);
+      return quantities_[k]->by_time(now_, state_, built_.model->from_si(jerk));
+    }
     const SensorReader::Derivatives& by = readers_[k]->derivatives();
     double sum = 0.0;
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -78,9 +92,17 @@ class RunModel::Readings {
   /// sets. A known start follows the numbers. Call it after rate_of_change().
   const std::vector<double>& derivatives(std::size_t k) {
     std::fill(column_.begin(), column_.end(), 0.0);
-    add_motion(k);
     const auto starts = static_cast<std::size_t>(2 * run_.freedoms_);
     double* numbers = column_.data() + starts;
+    if (quantities_[k]) {
+      for (std::size_t c = 0; c < column_.size(); ++c) {
+        column_[c] = quantities_[k]->along(now_, state_, change_by(k, c));
+        if (c >= starts) column_[c] += quantities_[k]->by_number(c - starts, now_, state_);
+      }
+      follow_start();
+      return column_;
+    }
+    add_motion(k);
     if (run_.experiment_.sensors[k].reads_force()) add_law(k, numbers);
     for (VariedReader& other : varied_[k]) {
       move_to(other.places, run_.experiment_.sensors[k].reads_acceleration());
@@ -108,6 +130,13 @@ class RunModel::Readings {
 
   void add_sensor(std::size_t k, bool jacobian) {
     const Sensor& sensor = run_.experiment_.sensors[k];
+    if (sensor.quantity) {
+      quantities_[k].emplace(run_.quantity_of(k, built_.model, jacobian));
+      std::vector<int> all(built_.q.size());
+      std::iota(all.begin(), all.end(), 0);
+      places_[k] = places_of(all);
+      return;
+    }
     readers_[k].emplace(*built_.model, sensor);
     places_[k] = places_of(readers_[k]->coordinates());
     for (std::size_t i = 0; jacobian && i < run_.numbers_.size(); ++i) {
@@ -131,7 +160,10 @@ class RunModel::Readings {
     return found;
   }
 
-  void move_to(std::size_t k) { move_to(places_[k], run_.experiment_.sensors[k].reads_acceleration()); }
+  void move_to(std::size_t k) {
+    const Sensor& sensor = run_.experiment_.sensors[k];
+    move_to(places_[k], sensor.reads_acceleration() || sensor.quantity);
+  }
 
   void move_to(const std::vector<std::size_t>& at, bool accelerations) {
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -139,6 +171,27 @@ class RunModel::Readings {
       v_[i] = trajectory_->v(at[i]);
       a_[i] = accelerations && moves() ? trajectory_->a(at[i]) : 0.0;
     }
+  }
+
+  /// All coordinates of the motion, moved to, in the units of the model.
+  void take_state() {
+    const std::size_t n = built_.q.size();
+    const auto scaled = [&](const std::vector<double>& values) {
+      return built_.model->from_si({values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)});
+    };
+    state_ = {scaled(q_), scaled(v_), scaled(a_)};
+  }
+
+  /// The change of that state by column c.
+  MovingState change_by(std::size_t k, std::size_t c) const {
+    std::vector<double> q, v, a;
+    for (const std::size_t i : places_[k]) {
+      q.push_back(trajectory_->q_p(i)[c] + beyond_ * trajectory_->v_p(i)[c]);
+      v.push_back(trajectory_->v_p(i)[c]);
+      a.push_back(moves() ? trajectory_->a_p(i)[c] : 0.0);
+    }
+    const MotionModel& model = *built_.model;
+    return {model.from_si(q), model.from_si(v), model.from_si(a)};
   }
 
   /// Beyond its ends the motion goes on at constant rates, and before a start at rest it stands.
@@ -172,8 +225,10 @@ class RunModel::Readings {
   const RunModel& run_;
   const Built& built_;
   double duration_;
-  std::vector<std::optional<SensorReader>> readers_;  // none of a sensor that is not read in this run
-  std::vector<std::vector<std::size_t>> places_;      // of each sensor's coordinates in these
+  std::vector<std::optional<SensorReader>> readers_;       // none of a sensor that is not read in this run
+  std::vector<std::optional<VariedQuantity>> quantities_;  // of those that read one
+  MovingState state_;                                      // of the last of these
+  std::vector<std::vector<std::size_t>> places_;           // of each sensor's coordinates in these
   std::vector<int> coordinates_;
   std::vector<std::vector<VariedReader>> varied_;  // per sensor
   std::optional<TrajectoryReader> trajectory_;
@@ -223,6 +278,11 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     const double gain = sensor.unit / own.factor;
     const std::size_t row = first[k] + s;
     const double quantity = sensor.reads_impacts() ? impacts[k].time(s) : readings.read(time, k);
+    if (!std::isfinite(quantity)) {
+      out.why =
+          fmt::format("{} is not determined at {:.6g} s", sensor.quantity ? sensor.quantity->name : sensor.name, time);
+      return;
+    }
     out.reading[row] = gain * quantity + (sensor.zero - gain * own.zero);
     if (!jacobian) continue;
     const double change = sensor.reads_impacts() ? 0.0 : readings.rate_of_change(k);
@@ -231,6 +291,32 @@ void RunModel::predict(const double* unknowns, const double* nuisances, double u
     fill_row(built, k, own, gain, quantity, change, by, &out.jacobian[row * width]);
   }
   out.ok = true;
+}
+
+/// A quantity that a sensor reads, with its derivatives by the numbers and the one that an equilibrium sets.
+VariedQuantity RunModel::quantity_of(std::size_t sensor, const std::shared_ptr<const MotionModel>& model,
+                                     bool derivatives) const {
+  constexpr double part = 1e-4;  // of a number's size
+  const auto reader = [&](std::shared_ptr<const MotionModel> of) {
+    return QuantityReader(std::move(of), *experiment_.sensors[sensor].quantity, inputs_);
+  };
+  std::vector<VariedQuantity::Number> numbers;
+  std::vector<SceneParameter> all = numbers_;
+  if (set_by_equilibrium_) all.push_back(*set_by_equilibrium_);
+  for (const SceneParameter& number : all) {
+    if (!derivatives) break;
+    const double value = number.get(model->scene());
+    const double step = part * (value != 0 ? std::abs(value) : reach(number));
+    const auto can_move = [&](double by) { return number.allows(model->scene(), value + by); };
+    VariedQuantity::Number& one = numbers.emplace_back(
+        VariedQuantity::Number{can_move(2 * step) ? step : -step, !can_move(2 * step) || !can_move(-2 * step)});
+    for (const double steps : one.one_sided ? std::array{1.0, 2.0, 3.0, 4.0} : std::array{1.0, -1.0, 2.0, -2.0}) {
+      Scene scene = model->scene();
+      number.set(scene, value + steps * one.step);
+      one.moved.push_back(reader(std::make_shared<const MotionModel>(std::move(scene), scales_, varying_)));
+    }
+  }
+  return {reader(model), std::move(numbers)};
 }
 
 double RunModel::ImpactsRead::time(std::size_t i) const {

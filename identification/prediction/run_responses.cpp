@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identification/prediction/private/quantity_reader.hpp"
 #include "identification/prediction/private/sensor_reader.hpp"
 #include "identification/prediction/run_model.hpp"
 
@@ -35,9 +36,19 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
   const std::vector<double> x = model.from_si(built.q);
   reduced.begin(0.0, x.data(), &independent_);
   const std::vector<Scaling> scaling = scalings(unknowns);
-  std::vector<std::pair<std::size_t, SensorReader>> readers;
+  struct Reader {
+    std::size_t sensor;
+    std::optional<SensorReader> of_measure{};
+    std::optional<VariedQuantity> of_quantity{};
+  };
+  std::vector<Reader> readers;
   for (std::size_t k = 0; k < times_.size(); ++k) {
-    if (!times_[k].empty()) readers.emplace_back(k, SensorReader(model, experiment_.sensors[k]));
+    if (times_[k].empty()) continue;
+    Reader& reader = readers.emplace_back(Reader{k});
+    if (experiment_.sensors[k].quantity)
+      reader.of_quantity.emplace(quantity_of(k, built.model, false));
+    else
+      reader.of_measure.emplace(model, experiment_.sensors[k]);
   }
   Eigen::MatrixXd out(static_cast<Eigen::Index>(states.size()), freedoms_ + static_cast<Eigen::Index>(readers.size()));
   std::vector<double> z(static_cast<std::size_t>(freedoms_)), w(z);
@@ -56,16 +67,21 @@ Eigen::MatrixXd RunModel::responses(const double* unknowns, double equilibrium,
     const std::vector<double> v = model.to_si({reduced.v(), reduced.v() + near.size()});
     const std::vector<double> a = model.to_si({reduced.a(), reduced.a() + near.size()});
     for (std::size_t i = 0; i < readers.size(); ++i) {
-      auto& [k, reader] = readers[i];
-      std::vector<double> own_q, own_v, own_a;
-      for (const int c : reader.coordinates()) {
-        own_q.push_back(q[static_cast<std::size_t>(c)]);
-        own_v.push_back(v[static_cast<std::size_t>(c)]);
-        own_a.push_back(a[static_cast<std::size_t>(c)]);
+      auto& [k, of_measure, of_quantity] = readers[i];
+      double quantity = 0.0;
+      if (of_quantity) {
+        quantity = of_quantity->read(states[s].t, {model.from_si(q), model.from_si(v), model.from_si(a)});
+      } else {
+        std::vector<double> own_q, own_v, own_a;
+        for (const int c : of_measure->coordinates()) {
+          own_q.push_back(q[static_cast<std::size_t>(c)]);
+          own_v.push_back(v[static_cast<std::size_t>(c)]);
+          own_a.push_back(a[static_cast<std::size_t>(c)]);
+        }
+        quantity = of_measure->read(own_q.data(), own_v.data(), own_a.data());
       }
       const double gain = experiment_.sensors[k].unit / scaling[k].factor;
-      out(row, freedoms_ + static_cast<Eigen::Index>(i)) =
-          gain * (reader.read(own_q.data(), own_v.data(), own_a.data()) - scaling[k].zero);
+      out(row, freedoms_ + static_cast<Eigen::Index>(i)) = gain * (quantity - scaling[k].zero);
     }
   }
   return out;

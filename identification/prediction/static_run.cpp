@@ -23,7 +23,7 @@ constexpr int most_drive_steps = 1000;
 
 /// What a sensor reads at rest.
 SoughtQuantity quantity_of(const Sensor& sensor) {
-  if (sensor.at_rest) return *sensor.at_rest;
+  if (sensor.quantity) return *sensor.quantity;
   SoughtQuantity out;
   out.name = sensor.name;
   out.on = sensor.on;

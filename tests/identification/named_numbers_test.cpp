@@ -87,7 +87,7 @@ Experiment experiment(bool driven) {
   Sensor place = travel;
   place.name = "place";
   place.on = Measure::x_of({2, 1});
-  place.rate = true;
+  place.by_time = 1;
   Sensor force = travel;
   force.name = "force";
   force.element = 0;

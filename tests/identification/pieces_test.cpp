@@ -121,7 +121,7 @@ TEST_F(Pieces, FitAMotionThatIsChaotic) {
 
 // What a fit of the whole record leaves is named, with the text that cures it.
 TEST_F(Pieces, AreTheCauseOfAMisfitWithoutThem) {
-  const Experiment e = read(sensors + unknowns + "[[run]]\ndata = \"swing.csv\"\n");
+  const Experiment e = read(sensors + unknowns + "[[run]]\ndata = \"swing.csv\"\nto = 10\n");
   const FitProblem problem(e);
   const std::vector<Record> records = problem.records();
   Fit whole;

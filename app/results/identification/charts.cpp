@@ -238,7 +238,7 @@ Drawing drawing_with_sensors(const FitProblem& problem, std::size_t r) {
   Position position{.scene = &scene, .picture = {.poses = model.poses(x)}};
   auto& crosses = position.picture.crosses;
   for (const Sensor& sensor : problem.experiment().sensors) {
-    if (sensor.at_rest) continue;  // which may be anywhere
+    if (sensor.quantity) continue;  // which may be anywhere
     const Vec2 at = place_read(scene, sensor.on, position.picture.poses);
     const auto there = std::find_if(crosses.begin(), crosses.end(), [&](const auto& one) {
       return norm(one.first - at) < 1e-6 * problem.run(r).size();

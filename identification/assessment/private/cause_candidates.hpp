@@ -23,6 +23,7 @@ struct CauseCandidate {
   double start = 0.0, least = 0.0, most = 0.0, step = 0.0;
   /// Leaves out the beginning or the end of the records.
   enum class LeavesOut { nothing, beginning, end } leaves_out = LeavesOut::nothing;
+  bool shows_late = false;  ///< over parts of the records it explains no more than others do
 
   bool has_number() const { return step > 0; }
 };

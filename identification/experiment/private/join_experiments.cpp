@@ -28,7 +28,7 @@ bool same_scene(const Scene& a, const Scene& b) {
 }
 
 bool same_sensor(const Sensor& a, const Sensor& b) {
-  const auto name = [](const Sensor& s) { return s.at_rest ? s.at_rest->name : std::string(); };
+  const auto name = [](const Sensor& s) { return s.quantity ? s.quantity->name : std::string(); };
   return name(a) == name(b) && a.on.kind == b.on.kind && a.on.body_a == b.on.body_a && a.on.body_b == b.on.body_b &&
          a.on.joint == b.on.joint && a.on.a == b.on.a && a.on.b == b.on.b && a.element == b.element &&
          a.stops == b.stops && a.axis == b.axis && a.by_time == b.by_time && a.noise_known == b.noise_known &&

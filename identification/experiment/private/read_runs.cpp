@@ -39,7 +39,7 @@ struct RunTable {
 class RunsReader {
  public:
   RunsReader(const TomlTable& root, const SceneNames& names, Experiment& experiment)
-      : tables_(root.tables("run")), names_(names), experiment_(experiment) {
+      : tables_(root.tables("run")), rests_too_(root.has("static")), names_(names), experiment_(experiment) {
     if (tables_.empty() && !root.has("static")) root.place().fail("run: expected at least one run; add [[run]]");
   }
 
@@ -90,7 +90,7 @@ class RunsReader {
                         "data", "duration", "rate", "seed"});
       read_simulation(table, run);
     }
-    read_sensors(table, experiment_, run);
+    read_sensors(table, experiment_, rests_too_, run);
     if (written.measured) want_columns(run, written.source);
     Scene scene = experiment_.scene;
     run.changes = read_parameter_changes(table, scene);
@@ -506,6 +506,7 @@ class RunsReader {
   }
 
   std::vector<TomlTable> tables_;
+  bool rests_too_;
   const SceneNames& names_;
   Experiment& experiment_;
   NameLines taken_;

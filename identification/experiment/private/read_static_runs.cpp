@@ -54,7 +54,7 @@ class StaticRunsReader {
     run.rows = 1;  // as a run at rest has, for read_sensors()
     run.unknown_start = false;
     table.allow_keys({"name", "set", "labels", "sensors", "inputs", "data", "every", "readings", "repeat", "seed"});
-    read_sensors(table, experiment_, run);
+    read_sensors(table, experiment_, true, run);
     if (run.sensors.empty()) {
       for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) run.sensors.push_back(k);
     }

@@ -16,7 +16,7 @@ void expect_none(const TomlTable& table, std::initializer_list<const char*> keys
   }
 }
 
-void read_sensors(const TomlTable& table, const Experiment& experiment, Run& run) {
+void read_sensors(const TomlTable& table, const Experiment& experiment, bool rests_too, Run& run) {
   const std::vector<Sensor>& sensors = experiment.sensors;
   const auto is_read = [&](const Sensor& sensor) {
     return run.is_at_rest() ? sensor.is_of_rest() : sensor.is_of_motion();
@@ -25,14 +25,18 @@ void read_sensors(const TomlTable& table, const Experiment& experiment, Run& run
   if (table.has("sensors") && names.empty()) {
     table.place_of("sensors").fail("expected the name of a sensor; leave the key out for all");
   }
-  if (names.empty() && !std::all_of(sensors.begin(), sensors.end(), is_read)) {
+  const auto is_read_by_default = [&](const Sensor& sensor) {
+    return is_read(sensor) && (run.is_at_rest() || !sensor.quantity || !rests_too);
+  };
+  if (names.empty() && !std::all_of(sensors.begin(), sensors.end(), is_read_by_default)) {
     for (std::size_t k = 0; k < sensors.size(); ++k) {
-      if (is_read(sensors[k])) run.sensors.push_back(k);
+      if (is_read_by_default(sensors[k])) run.sensors.push_back(k);
     }
     if (run.sensors.empty()) {
-      table.place().fail(run.is_at_rest() ? "expected a sensor that reads at rest, all read what only motions have; add one"
-                                          : "expected a sensor that reads motions, all read what only a mechanism at "
-                                            "rest has; add one, or make it [[static]]");
+      table.place().fail(run.is_at_rest()
+                             ? "expected a sensor that reads at rest, all read what only motions have; add one"
+                             : "expected a sensor that reads motions, all read what only a mechanism at "
+                               "rest has; add one, or make it [[static]]");
     }
   }
   std::vector<std::string> valid;
@@ -47,9 +51,9 @@ void read_sensors(const TomlTable& table, const Experiment& experiment, Run& run
     if (!is_read(sensors[k])) {
       name.place.fail(run.is_at_rest()
                           ? "expected a sensor that reads at rest, \"" + name.value +
-                                "\" reads rates or impacts; leave it out"
+                                "\" reads what only motions have; leave it out"
                           : "expected a sensor that reads motions, \"" + name.value + "\" reads " +
-                                sensors[k].at_rest->name + ", which a run at rest alone has; leave it out");
+                                sensors[k].quantity->name + ", which a run at rest alone has; leave it out");
     }
     run.sensors.push_back(k);
   }

@@ -138,8 +138,11 @@ class ActingIn50Digits {
   bool chosen_ = false;
 };
 
-bool has_50_digits(const RunModel& run, const Scene& scene) {
+bool has_50_digits(const RunModel& run, const std::vector<Sensor>& sensors, const Scene& scene) {
   if (run.is_at_rest() || run.has_equilibrium() || run.has_inputs() || !scene.drives.empty()) return false;
+  for (std::size_t k = 0; k < run.times().size(); ++k) {
+    if (!run.times()[k].empty() && sensors[k].quantity) return false;
+  }
   return run.sensor_numbers().empty() &&
          std::none_of(run.numbers().begin(), run.numbers().end(),
                       [](const SceneParameter& number) { return number.is_geometric(); });
@@ -183,7 +186,7 @@ std::optional<Matrix50> all_rows(const FitProblem& problem, const std::vector<Ru
   for (std::size_t r = 0; r < problem.runs(); ++r) {
     const RunModel::Actions& of = actions[r];
     if (of.states.empty() && !problem.run(r).is_at_rest()) continue;
-    if (of.has_impacts || !has_50_digits(problem.run(r), of.scene)) return std::nullopt;
+    if (of.has_impacts || !has_50_digits(problem.run(r), problem.experiment().sensors, of.scene)) return std::nullopt;
     const std::optional<Matrix50> rows = rows_of(problem, r, disturb ? displaced(of.scene) : of.scene, of.states);
     if (!rows) return std::nullopt;
     const Eigen::Index before = out.rows();
