@@ -10,6 +10,8 @@
 PRESET ?= $(if $(CI),ci,release)
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
+# Tests that look at pages wait for a browser half of their time.
+TEST_JOBS := $(shell expr $(JOBS) + 1)
 comma := ,
 BUILD := build$(addprefix -,$(filter daily debug clang,$(PRESET)))
 
@@ -23,7 +25,7 @@ run: app
 	$(BUILD)/poise compare datasets/toggle_clamp.toml --svg $(BUILD)/toggle_clamp.svg
 
 test: all
-	ctest --preset $(PRESET) -j $(JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
+	ctest --preset $(PRESET) -j $(TEST_JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
 
 # The Python module alone: builds it into build/python and runs its tests, some of which run the command line too.
 python: configure
