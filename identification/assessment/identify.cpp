@@ -52,9 +52,12 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
   say("fitting");
   out.fit = fit(problem, out.records, shared);
   out.misfit = gross_misfit(problem, out.fit, out.records);
-  if ((out.misfit || out.fit.status == FitStatus::failed) && !out.has_wrong_records()) {
+  if ((out.misfit || out.fit.status == FitStatus::failed) && !out.has_wrong_records() &&
+      shared.checks != Checks::none) {
     say("seeking the cause of the misfit");
     out.causes = misfit_causes(problem, out.fit, out.records, {.jobs = shared.jobs, .interrupt = shared.interrupt});
+    const bool interrupted = shared.interrupt != nullptr && shared.interrupt->load();
+    out.sought = interrupted ? Identification::Sought::interrupted : Identification::Sought::yes;
   }
   if (!out.fit.usable()) return out;
 

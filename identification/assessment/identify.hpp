@@ -33,6 +33,8 @@ struct Identification {
   std::vector<RecordFault> faults;  ///< record_faults()
   std::optional<GrossMisfit> misfit;
   std::vector<MisfitCause> causes;  ///< of it, or of a fit that failed; not sought where records are wrong
+  /// Nor without checks (Checks::none), or to the end where that was interrupted.
+  enum class Sought { yes, no, interrupted } sought = Sought::no;
 
   /// Whether some readings are no measurements.
   bool has_wrong_records() const {

@@ -144,6 +144,7 @@ Validation validate(const FitProblem& problem, const std::vector<Record>& record
     out.identification.push_back(found != nullptr ? found->rms : not_a_number);
   }
   out.ratio = ratio_of(out.fit, out.identification);
+  with.from = &out.fit;  // whose starts are no guesses any more
   with.held.clear();
   const Fit again = fit(problem, records, with);
   if (!again.usable()) return out;

@@ -39,8 +39,8 @@ struct Sensor {
   /// An accelerometer at the point on.b of a body reads  e . (a - g):  a its acceleration, g gravity, e the unit vector
   /// at this angle from the x axis of the body; else none.
   std::optional<double> axis{};
-  std::optional<SoughtQuantity> quantity{};  ///< what else it reads
-  bool quantity_moves = false;               ///< of mechanisms that move too; else of those at rest alone
+  std::optional<SoughtQuantity> quantity{};             ///< what else it reads
+  bool quantity_rests = false, quantity_moves = false;  ///< of mechanisms at rest, and of those that move
   std::string name;
   std::string column;  ///< of a data file
   bool gaps = false;   ///< empty cells and NaN of the column mean that it was not read at that time
@@ -65,7 +65,9 @@ struct Sensor {
   bool reads_rate() const { return is_of_measure() && by_time == 1; }
   bool reads_acceleration() const { return is_accelerometer() || by_time == 2; }
   /// Whether a mechanism at rest has what it reads, and whether one that moves has.
-  bool is_of_rest() const { return !reads_impacts() && !is_accelerometer() && by_time == 0; }
+  bool is_of_rest() const {
+    return quantity ? quantity_rests : !reads_impacts() && !is_accelerometer() && by_time == 0;
+  }
   bool is_of_motion() const { return !quantity || quantity_moves; }
   /// Whether it reads an angle itself, not its rate or an effort.
   bool reads_angle() const { return on.is_angle() && reads_measure(); }

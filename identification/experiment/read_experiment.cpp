@@ -150,10 +150,12 @@ class ExperimentReader {
       table.place_of("rate").fail("d(A)/dt is a rate already; leave it out");
     }
     if (table.flag("rate", false)) {
-      if (sensor.reads_force() || sensor.is_accelerometer()) {
+      if (!sensor.reads_impacts() && !sensor.is_of_measure()) {
         table.place_of("rate").fail(
             fmt::format("expected the rate of a position or angle; the rate of {} is not available",
-                        sensor.reads_force() ? "a force" : "an acceleration"));
+                        sensor.reads_force()        ? "a force"
+                        : sensor.is_accelerometer() ? "an acceleration"
+                                                    : sensor.quantity->name));
       }
       sensor.by_time = 1;
     }
@@ -273,46 +275,57 @@ class ExperimentReader {
     if (is_measure && by_time <= 2)
       sensor.by_time = by_time;
     else
-      sensor.quantity = read_at_rest(name);
-    sensor.quantity_moves = sensor.quantity && moves(found) && by_time == 0;
+      read_other(name, by_time == 0 ? std::optional(found) : std::nullopt, sensor);
     return unit;
+  }
+
+  /// A quantity that is no measure, as it was found of motions, unless it has none there.
+  void read_other(const TomlText& name, const std::optional<SoughtQuantity>& in_motion, Sensor& sensor) const {
+    sensor.quantity_moves = in_motion && moves(*in_motion);
+    sensor.quantity = at_rest(name);
+    sensor.quantity_rests = sensor.quantity.has_value();
+    if (!sensor.quantity && sensor.quantity_moves) sensor.quantity = in_motion;
+    if (sensor.quantity && !sensor.quantity_moves && !root_.has("static")) {
+      name.place.fail(fmt::format("{} belongs to mechanisms at rest; expected a quantity of motions, or add [[static]]",
+                                  name.value));
+    }
+    if (sensor.quantity) return;
+    name.place.fail(fmt::format(
+        "sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT between two points "
+        "or bodies, their d(A)/dt and d(d(A)/dt)/dt, other quantities of a motion without rates, and at rest "
+        "all quantities but stresses, modes and those over a path; found {}",
+        name.value));
   }
 
   /// Whether a motion has this quantity at each time by itself.
   static bool moves(const SoughtQuantity& of) {
     using Kind = SoughtQuantity::Kind;
-    constexpr std::array those = {Kind::measure,    Kind::number,  Kind::element_force, Kind::drive_force,
-                                  Kind::reaction,   Kind::energy,  Kind::stop_reaction, Kind::sum,
-                                  Kind::difference, Kind::product, Kind::quotient};
+    constexpr std::array those = {Kind::measure,  Kind::number,         Kind::element_force, Kind::drive_force,
+                                  Kind::reaction, Kind::stop_reaction,  Kind::shaking,       Kind::blade_force,
+                                  Kind::energy,   Kind::kinetic_energy, Kind::element_rate,  Kind::ratio,
+                                  Kind::center,   Kind::transmission,   Kind::sum,           Kind::difference,
+                                  Kind::product,  Kind::quotient};
     return std::find(those.begin(), those.end(), of.kind) != those.end() &&
            std::all_of(of.of.begin(), of.of.end(), moves);
   }
 
-  /// A quantity that equilibria have, with derivatives.
-  SoughtQuantity read_at_rest(const TomlText& name) const {
-    const auto fail = [&] {
-      name.place.fail(
-          fmt::format("sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT "
-                      "between two points or bodies, d(A)/dt of these and its d(d(A)/dt)/dt, or force.SPRING, and at "
-                      "rest all quantities but "
-                      "stresses, modes and those over a path; found {}",
-                      name.value));
-    };
+  /// A quantity that equilibria have, with derivatives; none where they have no such.
+  std::optional<SoughtQuantity> at_rest(const TomlText& name) const {
     using Kind = SoughtQuantity::Kind;
     std::optional<SoughtQuantity> out;
     try {
       out = find_quantity(experiment_.scene, name.value, AskedOf::rest);
     } catch (const InputError&) {
-      fail();
+      return std::nullopt;
     }
     constexpr std::array without_derivatives = {Kind::stress, Kind::frequency, Kind::damping};
     // At a fold a quantity is the load itself: expressions of it have no derivatives.
     const bool mixes_fold = out->kind != Kind::load_at_fold && out->has(Kind::load_at_fold);
     if (out->is_over_path() || mixes_fold ||
         std::any_of(without_derivatives.begin(), without_derivatives.end(), [&](Kind k) { return out->has(k); })) {
-      fail();
+      return std::nullopt;
     }
-    return *out;
+    return out;
   }
 
   /// angle = "b" from the ground, or angle = ["a", "b"] from a to b.

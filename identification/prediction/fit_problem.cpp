@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "model/input_error.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/parallel.hpp"
 
@@ -75,14 +76,23 @@ Prediction predict(const RunModel& model, const std::vector<double>& unknowns, c
                    double* found = nullptr) {
   Prediction out;
   const bool examined = may_be_chaotic(model);
+  // A start that is tried may be one that the mechanism cannot have, as beyond a stop.
+  const auto compute = [&](double to, bool derivatives) {
+    try {
+      model.predict(unknowns.data(), nuisances.data(), until, to, derivatives, out, interrupt);
+    } catch (const InputError& error) {
+      out.ok = false;
+      out.why = error.what();
+    }
+  };
   const double first = found != nullptr && *found > 0.0 ? std::min(*found, accuracy) : accuracy;
-  model.predict(unknowns.data(), nuisances.data(), until, first, jacobian || examined, out, interrupt);
+  compute(first, jacobian || examined);
   if (!out.ok || !examined) return out;
   const double finer = std::max(finest_accuracy, accuracy * harmless_growth / growth_of_errors(model, out, until));
   const bool is_known = first < accuracy;
   if (found != nullptr) *found = first;
   if (!(finer < (is_known ? nearly_known * first : accuracy))) return out;
-  model.predict(unknowns.data(), nuisances.data(), until, finer, jacobian, out, interrupt);
+  compute(finer, jacobian);
   if (found != nullptr) *found = finer;
   return out;
 }

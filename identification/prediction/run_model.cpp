@@ -575,7 +575,7 @@ RunModel::Oscillator RunModel::oscillator(const double* unknowns, double equilib
 
 std::vector<double> RunModel::natural_frequencies(const double* unknowns, double equilibrium,
                                                   const std::vector<double>& pose) const {
-  if (is_at_rest()) return {};
+  if (is_at_rest() || freedoms_ == 0) return {};
   const Built built = build(unknowns, equilibrium, false);
   if (!built.model) return {};
   const MotionModel& model = *built.model;

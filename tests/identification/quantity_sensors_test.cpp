@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "identification/fit/fit.hpp"
 #include "identification/identifiability/identifiability.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
@@ -147,7 +148,8 @@ TEST_F(QuantitySensors, KnowTheForcesThatWereRead) {
 TEST_F(QuantitySensors, HaveDerivatives) {
   folder_.write("scene.toml", four_bar);
   std::string text = head + sensor("B", "reaction.B", 0.1, "factor = 1.1\nzero = 0.2\ndelay = 0.004") +
-                     sensor("D", "reaction.D.y - 0.3*reaction.A.x", 0.1) + sensor("C", "reaction.C.x", 0.1);
+                     sensor("D", "reaction.D.y - 0.3*reaction.A.x", 0.1) + sensor("C", "reaction.C.x", 0.1) +
+                     sensor("damper", "force.oil", 0.1);
   for (const char* const path :
        {"body.crank.mass", "body.coupler.inertia", "body.rocker.center.x", "point.coupler.C.x", "point.ground.S.x",
         "gravity.y", "spring.coil.stiffness", "torsion_damper.oil.coefficient", "load.M", "load.M.time.frequency",
@@ -175,6 +177,36 @@ TEST_F(QuantitySensors, TellTheMass) {
   const Identifiability found = assess(two, two.truths(), test::released(two));
   EXPECT_EQ(found.rank, 3);
   test::expect_found(with, 0.1);
+}
+
+TEST_F(QuantitySensors, SayWhatIsWrong) {
+  const auto says = [&](const std::string& sensor) { return error(head + sensor + swing); };
+  EXPECT_EQ(says(sensor("s", "push.rod.P.x", 0.1)),
+            "experiment.toml:4: sensor \"s\".read: push.rod.P.x belongs to mechanisms at rest; expected a quantity of "
+            "motions, or add [[static]]");
+  EXPECT_EQ(says(sensor("s", "energy", 0.1, "rate = true")),
+            "experiment.toml:6: sensor \"s\".rate: expected the rate of a position or angle; the rate of energy is not "
+            "available");
+}
+
+// Where drives leave no freedom a measured run is inverse dynamics: a motor's torque tells the moment of inertia.
+TEST_F(QuantitySensors, ReadTheTorqueOfADriveThatLeavesNoFreedom) {
+  folder_.write("scene.toml", pendulum + "[[drive]]\nname = \"motor\"\nangle = \"rod\"\nrate = 0\n");
+  std::string text = "time,angle,torque";
+  for (int i = 0; i <= 200; ++i) {
+    const double t = 0.01 * i, a = -1.2 + 0.5 * std::sin(5 * t), by = -12.5 * std::sin(5 * t);
+    const double noise = 1e-3 * std::sin(1e3 * i * i);
+    text += fmt::format("\n{:.17g},{:.17g},{:.17g}", t, a, 0.25 * by + 2 * 9.81 * 0.3 * std::cos(a) + noise);
+  }
+  folder_.write("driven.csv", text + "\n");
+  const Experiment e = read(head + "set = { \"load.push\" = 0 }\n" + sensor("torque", "force.motor", 1e-3) +
+                            unknown("body.rod.inertia", "start = 0.1") +
+                            "[[run]]\ndata = \"driven.csv\"\ninputs = { \"drive.motor\" = \"angle\" }\n");
+  const FitProblem problem(e);
+  EXPECT_TRUE(problem.run(0).natural_frequencies(problem.starts().data(), 0.0, {}).empty());
+  const Fit found = fit(problem, problem.records());
+  ASSERT_TRUE(found.usable()) << found.why;
+  EXPECT_NEAR(found.estimates[0].value, 0.07, 1e-4);
 }
 
 TEST_F(QuantitySensors, BelongToReadingsAtRestWhereThereAreAny) {

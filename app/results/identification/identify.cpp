@@ -65,7 +65,11 @@ bool all_noise_estimated(const FitProblem& problem, const Fit& fitted) {
 /// "phi2"), 1.01 times the noise then; or ..."
 std::string causes_in_words(const Identification& answer) {
   if (answer.has_wrong_records()) return "; the records have faults, which are named below";
-  if (answer.causes.empty()) return answer.misfit ? "; none of the usual causes explains it" : "";
+  if (answer.causes.empty() && answer.misfit) {
+    return answer.sought == Identification::Sought::yes           ? "; none of the usual causes explains it"
+           : answer.sought == Identification::Sought::interrupted ? "; the search for its cause was interrupted"
+                                                                  : "; its cause was not sought";
+  }
   std::string out;
   for (const MisfitCause& cause : answer.causes) {
     out += fmt::format("{}{} ({}), {} times the noise then", out.empty() ? "; " : "; or ", cause.words, cause.cure,
