@@ -1046,7 +1046,7 @@ TEST(JsonDocs, Identify) {
   check_section(
       "identify",
       {{{"identify", scene("lift_experiment_four_runs"), "--set", "damper.oil film.coefficient=4100"}, with_csv},
-       {{"identify", scene("lift_experiment_empty")}},
+       {{"identify", scene("lift_experiment_empty"), "--quick"}},
        {{"identify", folder.write("measured.toml", experiment), "--profile", "spring.oil.stiffness", "--bootstrap",
          "20"}},
        {{"identify", folder.write("aliased.toml", aliased)}},

@@ -239,5 +239,36 @@ TEST_F(TimesOfImpacts, RefuseWhatTheyCannotHave) {
             "\"flor\"; did you mean \"floor\"?");
 }
 
+// A step of a search may begin where the mechanism cannot be: it costs too much, and the search goes on.
+TEST(Impacts, AStartBeyondAStopIsRejected) {
+  const std::string scene = R"(
+[ground]
+points = { O = [0, 0] }
+[body.cart]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "rail"
+points = ["ground.O", "cart.C"]
+axis = [1, 0]
+[[stop]]
+name = "wall"
+slide = "rail"
+max = 1
+[[spring]]
+name = "coil"
+slide = "rail"
+stiffness = 20
+free_length = 0
+)";
+  Experiment e = with(scene, {sensor_of("x", Measure::travel_of(0))}, {"spring.coil.stiffness"});
+  e.runs = {test::simulated(50, 50, {{.joint = 0, .value = 0.5}})};
+  const FitProblem problem(e);
+  std::vector<std::vector<double>> starts = test::released(problem);
+  EXPECT_TRUE(std::isfinite(problem.cost(problem.starts(), starts, problem.records(), problem.weighting(), 1)));
+  starts[0][0] = 2.0;
+  EXPECT_TRUE(std::isinf(problem.cost(problem.starts(), starts, problem.records(), problem.weighting(), 1)));
+}
+
 }  // namespace
 }  // namespace poise::impacts_test
