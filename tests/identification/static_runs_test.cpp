@@ -410,7 +410,7 @@ TEST(StaticRuns, BadInputIsNamed) {
                      "sensors = [\"v\"]\n" + weights)
                 .find("reads what only motions have"),
             std::string::npos);
-  EXPECT_NE(error_of("[[sensor]]\nname = \"R\"\nread = \"force.lift\"\nnoise = 1\n" + head + weights +
+  EXPECT_NE(error_of("[[sensor]]\nname = \"R\"\nread = \"fold.load.W\"\nnoise = 1\n" + head + weights +
                      "[[run]]\nsensors = [\"R\"]\nduration = 1\nrate = 10\n")
                 .find("which a run at rest alone has"),
             std::string::npos);
