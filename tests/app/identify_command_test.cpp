@@ -592,7 +592,8 @@ TEST(IdentifyCommand, SaysThatAQuickFitWasNotExamined) {
   const json quick = run_json(folder, {"identify", file, "--quick"}, 0);
   EXPECT_EQ(quick["unexamined"].size(), 3U);
   EXPECT_EQ(quick["check_evaluations"], 0);
-  EXPECT_TRUE(has(run_poise({"identify", file, "--quick"}).out, "Not all examined, to save time: the cost away from the minimum, other minima, fits without a run."));
+  EXPECT_TRUE(has(run_poise({"identify", file, "--quick"}).out,
+                  "Not all examined, to save time: the cost away from the minimum, other minima, fits without a run."));
   EXPECT_TRUE(run_json(folder, {"identify", file}, 0)["unexamined"].empty());
   EXPECT_EQ(run_poise({"identify", file, "--quick", "--thorough"}).exit_code, 2);
 }

@@ -16,8 +16,7 @@ std::vector<Minimum> minima_with_other_states(const FitTask& task, const Weighte
                                               FitEffort& effort);
 
 /// Finds minima from twins(): other dimensions with which the mechanism moves alike.
-std::vector<Minimum> minima_of_twins(const FitTask& task, const WeightedMinimum& at, Fit& fitted,
-                                     FitEffort& effort);
+std::vector<Minimum> minima_of_twins(const FitTask& task, const WeightedMinimum& at, Fit& fitted, FitEffort& effort);
 
 /// Makes the fit ambiguous where some of these minima are as good as its own, and other than its intervals say; then
 /// estimates are withheld that differ between them.
