@@ -917,6 +917,7 @@ def identify(
     start: str | None = None,
     continue_: Path | Found | None = None,
     quick: bool = False,
+    thorough: bool = False,
     bootstrap: int | None = None,
     profile: Words | None = None,
     accept_misfit: bool = False,
@@ -945,6 +946,8 @@ def identify(
     continue_: Go on from what an interrupted fit had reached: its --json FILE
     quick: Leave out what puts the minimum in question: the cost away from
         it, other minima, fits without a run
+    thorough: Put the minimum in question however long that takes, not only
+        for a fifth of the work of the fit
     bootstrap: Refit N records resampled from blocks of the residuals, for standard
         errors that assume no model of them
     profile: Find the profile likelihood of an unknown, and its 95 % interval;
@@ -962,6 +965,7 @@ def identify(
         "--start": start,
         "--continue": continue_,
         "--quick": quick,
+        "--thorough": thorough,
         "--bootstrap": bootstrap,
         "--profile": profile,
         "--accept-misfit": accept_misfit,
