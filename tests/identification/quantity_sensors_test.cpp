@@ -191,7 +191,7 @@ TEST_F(QuantitySensors, SayWhatIsWrong) {
 
 // Where drives leave no freedom a measured run is inverse dynamics: a motor's torque tells the moment of inertia.
 TEST_F(QuantitySensors, ReadTheTorqueOfADriveThatLeavesNoFreedom) {
-  folder_.write("scene.toml", pendulum + "[[drive]]\nname = \"motor\"\nangle = \"rod\"\nrate = 0\n");
+  folder_.write("scene.toml", pendulum + "[[drive]]\nname = \"motor\"\nbodies = [\"ground\", \"rod\"]\nrate = 0\n");
   std::string text = "time,angle,torque";
   for (int i = 0; i <= 200; ++i) {
     const double t = 0.01 * i, a = -1.2 + 0.5 * std::sin(5 * t), by = -12.5 * std::sin(5 * t);
