@@ -318,7 +318,7 @@ std::optional<double> forgets_start_after(const FitProblem& problem, const Fit& 
     run.predict(problem.unknowns_of(r, fitted.parameters).data(), fitted.runs[r].nuisances.data(), INFINITY,
                 problem.accuracy(r), true, predicted);
     if (!predicted.ok) continue;
-    // By start and sensor: those in the beginning, the largest, and when they have grown.
+    // Each start and sensor has its own largest change in the beginning, largest of all, and time when it has grown.
     std::size_t row = 0;
     for (const std::vector<double>& times : run.times()) {
       for (std::size_t c = width - starts; c < width; ++c) {

@@ -35,8 +35,8 @@ struct Curvature {
   std::optional<Fit> better;  ///< a point with a lower cost was found: the fit had not reached the minimum
 };
 
-/// Of a usable fit with its standard errors. `linear`: the runs linearized there. Ends after `most` evaluations with
-/// what was found until then.
+/// Finds the curvature of a usable fit with its standard errors. `linear` are the runs linearized there. The search
+/// ends after `most` evaluations with what was found until then.
 Curvature find_curvature(const FitProblem& problem, const std::vector<Record>& records, const Fit& fitted,
                          const std::vector<LinearRun>& linear, const FitOptions& options,
                          int most = std::numeric_limits<int>::max());

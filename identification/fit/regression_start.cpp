@@ -8,10 +8,10 @@
 namespace poise {
 namespace {
 
-/// Of all runs together.
+/// All runs together have about the first number of states, and each has one between the others.
 constexpr std::size_t most_states = 2000, least_states_of_run = 20, most_states_of_run = 400;
 constexpr int most_regressions = 20, most_halvings = 6;
-/// Of a number's scale: the step of its difference.
+/// A number is moved by this part of its scale for a difference.
 constexpr double regression_step = 1e-5;
 /// The sum falls by less than this part of it at the end.
 constexpr double regression_flat = 1e-4;

@@ -26,7 +26,8 @@ constexpr double least_pivot = 1e-3;
 /// Further impacts at the same limit tell the same.
 constexpr std::ptrdiff_t most_impacts_of_side = 2;
 
-/// Of the terms of what differences give, and of a quantity itself for a change of a number by all of it.
+/// The derivatives of a quantity are wrong by this part of their terms, and by this part of the quantity itself where a
+/// number changes by all of it.
 constexpr double lost_in_differences = 1e-7, lost_in_quantity = 1e-10;
 
 /// An unknown number of a sensor that is read.
@@ -70,7 +71,7 @@ struct Acting {
   std::vector<std::optional<SensorReader>> readers;                 // none of one that reads a quantity
   std::vector<std::vector<std::optional<SensorVariation>>> varied;  // by variation and sensor
   std::vector<std::optional<VariedQuantity>> quantities;            // none of the others
-  // Of the derivatives of alpha by at() the size of what they are sums of, and of those of quantities their error.
+  // They hold the sizes of what the derivatives of alpha by at() are sums of, and the errors of those of quantities.
   Eigen::MatrixXd terms, unsure;
 
   Eigen::Index rows() const { return reduced.freedoms() + static_cast<Eigen::Index>(sensors.size()); }
@@ -435,7 +436,7 @@ class RunModel::ActionRows {
     return out;
   }
 
-  /// Of the sensors that are read.
+  /// Gives the sensors that are read their quantities in a model; none where they read a measure.
   std::vector<std::optional<VariedQuantity>> quantities_in(const std::shared_ptr<const MotionModel>& model) const {
     std::vector<std::optional<VariedQuantity>> out;
     for (std::size_t k = 0; k < run_.times_.size(); ++k) {

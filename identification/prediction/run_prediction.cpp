@@ -141,7 +141,7 @@ class RunModel::Readings {
     places_[k] = places_of(readers_[k]->coordinates());
     for (std::size_t i = 0; jacobian && i < run_.numbers_.size(); ++i) {
       const int variation = built_.influences[i].variation;
-      // Of the numbers of the whole scene, which are gravity's, only accelerometers have any.
+      // The numbers of the whole scene are gravity's, which only accelerometers feel.
       if (variation < 0 || (run_.numbers_[i].place().owner == Owner::scene && !sensor.is_accelerometer())) continue;
       SensorVariation reader(built_.variations[static_cast<std::size_t>(variation)], sensor);
       if (!reader.acts()) continue;

@@ -391,7 +391,7 @@ class RunsReader {
     add_run(std::move(run), std::move(piece.record));
   }
 
-  /// Of the last reading, s.
+  /// Returns the time of the last reading, s, or the duration of a simulated run.
   static double end_of(const Record& record, const Run& run) {
     double end = run.duration;
     for (const Series& series : record.sensors) {

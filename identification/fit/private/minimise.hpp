@@ -30,7 +30,7 @@ struct Minimum {
 Minimum minimise(const FitTask& task, const Weighting& weighting, const FitPoint& start, double window,
                  FitEffort& effort);
 
-/// The same over the whole records, to put a minimum in question: its evaluations count as those of checks.
+/// Does the same over the whole records, to put a minimum in question: its evaluations count as those of checks.
 Minimum minimise_as_check(const FitTask& task, const Weighting& weighting, const FitPoint& start, FitEffort& effort);
 
 }  // namespace poise

@@ -185,16 +185,18 @@ class StartSearch {
     return true;
   }
 
+  /// Returns the first guess of a run's nuisances with these parameters.
+  std::vector<double> guess(std::size_t r, const std::vector<double>& parameters) const {
+    return first_guess(task_.problem.run(r), task_.problem.unknowns_of(r, parameters), for_guesses()[r]);
+  }
+
   /// Starts from the numbers with which the equations of motion have the accelerations of the readings.
   void attempt_regression() {
     task_.say("fitting the equations of motion to smoothed readings");
     const std::optional<std::vector<double>> parameters = start_from_regression(task_.problem, for_guesses());
     if (!parameters) return;
     FitPoint point{*parameters, {}};
-    for (std::size_t r = 0; r < task_.problem.runs(); ++r) {
-      const RunModel& run = task_.problem.run(r);
-      point.nuisances.push_back(first_guess(run, task_.problem.unknowns_of(r, *parameters), for_guesses()[r]));
-    }
+    for (std::size_t r = 0; r < task_.problem.runs(); ++r) point.nuisances.push_back(guess(r, *parameters));
     const double before = out_.best.cost;
     if (attempt(std::move(point), {0.03, 0.08, 0.2, 0.45, 1.0}) < before) {
       out_.start = "from the equations of motion fitted to smoothed readings, no guess needed";
@@ -217,9 +219,7 @@ class StartSearch {
     }
     for (std::size_t r = 0; r < problem.runs(); ++r) {
       const bool known = before != nullptr && retry == 0 && r < before->runs.size();
-      point.nuisances.push_back(
-          known ? before->runs[r].nuisances
-                : first_guess(problem.run(r), problem.unknowns_of(r, point.parameters), for_guesses()[r]));
+      point.nuisances.push_back(known ? before->runs[r].nuisances : guess(r, point.parameters));
     }
     return point;
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -48,11 +47,11 @@ class VariedQuantity {
   VariedQuantity(QuantityReader here, std::vector<Number> numbers);
 
   double read(double t, const MovingState& state) { return here_.read(t, state); }
-  /// Along a change of the state, as large as that of the scene where it is 1.
+  /// Returns the derivative along a change of the state, which may have any size.
   double along(double t, const MovingState& state, const MovingState& change);
-  /// By time, of a motion with these derivatives of its accelerations.
+  /// Returns the derivative by time along a motion whose accelerations have these derivatives.
   double by_time(double t, const MovingState& state, std::vector<double> jerk);
-  /// By number i, at a fixed state.
+  /// Returns the derivative by number i at a fixed state.
   double by_number(std::size_t i, double t, const MovingState& state);
 
  private:
