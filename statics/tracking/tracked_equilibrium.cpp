@@ -468,10 +468,12 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
   std::vector<Vec2>& along = hand.along;
   along = walk->directions();
   std::optional<Found> found;
+  std::vector<Vec2> held_along;  // in what was found, which the way may turn out of
   const auto with_hand_at = [&](Vec2 there) { return with_hand(started_at(scene_, now.poses), hand.at, along, there); };
   now.scene = with_hand_at(walk->place());
   if (!equilibrium_.found() || (hand_ && hand_->at != hand.at)) {
     found = settled_from(now.scene, {now.poses}, true, why, out, limits);
+    held_along = along;
     now = position_of(*found->model, found->equilibrium);
     walk.emplace(started_at(scene_, now.poses), hand.at, options_.interrupt);
     along = walk->directions();
@@ -538,6 +540,7 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     Transition step;
     now.scene = with_hand_at(place_of(scene_, now.poses, hand.at));
     found = moved(now, with_hand_at(there), why, step, last_limits);
+    held_along = along;
     now = position_of(*found->model, found->equilibrium);
     for (std::string& words : step.passed) out.passed.push_back(std::move(words));
     for (Transition::Course& course : step.courses) out.courses.push_back(std::move(course));
@@ -567,9 +570,9 @@ TrackedEquilibrium::Found TrackedEquilibrium::dragged_to(Vec2 place, Hand& hand,
     way.kind = Transition::Kind::blocked;
     way.why = no_further;
   }
-  const std::vector<Vec2> last = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
-  if (!found || (last != along && !last.empty())) {
-    if (!last.empty()) along = last;
+  std::vector<Vec2> last = DraggedPoint(started_at(scene_, now.poses), hand.at).directions();
+  if (!last.empty()) along = std::move(last);
+  if (!found || held_along != along) {
     found = found_at(with_hand_at(place_of(scene_, now.poses, hand.at)), now.poses, expected_place);
   }
   if (out.kind != Transition::Kind::snapped && out.kind != Transition::Kind::settled) {

@@ -396,6 +396,22 @@ TEST(TrackedEquilibrium, DragsOfBoundedWorkComeToWhereOneWithoutLimitsDoes) {
   EXPECT_LT(apart(live.poses(), free.poses()), 1e-6);
 }
 
+// A parallelogram that hangs straight: a point can be held in one direction there, and in two a little beside it.
+TEST(TrackedEquilibrium, TheHandIsHeldInTheDirectionsThatItsStopsHave) {
+  const Scene scene = read_scene(test::dataset("three_motor_robot.toml"));
+  const PointRef point{3, 0};
+  ASSERT_EQ(scene.name_of(point), "rod.L");
+  for (int k = 0; k < 12; ++k) {
+    TrackedEquilibrium live(scene);
+    live.drag(point, place_of(live, point) + 0.1 * unit(k * M_PI / 6), {.settling_steps = 0, .near_enough = 1e-4});
+    ASSERT_TRUE(live.equilibrium().found()) << k;
+    EXPECT_EQ(live.scene_with_hand().stops.size(), scene.stops.size() + live.hand_stops()) << k;
+    // Nothing else holds the point: what the hand exerts balances the bodies.
+    TrackedEquilibrium again(started_at(live.scene_with_hand(), live.poses()));
+    EXPECT_LT(apart(again.poses(), live.poses()), 1e-6) << k;
+  }
+}
+
 TEST(TrackedEquilibrium, AnArmThatIsDraggedBeyondItsReachKeepsItsBend) {
   TrackedEquilibrium live(two_arms());
   const PointRef tip{2, 1};
