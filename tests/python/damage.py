@@ -578,7 +578,8 @@ def doubles():
     yield Damage(rig, "exchanged", exchange("phi1", name), ('columns of "phi1" and "phi2" are exchanged',))
     yield Damage(rig, "from the other arm", relative("phi1", name), sensor(name, 'counts from "arm1"'))
     yield Damage(rig, "zero", column(name, plus(0.2)), (f'zero of the sensor "{name}" is off',))
-    yield Damage(rig, "late", late(name, 4), sensor(name, "is late or early"))
+    # Nothing but the sensors tells the time: one that is late is the other that is early.
+    yield Damage(rig, "late", late(name, 4), (*sensor(name, "is late or early"), *sensor("phi1", "is late or early")))
     yield Damage(rig, "clipped", clipped(name, 0.15), ("are cut off at",))
     yield Damage(rig, "lost, seamless", lost(30, True), LOST)
     yield Damage(rig, "idle", idle(0.7), ("stands still until",))
