@@ -26,6 +26,7 @@ run: app
 
 test: all
 	ctest --preset $(PRESET) -j $(TEST_JOBS) $(if $(TESTS),--tests-regex '$(TESTS)')
+	@awk '/: Skipped$$/ { getline why; print "skipped: " why }' $(BUILD)/Testing/Temporary/LastTest.log | sort | uniq -c
 
 # The Python module alone: builds it into build/python and runs its tests, some of which run the command line too.
 python: configure
