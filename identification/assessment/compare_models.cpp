@@ -36,6 +36,16 @@ void expect_same_readings(const FitProblem& a, const FitProblem& b) {
     }
   }
   if (first.loss != second.loss) fail("the losses differ");
+  for (const Experiment* const one : {&first, &second}) {
+    for (const Run& run : one->runs) {
+      for (const RunInput& input : run.inputs) {
+        if (!(input.noise > 0)) continue;
+        throw InputError(fmt::format(
+            "{}: expected inputs without noise, found that of \"{}\" in run \"{}\"; leave it out of both experiments",
+            one->file, input.path, run.name));
+      }
+    }
+  }
   if (a.runs() != b.runs()) fail(fmt::format("{} runs here, {} there", b.runs(), a.runs()));
   for (std::size_t r = 0; r < a.runs(); ++r) {
     if (a.run(r).run().name != b.run(r).run().name) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -21,11 +22,26 @@ bool is_sampled(const RunInput& input) {
   return input.motion.of != MotionInput::Of::drive && input.motion.curve->breaks().size() >= least_input_readings;
 }
 
-/// The smooth curve through the breaks of one made of lines.
-std::shared_ptr<const TimeCurve> smooth(const TimeCurve& lines) {
+/// A smooth curve along the readings of an input, and straight lines between its values at these: the lines that join
+/// the readings, or, where these have noise, lines without it.
+struct SmoothAndLines {
+  std::shared_ptr<const TimeCurve> smooth, lines;
+};
+
+std::optional<SmoothAndLines> curves_of(const RunInput& input) {
+  const std::vector<double>& times = input.motion.curve->breaks();
   std::vector<double> values;
-  for (const double t : lines.breaks()) values.push_back(lines.at(t));
-  return std::make_shared<const TimeCurve>(TimeCurve::along(solvers::interpolating_spline(lines.breaks(), values)));
+  for (const double t : times) values.push_back(input.motion.curve->at(t));
+  if (!(input.noise > 0)) {
+    return SmoothAndLines{
+        std::make_shared<const TimeCurve>(TimeCurve::along(solvers::interpolating_spline(times, values))),
+        input.motion.curve};
+  }
+  const std::optional<solvers::QuinticSpline> spline = solvers::smoothing_spline(times, values, input.noise);
+  if (!spline) return std::nullopt;
+  auto smooth = std::make_shared<const TimeCurve>(TimeCurve::along(*spline));
+  for (std::size_t i = 0; i < times.size(); ++i) values[i] = smooth->at(times[i]);
+  return SmoothAndLines{std::move(smooth), std::make_shared<const TimeCurve>(TimeCurve::through(times, values))};
 }
 
 }  // namespace
@@ -46,24 +62,33 @@ std::vector<KnownEffect> input_effects(const FitProblem& problem, const Fit& fit
         unexplained(lines.rows.middleCols(run.nuisances(), run.unknowns()), lines.rows.leftCols(run.nuisances()));
     for (RunInput& input : inputs) {
       if (!is_sampled(input)) continue;
-      const auto as_read = std::exchange(input.motion.curve, smooth(*input.motion.curve));
-      const RunModel other(experiment, r, run.numbers(), run.sensor_numbers());
-      input.motion.curve = as_read;
-      Prediction there;
-      other.predict(problem.unknowns_of(r, fitted.parameters).data(), nuisances.data(), INFINITY, problem.accuracy(r),
-                    false, there);
-      if (!there.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + there.why);
-      Eigen::VectorXd change = -lines.rows.col(lines.rows.cols() - 1);
-      Eigen::Index row = 0;
-      for (std::size_t k = 0; k < records[r].sensors.size(); ++k) {
-        for (const double reading : records[r].sensors[k].value) {
-          change[row] += (there.reading[static_cast<std::size_t>(row)] - reading) / fitted.weighting.noise[k];
-          ++row;
+      const std::optional<SmoothAndLines> curves = curves_of(input);
+      if (!curves) continue;
+      const auto as_read = input.motion.curve;
+      const auto predicted = [&](const std::shared_ptr<const TimeCurve>& curve) {
+        input.motion.curve = curve;
+        const RunModel other(experiment, r, run.numbers(), run.sensor_numbers());
+        input.motion.curve = as_read;
+        Prediction out;
+        other.predict(problem.unknowns_of(r, fitted.parameters).data(), nuisances.data(), INFINITY, problem.accuracy(r),
+                      false, out);
+        if (!out.ok) throw std::runtime_error("run \"" + run.run().name + "\": " + out.why);
+        return out.reading;
+      };
+      const std::vector<double> smooth = predicted(curves->smooth), straight = predicted(curves->lines);
+      Eigen::MatrixXd change(lines.rows.rows(), 1);
+      for (std::size_t k = 0; k + 1 < lines.first.size(); ++k) {
+        for (Eigen::Index row = lines.first[k]; row < lines.first[k + 1]; ++row) {
+          const auto i = static_cast<std::size_t>(row);
+          change(row, 0) = (smooth[i] - straight[i]) / fitted.weighting.noise[k];
         }
+      }
+      if (const InputErrors* const errors = fitted.weighting.input_errors(r)) {
+        errors->whiten(change, lines.first, fitted.weighting.noise);
       }
       const auto count = static_cast<Eigen::Index>(problem.parameters().size());
       Eigen::VectorXd& sum = sums.try_emplace(input.path, Eigen::VectorXd::Zero(count)).first->second;
-      sum(problem.parameters_of(r)) += a.transpose() * change;
+      sum(problem.parameters_of(r)) += a.transpose() * change.col(0);
     }
   }
   std::vector<KnownEffect> out;

@@ -41,6 +41,15 @@ Eigen::VectorXd change_by_clock(const FitProblem& problem, const Fit& fitted, co
   return out;
 }
 
+/// Of the rows of run r: takes out what the noise of its inputs does, as in FitProblem::linearized().
+void whiten(const Fit& fitted, const std::vector<Record>& records, std::size_t r, Eigen::MatrixXd& rows) {
+  const InputErrors* const errors = fitted.weighting.input_errors(r);
+  if (errors == nullptr) return;
+  std::vector<Eigen::Index> first{0};
+  for (const Series& series : records[r].sensors) first.push_back(first.back() + std::ssize(series.value));
+  errors->whiten(rows, first, fitted.weighting.noise);
+}
+
 }  // namespace
 
 std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fitted,
@@ -96,6 +105,7 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
       jacobian.middleRows(row, readings) /= fitted.weighting.noise[k];
       row += readings;
     }
+    whiten(fitted, records, r, jacobian);
     Eigen::MatrixXd a(rows, of_scene + of_sensors);
     a << jacobian.leftCols(of_scene), jacobian.middleCols(of_scene + known_of_scene, of_sensors);
     a = unexplained(std::move(a), jacobian.rightCols(extended.nuisances()));
@@ -115,7 +125,9 @@ std::vector<KnownEffect> known_effects(const FitProblem& problem, const Fit& fit
     }
     for (const std::size_t n : of_clock) {
       const KnownNumber& known = experiment.known[n];
-      add(known, a.transpose() * change_by_clock(problem, fitted, records, r) * known.deviation);
+      Eigen::MatrixXd change = change_by_clock(problem, fitted, records, r);
+      whiten(fitted, records, r, change);
+      add(known, a.transpose() * change.col(0) * known.deviation);
     }
   }
   std::vector<KnownEffect> out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "model/parameters.hpp"
 
@@ -18,15 +19,32 @@ Dimension dimension_of(const Experiment& experiment, const Unknown& unknown) {
   return parameter(experiment.scene_of(unknown.part), unknown.path).dimension;
 }
 
-std::vector<std::string> measured_inputs(const Experiment& experiment) {
+namespace {
+
+std::vector<std::string> measured_inputs_that(const Experiment& experiment,
+                                              const std::function<bool(const RunInput&)>& are) {
   std::vector<std::string> paths;
   for (const Run& run : experiment.runs) {
     if (run.is_simulated()) continue;
     for (const RunInput& input : run.inputs) {
-      if (std::find(paths.begin(), paths.end(), input.path) == paths.end()) paths.push_back(input.path);
+      if (are(input) && std::find(paths.begin(), paths.end(), input.path) == paths.end()) paths.push_back(input.path);
     }
   }
   return paths;
+}
+
+}  // namespace
+
+std::vector<std::string> measured_inputs(const Experiment& experiment) {
+  return measured_inputs_that(experiment, [](const RunInput&) { return true; });
+}
+
+std::vector<std::string> exact_inputs(const Experiment& experiment) {
+  return measured_inputs_that(experiment, [](const RunInput& input) { return !(input.noise > 0); });
+}
+
+std::vector<std::string> noisy_inputs(const Experiment& experiment) {
+  return measured_inputs_that(experiment, [](const RunInput& input) { return input.noise > 0; });
 }
 
 std::string group_of(const std::string& per, const Run& run) {

@@ -148,6 +148,7 @@ struct Release {
 struct RunInput {
   std::string path;  ///< "load.motor", "drive.crank"
   MotionInput motion;
+  double noise = 0.0;          ///< of a load: standard deviation of a reading, SI, or as a part where it multiplies
   std::filesystem::path file;  ///< of its readings
   int line = 0;
 };
@@ -231,9 +232,11 @@ struct Experiment {
 double written_value(const Experiment& experiment, const Unknown& unknown);
 Dimension dimension_of(const Experiment& experiment, const Unknown& unknown);
 
-/// Paths of the loads and drives that follow readings in measured runs, each once: "load.motor". Their readings count
-/// as exact.
+/// Paths of the loads and drives that follow readings in measured runs, each once: "load.motor".
 std::vector<std::string> measured_inputs(const Experiment& experiment);
+/// Those of these whose readings count as exact, and the others, which have noise.
+std::vector<std::string> exact_inputs(const Experiment& experiment);
+std::vector<std::string> noisy_inputs(const Experiment& experiment);
 
 /// Whether the mechanism is still until a run's time 0, at its start: that is known, without speed, and nothing drives
 /// it.

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace poise {
+
+class InputErrors;
 
 /// What a residual of e standard deviations of the noise adds to the sum that a fit minimises, rho(e^2).
 enum class Loss {
@@ -28,7 +31,11 @@ inline constexpr std::array<std::string_view, 4> loss_words = {"squares", "huber
 struct Weighting {
   std::vector<double> noise;  ///< per sensor: standard deviation of a reading, SI
   Loss loss = Loss::squares;
+  /// Per run, or empty: what the noise of its inputs does to residuals, which count as far as they are more than that;
+  /// null of a run without such noise.
+  std::vector<std::shared_ptr<const InputErrors>> inputs{};
 
+  const InputErrors* input_errors(std::size_t run) const { return run < inputs.size() ? inputs[run].get() : nullptr; }
   /// rho(s) at s = e^2.
   double cost(double s) const;
   /// d rho/ds, the weight of a residual: 1 in least squares.

@@ -14,6 +14,7 @@
 #include "identification/fit/private/alternatives.hpp"
 #include "identification/fit/private/curved_intervals.hpp"
 #include "identification/fit/private/describe_fit.hpp"
+#include "identification/fit/private/input_weights.hpp"
 #include "identification/fit/private/linear_fit.hpp"
 #include "identification/fit/private/noise_estimate.hpp"
 #include "identification/fit/private/other_minima.hpp"
@@ -151,6 +152,7 @@ Fit fit(const FitProblem& problem, const std::vector<Record>& records, const Fit
     out = values_of_fit(task, found, at, effort);
   } else {
     if (options.from == nullptr) at = estimate_noise(task, std::move(at), effort);
+    if (at.weighting.inputs.empty()) at = weigh_by_input_errors(task, std::move(at), effort);
     out = examined_fit(task, found, std::move(at), effort);
   }
   if (task.stopped() && out.usable()) {

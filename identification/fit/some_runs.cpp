@@ -23,6 +23,10 @@ SomeRuns::SomeRuns(const FitProblem& whole, const std::vector<Record>& records, 
 Fit SomeRuns::seed(const Fit& of_whole) const {
   Fit out;
   out.weighting = of_whole.weighting;
+  out.weighting.inputs.clear();
+  for (const std::size_t r : runs_) {
+    if (r < of_whole.weighting.inputs.size()) out.weighting.inputs.push_back(of_whole.weighting.inputs[r]);
+  }
   for (const std::size_t p : places_) out.parameters.push_back(of_whole.parameters[p]);
   for (const std::size_t r : runs_) out.runs.push_back(of_whole.runs[r]);
   return out;

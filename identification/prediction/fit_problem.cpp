@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "identification/prediction/private/run_start.hpp"
 #include "model/input_error.hpp"
 #include "solvers/linear_algebra.hpp"
 #include "solvers/parallel.hpp"
@@ -97,6 +98,20 @@ Prediction predict(const RunModel& model, const std::vector<double>& unknowns, c
   return out;
 }
 
+/// The errors that it makes are told from readings, which outliers spoil.
+void refuse_noise_of_inputs(const Experiment& experiment) {
+  for (const Run& run : experiment.runs) {
+    for (const RunInput& input : run.inputs) {
+      if (!(input.noise > 0)) continue;
+      throw InputError(
+          at_line(experiment.file_of(run.part), input.line) +
+          fmt::format("input \"{}\".noise: expected loss = \"squares\" with it, found \"{}\"; leave out one "
+                      "of them",
+                      input.path, to_string(experiment.loss)));
+    }
+  }
+}
+
 }  // namespace
 
 FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
@@ -134,6 +149,7 @@ FitProblem::FitProblem(const Experiment& experiment) : experiment_(experiment) {
     used_.back().insert(used_.back().end(), of_sensors.begin(), of_sensors.end());
     models_.emplace_back(experiment, r, std::move(numbers), std::move(sensor_numbers));
   }
+  if (experiment.loss != Loss::squares) refuse_noise_of_inputs(experiment);
   for (const RunModel& model : models_) {
     double noise = INFINITY;
     for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
@@ -271,6 +287,16 @@ Weighting FitProblem::weighting() const {
   return out;
 }
 
+std::vector<std::shared_ptr<const InputErrors>> FitProblem::input_errors(
+    const std::vector<double>& parameters, const std::vector<std::vector<double>>& nuisances, int jobs) const {
+  std::vector<std::shared_ptr<const InputErrors>> out(runs());
+  solvers::parallel_for(runs(), {.jobs = jobs}, [&](std::size_t r) {
+    out[r] = models_[r].input_errors(unknowns_of(r, parameters).data(), nuisances[r].data(), accuracy_[r]);
+  });
+  if (std::all_of(out.begin(), out.end(), [](const auto& one) { return one == nullptr; })) out.clear();
+  return out;
+}
+
 LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& parameters,
                                  const std::vector<double>& nuisances, const Record* record, double until,
                                  double accuracy, const Weighting& weighting, const std::atomic<bool>* interrupt,
@@ -299,6 +325,10 @@ LinearRun FitProblem::linearized(std::size_t r, const std::vector<double>& param
     }
   }
   out.first.push_back(row);
+  if (const InputErrors* const errors = weighting.input_errors(r)) {
+    errors->whiten(out.rows, out.first, weighting.noise);
+    if (record != nullptr) errors->subtract_offset(out.rows.col(m), out.first);
+  }
   if (!out.rows.allFinite()) return {};
   return out;
 }
@@ -357,11 +387,22 @@ double FitProblem::cost(const std::vector<double>& parameters, const std::vector
   std::vector<double> squares(runs(), 0.0);
   solvers::parallel_for(runs(), {.jobs = jobs}, [&](std::size_t r) {
     const Residuals e = residuals(r, parameters, nuisances[r], records[r]);
-    if (e.empty()) squares[r] = INFINITY;
+    if (e.empty()) {
+      squares[r] = INFINITY;
+      return;
+    }
+    std::vector<Eigen::Index> first{0};
+    for (const std::vector<double>& of_sensor : e) first.push_back(first.back() + std::ssize(of_sensor));
+    Eigen::MatrixXd rows(first.back(), 1);
     for (std::size_t k = 0; k < e.size(); ++k) {
       const double scale = experiment_.sensors[k].noise / weighting.noise[k];
-      for (const double x : e[k]) squares[r] += weighting.cost(scale * scale * x * x);
+      for (std::size_t s = 0; s < e[k].size(); ++s) rows(first[k] + static_cast<Eigen::Index>(s), 0) = scale * e[k][s];
     }
+    if (const InputErrors* const errors = weighting.input_errors(r)) {
+      errors->whiten(rows, first, weighting.noise);
+      errors->subtract_offset(rows.col(0), first);
+    }
+    for (const double x : rows.reshaped()) squares[r] += weighting.cost(x * x);
   });
   double sum = 0.0;
   for (const double of_run : squares) sum += of_run;

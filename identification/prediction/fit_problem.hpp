@@ -95,8 +95,12 @@ class FitProblem {
   /// The records of the experiment: measured, or simulated with the runs' seeds.
   std::vector<Record> records() const;
 
-  /// Noise as stated, or first guessed from the readings, and the loss of the experiment.
+  /// Noise as stated, or first guessed from the readings, and the loss of the experiment; without Weighting::inputs.
   Weighting weighting() const;
+  /// Weighting::inputs at these values; empty where no run has an input with noise.
+  std::vector<std::shared_ptr<const InputErrors>> input_errors(const std::vector<double>& parameters,
+                                                               const std::vector<std::vector<double>>& nuisances,
+                                                               int jobs) const;
 
   /// Of run r up to the time `until`, s. Without `record` e is 0. Without rows where the motion fails, or `interrupt`
   /// is set before it ends. A chaotic motion is computed more accurately, by how much it takes a motion to find: unless

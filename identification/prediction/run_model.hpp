@@ -9,6 +9,7 @@
 
 #include "identification/experiment/experiment.hpp"
 #include "identification/experiment/scene_parameter.hpp"
+#include "identification/prediction/input_errors.hpp"
 #include "identification/prediction/static_run.hpp"
 #include "motion/simulate.hpp"
 #include "statics/model/mobility.hpp"
@@ -103,6 +104,11 @@ class RunModel {
   /// The motion behind a prediction.
   Motion move(const double* unknowns, const double* nuisances, double duration, double accuracy,
               bool sensitivities) const;
+
+  /// What the noise of inputs does to the readings of a motion, none where no input has noise, or the motion fails. In
+  /// between times of readings and steps of the integrator derivatives of accelerations are taken as their mean.
+  std::shared_ptr<const InputErrors> input_errors(const double* unknowns, const double* nuisances,
+                                                  double accuracy) const;
 
   /// A state of this run: all coordinates and rates, SI.
   struct State {

@@ -157,7 +157,7 @@ std::string runs_in_words(const FitProblem& problem, const std::vector<double>& 
 /// What residuals have that independent noise has not, sensor by sensor.
 void add_patterns(std::vector<Line>& out, const FitProblem& problem, const Fit& fitted) {
   const Experiment& experiment = problem.experiment();
-  const std::vector<std::string> inputs = measured_inputs(experiment);
+  const std::vector<std::string> inputs = exact_inputs(experiment);
   for (std::size_t k = 0; k < experiment.sensors.size(); ++k) {
     const Sensor& sensor = experiment.sensors[k];
     std::vector<double> correlated, shifted;
@@ -665,6 +665,10 @@ void add_residuals(Group& content, const FitProblem& problem, const Identificati
   section.fact("over noise", fmt::format("{}; white in {} of {}", over_noise_in_words(problem, fitted), white,
                                          count(static_cast<int>(fitted.runs.size()), "run", "runs")));
   section.fact("rms", rms_in_words(fitted.rms, experiment));
+  if (const std::vector<std::string> inputs = noisy_inputs(experiment); !inputs.empty()) {
+    section.fact("inputs", fmt::format("these are less what the noise of {} does to readings, and so independent",
+                                       fmt::join(inputs, ", ")));
+  }
   if (!answer.rms_from_readings.empty() && !problem.all_at_rest()) {
     section.fact("unfitted", rms_in_words(answer.rms_from_readings, experiment) +
                                  ", with the starts estimated from the runs' first readings");

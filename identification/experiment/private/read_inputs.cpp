@@ -79,6 +79,17 @@ double unit_of(const RunInput& input, const Scene& scene) {
   return scene.drives[static_cast<std::size_t>(input.motion.item)].on.dimension().unit(scene.units);
 }
 
+/// What of a scene makes motions jump, or go on from more than their coordinates and rates; empty if nothing does.
+std::string without_linear_motion(const Scene& scene) {
+  if (!scene.stops.empty()) return "stop \"" + scene.stops.front().name + "\"";
+  if (!scene.blades.empty()) return "blade \"" + scene.blades.front().name + "\"";
+  for (const Element& element : scene.elements) {
+    const Controller* const controller = std::get_if<Controller>(&element.law);
+    if (controller != nullptr && controller->holds()) return "controller \"" + element.name + "\" with period or delay";
+  }
+  return "";
+}
+
 /// Adds the file that an input names to those of the run, where it is not one of them; returns which it is.
 std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path& folder, RunSource& source) {
   const fs::path path = (folder / file.value).lexically_normal();
@@ -97,7 +108,7 @@ std::size_t file_of(const TomlTable& input, const TomlText& file, const fs::path
 
 /// Reads { column = "COLUMN", ... }.
 void read_table(const TomlTable& table, const fs::path& folder, InputTable& input, DataColumn& column,
-                const Scene& scene, RunSource& source) {
+                const Scene& scene, bool measured, RunSource& source) {
   table.allow_keys({"column", "file", "time", "time_factor", "zero", "factor", "multiplies", "gaps", "wraps", "noise"});
   column.name = table.text("column").value;
   column.gaps = table.flag("gaps", false);
@@ -126,13 +137,18 @@ void read_table(const TomlTable& table, const fs::path& folder, InputTable& inpu
   }
   input.wraps = table.find_number("wraps", std::abs(input.unit), Range::not_negative);
   if (table.has("noise")) {
-    if (input.input.motion.of != MotionInput::Of::drive) {
-      table.place_of("noise").fail(
-          "expected noise of a drive only, readings of a load count as exact and are joined by straight lines; leave "
-          "it "
-          "out, and smooth the column where it has noise");
+    const TomlPlace place = table.place_of("noise");
+    const double noise = table.number("noise", unit, Range::positive);
+    if (input.input.motion.of == MotionInput::Of::drive) {
+      input.noise = noise;
+    } else if (!measured) {
+      place.fail("expected noise of a load in a measured run, found it in a simulated one; leave it out");
+    } else if (const std::string what = without_linear_motion(scene); !what.empty()) {
+      place.fail("expected noise of a load only where motions depend on it smoothly, found " + what +
+                 " in the scene; leave it out, and smooth the column");
+    } else {
+      input.input.noise = noise;
     }
-    input.noise = table.number("noise", unit, Range::positive);
   }
   if (const auto file = table.find_text("file")) {
     column.file = file_of(table, *file, folder, source);
@@ -162,7 +178,7 @@ std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder
     column.begins = !measured;
     column.trimmed = false;
     if (table->holds_table(path)) {
-      read_table(*table->find_table(path), folder, input, column, scene, source);
+      read_table(*table->find_table(path), folder, input, column, scene, measured, source);
     } else {
       column.name = table->text(path).value;
     }

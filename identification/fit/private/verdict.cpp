@@ -68,7 +68,7 @@ std::string reason_in_words(const FitProblem& problem, const Fit& fitted, bool l
     return "the noise is smaller than stated, or the readings have been smoothed; standard errors are those of "
            "the stated noise";
   }
-  const std::vector<std::string> inputs = measured_inputs(problem.experiment());
+  const std::vector<std::string> inputs = exact_inputs(problem.experiment());
   std::string out = fmt::format(
       "the model is incomplete, {}; standard errors are multiplied by what is found over what is expected",
       inputs.empty() ? "or the noise is larger than stated"
