@@ -1,6 +1,11 @@
 #include "motion/loads_in_motion.hpp"
 
+#include <algorithm>
+#include <optional>
+#include <string>
 #include <utility>
+
+#include "solvers/not_a_number.hpp"
 
 namespace poise {
 namespace {
@@ -24,6 +29,21 @@ ForcesInMotion in_motion(const Scene& scene, const Forces& forces) {
     out.accelerations.push_back({motion.acceleration, motion.rate, motion.angular_acceleration});
   }
   return out;
+}
+
+QuantityValue load_in_link(const SoughtQuantity& of, const Scene& scene, const std::vector<LinkLoads>& links) {
+  const auto item = static_cast<std::size_t>(of.item);
+  const std::string& name = of.other < 0 ? scene.bodies[item].name : scene.flexible_links[item].name;
+  const auto none = [](std::string why) { return QuantityValue{not_a_number, std::move(why)}; };
+  const auto link = std::find_if(links.begin(), links.end(), [&](const LinkLoads& one) { return one.name == name; });
+  if (link == links.end()) return none("it has no section");
+  if (!link->why.empty()) return none(link->why);
+  if (of.kind == SoughtQuantity::Kind::stress) return {link->stress(), ""};
+  const std::optional<LinkState> state = link->at_nearest(scene.local(of.point));
+  if (!state) return none("its line has no pieces");
+  const bool is_moment = of.part == SoughtQuantity::Part::moment;
+  const bool is_shear = of.part == SoughtQuantity::Part::shear;
+  return {is_moment ? state->moment : is_shear ? state->shear : state->normal, ""};
 }
 
 LoadsInMotion loads_in_motion(const MotionModel& model, const MotionState& start, double time, MotionOptions options) {

@@ -16,6 +16,7 @@
 #include "model/joint_friction.hpp"
 #include "motion/blades.hpp"
 #include "motion/controller_efforts.hpp"
+#include "motion/loads_in_motion.hpp"
 #include "motion/private/golden_section.hpp"
 #include "statics/bodies/body_forces.hpp"
 #include "statics/quantities/quantity_value.hpp"
@@ -67,6 +68,7 @@ double reaction_part(const Reaction& reaction, Part part) {
       return reaction.moment;
     case Part::axial:
       return reaction.axial;
+    case Part::shear:
     case Part::size:
       break;
   }
@@ -127,9 +129,8 @@ void refuse_at_rest_only(const Scene& scene, const SoughtQuantity& of) {
                     "another quantity, or one [[drive]] in the scene",
                     of.name, scene.drives.empty() ? "none" : "several"));
   }
-  if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
-    throw InputError(fmt::format("{}: it belongs to an equilibrium, not to a motion; expected another quantity{}",
-                                 of.name, of.kind == Kind::stress ? ", or poise loads --time" : ""));
+  if (of.kind == Kind::frequency || of.kind == Kind::damping) {
+    throw InputError(of.name + ": it belongs to an equilibrium, not to a motion; expected another quantity");
   }
   for (const SoughtQuantity& part : of.of) refuse_at_rest_only(scene, part);
 }
@@ -154,6 +155,8 @@ bool MovingQuantities::needs_forces(const SoughtQuantity& of) {
     case Kind::stop_reaction:
     case Kind::blade_force:
     case Kind::push:
+    case Kind::stress:
+    case Kind::link_load:
       return true;
     default:
       return std::any_of(of.of.begin(), of.of.end(), needs_forces);
@@ -196,6 +199,11 @@ double MovingQuantities::push(const SoughtQuantity& of, const Forces& forces) co
   lever.of = {{.name = "drive", .on = driven}, {.name = "point", .on = along_of(of)}};
   return effort({.name = "drive", .kind = Kind::drive_force, .on = driven}, forces) *
          in_place(lever, forces.motions, true);
+}
+
+double MovingQuantities::in_link(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {
+  if (forces.friction.has_no_forces()) return undefined;
+  return load_in_link(of, then, link_loads(then, poses_of(forces.motions), in_motion(then, forces))).value;
 }
 
 double MovingQuantities::rate(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {
@@ -268,6 +276,8 @@ double MovingQuantities::value(const SoughtQuantity& of, const Forces& forces, c
       return std::isfinite(out) ? out : undefined;
     }
     case Kind::stress:
+    case Kind::link_load:
+      return in_link(of, forces, then);
     case Kind::frequency:
     case Kind::damping:
     case Kind::maximum:

@@ -48,6 +48,7 @@ class MovingQuantities {
   double in_place(const SoughtQuantity& of, const std::vector<BodyMotion>& motions, bool of_one_freedom) const;
   double effort(const SoughtQuantity& of, const Forces& forces) const;
   double push(const SoughtQuantity& of, const Forces& forces) const;
+  double in_link(const SoughtQuantity& of, const Forces& forces, const Scene& then) const;
   double rate(const SoughtQuantity& of, const Forces& forces, const Scene& then) const;
 
   const Scene& scene_;

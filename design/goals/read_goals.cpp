@@ -374,7 +374,7 @@ void GoalReader::read_quantity(const TomlTable& table, DesignGoal& goal) {
   }
   const TomlText of = table.text("of");
   goal.of = located(of.place, [&] { return find_quantity(sweep.names, of.value); });
-  for (const Kind kind : {Kind::stress, Kind::frequency, Kind::damping, Kind::work}) {
+  for (const Kind kind : {Kind::stress, Kind::link_load, Kind::frequency, Kind::damping, Kind::work}) {
     if (goal.of.has(kind)) of.place.fail("it has no derivatives here; expected another quantity");
   }
   if (goal.of.has(Kind::load_at_fold) && (goal.of.kind != Kind::load_at_fold || !sweep.along.empty())) {

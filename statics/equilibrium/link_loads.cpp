@@ -715,6 +715,20 @@ LinkState LinkLoads::at(const LinkPiece& piece, double s) const {
   return out;
 }
 
+std::optional<LinkState> LinkLoads::at_nearest(Vec2 point) const {
+  constexpr double nearer = 1e-9;  // of the length: places of two pieces that meet are the end of the first
+  std::optional<LinkState> out;
+  double least = 0.0;
+  for (const LinkPiece& piece : pieces) {
+    const double x = std::clamp(dot(point - piece.at, piece.along), 0.0, piece.to - piece.from);
+    const double distance = norm(point - (piece.at + x * piece.along));
+    if (out && distance > least - nearer * length) continue;
+    least = distance;
+    out = at(piece, piece.from + x);
+  }
+  return out;
+}
+
 std::vector<LinkSample> LinkLoads::sampled(int parts) const {
   std::vector<LinkSample> out = samples;
   for (const LinkPiece& piece : pieces) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -103,8 +104,13 @@ struct LinkLoads {
   /// sum of all that acts, which must vanish, found along the line.
   double imbalance = 0.0;
 
+  /// The largest size of the stress, N/m^2.
+  double stress() const { return std::max(tension.value, -compression.value); }
   /// Inside of a piece, s within it.
   LinkState at(const LinkPiece& piece, double s) const;
+  /// Of a rigid link, at the place of its line that is nearest to a point of the body, m, before what acts there. None
+  /// where nothing is said of the link.
+  std::optional<LinkState> at_nearest(Vec2 point) const;
   /// So many parts of every piece; all samples of a flexible link.
   std::vector<LinkSample> sampled(int parts) const;
 };

@@ -118,7 +118,7 @@ std::vector<QuantityValue> measures_in(const RestingPlace& place, const std::vec
 
 /// A quantity with a number in place of each part that others find. Why one has none is left in `why`.
 SoughtQuantity with_others(SoughtQuantity of, const RestingPlace& place, std::string& why) {
-  if (of.kind == Kind::stress || of.kind == Kind::frequency || of.kind == Kind::damping) {
+  if (of.is_in_link() || of.kind == Kind::frequency || of.kind == Kind::damping) {
     const QuantityValue found = place.other(of);
     if (why.empty()) why = found.why;
     of.kind = Kind::number;
@@ -131,7 +131,7 @@ SoughtQuantity with_others(SoughtQuantity of, const RestingPlace& place, std::st
 }  // namespace
 
 bool is_found_by_others(const SoughtQuantity& of) {
-  return of.has(Kind::stress) || of.has(Kind::frequency) || of.has(Kind::damping);
+  return of.has(Kind::stress) || of.has(Kind::link_load) || of.has(Kind::frequency) || of.has(Kind::damping);
 }
 
 RestingPlace resting_place(const StaticModel& model, const std::vector<double>& x, const std::vector<int>& active,

@@ -286,10 +286,29 @@ class Catalogue {
            .dimension = dimension::force * dimension::length.power(-2)});
     };
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
-      if (scene_.bodies[i].section) add_stress(scene_.bodies[i].name, static_cast<int>(i), -1);
+      if (!scene_.bodies[i].section) continue;
+      add_stress(scene_.bodies[i].name, static_cast<int>(i), -1);
+      add_link_loads(static_cast<int>(i));
     }
     for (std::size_t k = 0; k < scene_.flexible_links.size(); ++k) {
       add_stress(scene_.flexible_links[k].name, static_cast<int>(k), 0);
+    }
+  }
+
+  void add_link_loads(int body) {
+    const Body& link = scene_.bodies[static_cast<std::size_t>(body)];
+    for (std::size_t p = 0; p < link.points.size(); ++p) {
+      const auto add_part = [&](const char* load, Part part, Dimension dimension) {
+        add({.name = fmt::format("{}.{}.{}", load, link.name, link.points[p].name),
+             .kind = Kind::link_load,
+             .part = part,
+             .item = body,
+             .point = {body, static_cast<int>(p)},
+             .dimension = dimension});
+      };
+      add_part("normal", Part::axial, dimension::force);
+      add_part("shear", Part::shear, dimension::force);
+      add_part("moment", Part::moment, dimension::torque);
     }
   }
 
@@ -324,15 +343,18 @@ class Catalogue {
 struct Family {
   std::string_view prefix, item;
 };
-constexpr std::array<Family, 9> families{{{"force.", "a force element or drive"},
-                                          {"rate.", "a force element"},
-                                          {"reaction.", "a joint"},
-                                          {"stop.", "a stop"},
-                                          {"center.", "a body and another, BODY.BODY.x,"},
-                                          {"stress.", "a link with a section"},
-                                          {"transmission.", "a link with two joints and one of these"},
-                                          {"fold.load.", "a load"},
-                                          {"load_at_fold.", "a load"}}};
+constexpr std::array<Family, 12> families{{{"force.", "a force element or drive"},
+                                           {"rate.", "a force element"},
+                                           {"reaction.", "a joint"},
+                                           {"stop.", "a stop"},
+                                           {"center.", "a body and another, BODY.BODY.x,"},
+                                           {"stress.", "a link with a section"},
+                                           {"normal.", "a point of a link with a section, LINK.POINT,"},
+                                           {"shear.", "a point of a link with a section, LINK.POINT,"},
+                                           {"moment.", "a point of a link with a section, LINK.POINT,"},
+                                           {"transmission.", "a link with two joints and one of these"},
+                                           {"fold.load.", "a load"},
+                                           {"load_at_fold.", "a load"}}};
 
 /// The tail of a message that names the three quantities nearest to a word, or to all that follows, for a name may have
 /// spaces: `; did you mean "a", "b" or "c"?`. Of those only that may be called something with this prefix.

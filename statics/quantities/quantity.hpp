@@ -32,6 +32,7 @@ struct SoughtQuantity {
                    ///< of elements and expressions of these
     by_time,       ///< d(A)/dt of a motion, of one part
     stress,        ///< largest size of the stress in link `item`, which others find (RestingPlace::other)
+    link_load,     ///< internal load of link `item` at the place of its line next to `point`: likewise
     frequency,     ///< of vibration mode `item`, Hz, and its damping ratio: likewise
     damping,
     load_at_fold,  ///< value of a load at the first fold of the path on which it grows
@@ -46,7 +47,8 @@ struct SoughtQuantity {
     product,
     quotient
   };
-  enum class Part { size, x, y, moment, axial };  ///< of a reaction or shaking force; axial: tension of a bar
+  /// Of a reaction, a shaking force or a load inside of a link; axial: tension.
+  enum class Part { size, x, y, moment, axial, shear };
 
   std::string name;
   Kind kind = Kind::measure;
@@ -54,7 +56,7 @@ struct SoughtQuantity {
   Measure on{};
   int item = -1;     ///< index of Scene::elements, joints, stops, blades, bodies or flexible_links; of a mode, from 0
   int other = -1;    ///< index of Scene::bodies
-  PointRef point{};  ///< where a push acts
+  PointRef point{};  ///< where a push acts, or a link is cut
   Vec2 direction{1.0, 0.0};  ///< of a push in the world, a unit vector
   std::string load{};        ///< of a load at a fold: its path, "load.P"
   Dimension dimension{};
@@ -62,6 +64,8 @@ struct SoughtQuantity {
   std::vector<SoughtQuantity> of{};  ///< those that it is made of: one over a path or by time, else two
   bool is_output = false;            ///< the scene gives it this name: Scene::outputs
 
+  /// What links have inside: a kind that others find.
+  bool is_in_link() const { return kind == Kind::stress || kind == Kind::link_load; }
   /// Some part of it is of this kind.
   bool has(Kind wanted) const;
   /// It belongs to a path, not to a position.
@@ -92,6 +96,7 @@ Scene naming_drives(Scene scene, const std::vector<Drive>& drives);
 ///   center.A.B.x, .y      instant centre of body A relative to body B
 ///   transmission.LINK.JOINT, transmission.BAR.BODY
 ///   stress.LINK           of a link with a section
+///   normal.LINK.POINT, shear.LINK.POINT, moment.LINK.POINT   of a rigid one (statics/equilibrium/link_loads.hpp)
 ///   mode.N.frequency, mode.N.damping
 ///   fold.load.LOAD        the value of load LOAD at the first fold, from the settled equilibrium with growing size
 ///   NAME                  an output of the scene

@@ -372,6 +372,7 @@ T QuantityPlace<T>::part_of(const SoughtQuantity& of) {
     case Kind::by_time:
       return undefined("nothing changes with time at rest");
     case Kind::stress:
+    case Kind::link_load:
     case Kind::frequency:
     case Kind::damping:
     case Kind::blade_force:

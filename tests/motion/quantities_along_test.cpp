@@ -113,6 +113,45 @@ TEST(QuantitiesAlong, APinCarriesAPendulumAsInClosedForm) {
   EXPECT_LT(moving.imbalance(), 1e-7);
 }
 
+// A slender bar of mass m and length l that falls about its end, at the angle a above the ground, its rate w: at x
+//   M = m g cos(a) x (l - x)^2 / (4 l^2),  V = dM/dx,  N = m/l (w^2 (l^2 - x^2)/2 - g sin(a) (l - x)),
+// and the largest stress is in the extreme fibres where N/A and M e/I add up most.
+TEST(QuantitiesAlong, AFallingChimneyIsBentAsInClosedForm) {
+  constexpr double mass = 90000, length = 30, start = 80 * pi / 180, area = 2.5, second_moment = 2.0, half = 1.5;
+  Scene scene = read_scene(test::dataset("structures/falling_chimney.toml"));
+  for (const double x : {10.0, 17.0}) scene.bodies[1].points.push_back({fmt::format("P{:.0f}", x), {x, 0.2}});
+  Moving moving(scene, {}, 3.0);
+  double most = 0.0;
+  for (int k = 0; k <= 12; ++k) {
+    const double t = 0.25 * k, a = moving.at("angle.chimney", t);
+    const double square = 3 * g / length * (std::sin(start) - std::sin(a));
+    const auto bent = [&](double x) {
+      return mass * g * std::cos(a) * x * (length - x) * (length - x) / (4 * length * length);
+    };
+    const auto pulled = [&](double x) {
+      return mass / length * (square * (length * length - x * x) / 2 - g * std::sin(a) * (length - x));
+    };
+    for (const double x : {10.0, 17.0}) {
+      const std::string point = fmt::format("chimney.P{:.0f}", x);
+      const double size = mass * g * length;
+      EXPECT_NEAR(std::abs(moving.at("moment." + point, t)), bent(x), 1e-9 * size) << t << point;
+      const double shear = moving.at("shear." + point, t);
+      const double sign = moving.at("moment." + point, t) > 0 ? 1.0 : -1.0;
+      EXPECT_NEAR(sign * shear, slope(bent, x, 1e-3), 1e-8 * size) << t << point;
+      EXPECT_NEAR(moving.at("normal." + point, t), pulled(x), 1e-8 * size) << t << point;
+    }
+    double largest = 0.0;
+    for (int i = 0; i <= 3000; ++i) {
+      const double x = length * i / 3000, by_bending = bent(x) * half / second_moment;
+      largest = std::max(largest, std::abs(pulled(x) / area) + by_bending);
+    }
+    EXPECT_NEAR(moving.at("stress.chimney", t), largest, 1e-6 * largest) << t;
+    most = std::max(most, largest);
+  }
+  EXPECT_GE(moving.range("stress.chimney").greatest.value, most);
+  EXPECT_NEAR(moving.at("moment.chimney.T", 1.0), 0.0, 1e-6);
+}
+
 // It first hangs down after a quarter of the period 4 K(sin(phi_0 / 2)) / w_0, and there the pin carries most.
 TEST(QuantitiesAlong, TheGreatestForceInThePinIsFoundBetweenTheSteps) {
   const double quarter = std::comp_ellint_1(std::sin(released_at / 2)) / std::sqrt(m * g * d / about_pin);
@@ -395,6 +434,10 @@ TEST(QuantitiesAlong, WhatHasNoMeaningInMotionIsRefused) {
   EXPECT_EQ(refused(driven, "2 * fold.load.gas"),
             "2 * fold.load.gas: a load at a fold belongs to equilibria, not to a motion; expected another quantity");
   EXPECT_EQ(refused(driven, "push.block.C.x + 2 * force.oil * d(travel.rail)/d(x.block.C)"), "");
+  EXPECT_EQ(refused(driven, "mode.1.frequency"),
+            "mode.1.frequency: it belongs to an equilibrium, not to a motion; expected another quantity");
+  EXPECT_NE(test::message_of([&] { find_quantity(hanging, "moment.bar.B"); }).find("moment.bar.B"), std::string::npos)
+      << "a link without a section";
   EXPECT_NE(test::message_of([&] { find_quantity(hanging, "d(angle.bar)/dt"); }).find("nothing changes with time"),
             std::string::npos);
   EXPECT_NE(test::message_of([&] { find_quantity(hanging, "force.idle"); }).find("no force at rest"),

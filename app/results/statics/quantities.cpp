@@ -10,6 +10,7 @@
 #include "app/result/numbers.hpp"
 #include "model/input_error.hpp"
 #include "motion/equilibrium_pose.hpp"
+#include "motion/loads_in_motion.hpp"
 #include "motion/modes.hpp"
 #include "statics/equilibrium/link_loads.hpp"
 
@@ -18,19 +19,11 @@ namespace {
 
 QuantityValue none(std::string why) { return {std::numeric_limits<double>::quiet_NaN(), std::move(why)}; }
 
-QuantityValue stress_of(const SoughtQuantity& of, const StaticModel& model, const std::vector<double>& x,
-                        const std::vector<int>& active) {
-  const Scene& scene = model.scene();
-  const auto item = static_cast<std::size_t>(of.item);
-  const std::string& name = of.other < 0 ? scene.bodies[item].name : scene.flexible_links[item].name;
+QuantityValue load_in_link_at(const SoughtQuantity& of, const StaticModel& model, const std::vector<double>& x,
+                              const std::vector<int>& active) {
   std::vector<BodyPose<double>> poses = model.poses(x);
-  poses.resize(scene.bodies.size());
-  for (const LinkLoads& link : link_loads(scene, poses, check(model, x, {}, &active))) {
-    if (link.name != name) continue;
-    if (!link.why.empty()) return none(link.why);
-    return {std::max(link.tension.value, -link.compression.value), ""};
-  }
-  return none("it has no section");
+  poses.resize(model.scene().bodies.size());
+  return load_in_link(of, model.scene(), link_loads(model.scene(), poses, check(model, x, {}, &active)));
 }
 
 QuantityValue mode_of(const SoughtQuantity& of, const StaticModel& statics, const std::vector<double>& x) {
@@ -96,7 +89,7 @@ void add_quantity_columns(Table& table, const std::vector<SoughtQuantity>& of,
 
 QuantityValue other_quantity(const SoughtQuantity& of, const StaticModel& model, const std::vector<double>& x,
                              const std::vector<int>& active) {
-  return of.kind == SoughtQuantity::Kind::stress ? stress_of(of, model, x, active) : mode_of(of, model, x);
+  return of.is_in_link() ? load_in_link_at(of, model, x, active) : mode_of(of, model, x);
 }
 
 }  // namespace poise::app
