@@ -33,12 +33,21 @@ struct SensorNumber {
 /// A delay means nothing at rest.
 /// One of impacts reads the times T_1 < T_2 < ... of those at some limits of stops:  (T_i - zero) / unit.
 struct Sensor {
+  /// The load at which a mechanism that friction holds slips as it grows, or falls, from what the scene gives.
+  struct SlipLoad {
+    std::string path;  ///< "load.P"
+    bool falling = false;
+    Dimension dimension{};
+
+    bool operator==(const SlipLoad&) const = default;
+  };
   Measure on;                ///< body_a is the ground for an absolute angle
   int element = -1;          ///< index into Scene::elements whose static force it reads, tension positive; else -1
   std::vector<int> stops{};  ///< indices into Scene::stops whose impacts it reads the times of; else none
   /// An accelerometer at the point on.b of a body reads  e . (a - g):  a its acceleration, g gravity, e the unit vector
   /// at this angle from the x axis of the body; else none.
   std::optional<double> axis{};
+  std::optional<SlipLoad> slips{};                      ///< whose value it reads, at rest; else none
   std::optional<SoughtQuantity> quantity{};             ///< what else it reads
   bool quantity_rests = false, quantity_moves = false;  ///< of mechanisms at rest, and of those that move
   std::string name;
@@ -60,7 +69,9 @@ struct Sensor {
   bool reads_impacts() const { return !stops.empty(); }
   bool is_accelerometer() const { return axis.has_value(); }
   /// Whether it reads its measure itself, or a derivative of that by time.
-  bool is_of_measure() const { return !reads_force() && !reads_impacts() && !is_accelerometer() && !quantity; }
+  bool is_of_measure() const {
+    return !reads_force() && !reads_impacts() && !is_accelerometer() && !quantity && !slips;
+  }
   bool reads_measure() const { return is_of_measure() && by_time == 0; }
   bool reads_rate() const { return is_of_measure() && by_time == 1; }
   bool reads_acceleration() const { return is_accelerometer() || by_time == 2; }
@@ -68,7 +79,7 @@ struct Sensor {
   bool is_of_rest() const {
     return quantity ? quantity_rests : !reads_impacts() && !is_accelerometer() && by_time == 0;
   }
-  bool is_of_motion() const { return !quantity || quantity_moves; }
+  bool is_of_motion() const { return !slips && (!quantity || quantity_moves); }
   /// Whether it reads an angle itself, not its rate or an effort.
   bool reads_angle() const { return on.is_angle() && reads_measure(); }
   /// Whether it reads what may be a coordinate: an angle or the travel of a joint.
@@ -77,6 +88,7 @@ struct Sensor {
   Dimension dimension() const {
     if (reads_impacts()) return dimension::time;
     if (quantity) return quantity->dimension;
+    if (slips) return slips->dimension;
     if (is_accelerometer()) return dimension::length * dimension::time.power(-2);
     const Dimension read = reads_force() ? on.effort_dimension() : on.dimension();
     return read * dimension::time.power(-by_time);

@@ -22,6 +22,7 @@
 #include "model/set_parameter.hpp"
 #include "model/text_file.hpp"
 #include "statics/bodies/body_measures.hpp"
+#include "statics/friction/held.hpp"
 #include "statics/quantities/quantity.hpp"
 
 namespace poise {
@@ -139,9 +140,9 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name",    "read",    "angle",         "travel",    "distance", "x",      "y",
-                      "force",   "impacts", "accelerometer", "direction", "rate",     "column", "gaps",
-                      "missing", "wraps",   "noise",         "zero",      "factor",   "delay"});
+    table.allow_keys({"name", "slips",   "read",    "angle",         "travel",    "distance", "x",
+                      "y",    "force",   "impacts", "accelerometer", "direction", "rate",     "column",
+                      "gaps", "missing", "wraps",   "noise",         "zero",      "factor",   "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;
@@ -154,6 +155,7 @@ class ExperimentReader {
         table.place_of("rate").fail(
             fmt::format("expected the rate of a position or angle; the rate of {} is not available",
                         sensor.reads_force()        ? "a force"
+                        : sensor.slips              ? "a load"
                         : sensor.is_accelerometer() ? "an acceleration"
                                                     : sensor.quantity->name));
       }
@@ -192,8 +194,8 @@ class ExperimentReader {
 
   /// What the sensor measures; returns the unit of the scene, or of the scene per second, in SI.
   double read_quantity(const TomlTable& table, const SceneNames& names, Sensor& sensor) const {
-    constexpr std::array measures = {"read", "angle", "travel",  "distance",     "x",
-                                     "y",    "force", "impacts", "accelerometer"};
+    constexpr std::array measures = {"read", "angle", "travel",  "distance",      "x",
+                                     "y",    "force", "impacts", "accelerometer", "slips"};
     std::vector<std::string> given;
     std::copy_if(measures.begin(), measures.end(), std::back_inserter(given),
                  [&](const char* key) { return table.has(key); });
@@ -214,6 +216,7 @@ class ExperimentReader {
       sensor.on = experiment_.scene.elements[sensor.element].on;
       return units.force;
     }
+    if (table.has("slips")) return read_slips(table, sensor);
     if (table.has("impacts")) {
       sensor.stops = find_stops(table.text("impacts"));
       sensor.on = experiment_.scene.stops[static_cast<std::size_t>(sensor.stops.front())].on;
@@ -244,6 +247,32 @@ class ExperimentReader {
       sensor.on = table.has("x") ? Measure::x_of(at) : Measure::y_of(at);
     }
     return units.length;
+  }
+
+  /// slips = "load.P", or { growing = "load.P" } or { falling = "load.P" }.
+  double read_slips(const TomlTable& table, Sensor& sensor) const {
+    const Scene& scene = experiment_.scene;
+    TomlText path = table.holds_table("slips") ? TomlText{} : table.text("slips");
+    Sensor::SlipLoad out;
+    if (table.holds_table("slips")) {
+      const TomlTable way = *table.find_table("slips");
+      way.allow_keys({"growing", "falling"});
+      if (way.has("growing") == way.has("falling")) way.place().fail("expected one of the keys growing, falling");
+      out.falling = way.has("falling");
+      path = way.text(out.falling ? "falling" : "growing");
+    }
+    std::vector<std::string> valid;
+    for (const Force& force : scene.forces) valid.push_back("load." + force.name);
+    for (const Torque& torque : scene.torques) valid.push_back("load." + torque.name);
+    if (std::find(valid.begin(), valid.end(), path.value) == valid.end()) {
+      path.place.fail("expected the load of a force or torque at which it slips" +
+                      did_you_mean_or_list(path.value, valid));
+    }
+    if (!has_friction(scene)) path.place.fail("expected a scene in which something rubs; add friction to a joint");
+    out.path = path.value;
+    out.dimension = parameter(scene, path.value).dimension;
+    sensor.slips = out;
+    return out.dimension.unit(scene.units);
   }
 
   static PointRef movable_point(const TomlText& point, const SceneNames& names) {
@@ -293,7 +322,7 @@ class ExperimentReader {
     name.place.fail(fmt::format(
         "sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, length.ELEMENT between two points "
         "or bodies, their d(A)/dt and d(d(A)/dt)/dt, other quantities of a motion without rates, and at rest "
-        "all quantities but stresses, modes and those over a path; found {}",
+        "all quantities but stresses, loads inside of links, modes and those over a path; found {}",
         name.value));
   }
 
@@ -304,7 +333,7 @@ class ExperimentReader {
                                   Kind::reaction, Kind::stop_reaction,  Kind::shaking,       Kind::blade_force,
                                   Kind::energy,   Kind::kinetic_energy, Kind::element_rate,  Kind::ratio,
                                   Kind::center,   Kind::transmission,   Kind::sum,           Kind::difference,
-                                  Kind::product,  Kind::quotient};
+                                  Kind::product,  Kind::quotient,       Kind::link_load};
     return std::find(those.begin(), those.end(), of.kind) != those.end() &&
            std::all_of(of.of.begin(), of.of.end(), moves);
   }
@@ -318,7 +347,7 @@ class ExperimentReader {
     } catch (const InputError&) {
       return std::nullopt;
     }
-    constexpr std::array without_derivatives = {Kind::stress, Kind::frequency, Kind::damping};
+    constexpr std::array without_derivatives = {Kind::stress, Kind::link_load, Kind::frequency, Kind::damping};
     // At a fold a quantity is the load itself: expressions of it have no derivatives.
     const bool mixes_fold = out->kind != Kind::load_at_fold && out->has(Kind::load_at_fold);
     if (out->is_over_path() || mixes_fold ||

@@ -90,8 +90,10 @@ RunModel::Actions RunModel::actions_at_rest(const double* unknowns, int loads) c
     if (!other.ok()) continue;
     append(own, out.rows);
     append(other, out.again);
+    const Eigen::Index before = out.error.rows();
+    out.error.conservativeResizeLike(Eigen::MatrixXd::Zero(out.rows.rows(), out.rows.cols()));
+    out.error.block(before, 0, own.error.rows(), own.error.cols()) = own.error;
   }
-  out.error = Eigen::MatrixXd::Zero(out.rows.rows(), out.rows.cols());
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include "model/input_error.hpp"
 #include "solvers/newton.hpp"
 #include "solvers/random_stream.hpp"
+#include "statics/friction/held.hpp"
 #include "statics/model/mobility.hpp"
 #include "statics/sensitivity/sensitivity.hpp"
 
@@ -65,7 +66,13 @@ StaticRun::StaticRun(const Experiment& experiment, std::size_t run, const Scene&
           fmt::format("{}:{}: run \"{}\": expected sensors that read at rest, \"{}\" reads what only motions have",
                       experiment.file_of(run_.part), run_.line, run_.name, experiment.sensors[k].name));
     }
+    const auto at = static_cast<Eigen::Index>(sensors_.size());
     sensors_.push_back(k);
+    if (experiment.sensors[k].slips) {
+      slips_.push_back({at, *experiment.sensors[k].slips});
+      continue;
+    }
+    at_.push_back(at);
     quantities_.push_back(quantity_of(experiment.sensors[k]));
   }
   drives_ = std::any_of(run_.row_inputs.begin(), run_.row_inputs.end(),
@@ -157,7 +164,12 @@ std::vector<double> StaticRun::start_of(const Scene& held) const {
 StaticRun::Row StaticRun::read(const Scene& scene, const std::vector<double>& inputs,
                                const std::vector<SceneParameter>& numbers, const std::atomic<bool>* interrupt) const {
   Row out;
+  const auto count = static_cast<Eigen::Index>(sensors_.size());
+  out.value.resize(count);
+  out.by = out.error = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(numbers.size()));
   try {
+    read_slips(scene, inputs, numbers, out);
+    if (!out.ok() || quantities_.empty()) return out;
     const StaticModel model(with(scene, inputs));
     SensitivityOptions options;
     options.solve.interrupt = interrupt;
@@ -165,12 +177,9 @@ StaticRun::Row StaticRun::read(const Scene& scene, const std::vector<double>& in
     const Sensitivities found = sensitivities(model, quantities_, options);
     out.why = first_why(found);
     if (!out.ok()) return out;
-    const auto count = static_cast<Eigen::Index>(found.of.size());
-    out.value.resize(count);
-    out.by = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(numbers.size()));
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const QuantitySensitivity& of = found.of[static_cast<std::size_t>(k)];
-      out.value[k] = of.value;
+    for (std::size_t q = 0; q < found.of.size(); ++q) {
+      const QuantitySensitivity& of = found.of[q];
+      out.value[at_[q]] = of.value;
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         const auto by = std::find_if(of.by.begin(), of.by.end(),
                                      [&](const Sensitivity& s) { return s.number == numbers[i].path(); });
@@ -179,13 +188,64 @@ StaticRun::Row StaticRun::read(const Scene& scene, const std::vector<double>& in
           out.why = fmt::format("{} by {}: {}", of.of.name, by->number, by->why);
           return out;
         }
-        out.by(k, static_cast<Eigen::Index>(i)) = by->derivative;
+        out.by(at_[q], static_cast<Eigen::Index>(i)) = by->derivative;
       }
     }
   } catch (const InputError& error) {
     out.why = error.what();
   }
   return out;
+}
+
+std::optional<double> StaticRun::slips_at(const Sensor::SlipLoad& load, const Scene& scene,
+                                          const std::vector<double>& inputs, std::string& why) const {
+  Scene held = with(scene, inputs), free = held;
+  free.stops.resize(scene.stops.size());
+  const StaticModel model(free);
+  const std::vector<double> x = drives_ ? start_of(held) : close_loops(model);
+  const HeldRange range = held_range(model, x, load.path);
+  if (!range.any) {
+    why = fmt::format("{}: {}", load.path, range.why.empty() ? "no load holds it there" : range.why);
+    return std::nullopt;
+  }
+  const bool upper = load.falling == (range.present < 0.0);
+  const HeldEnd& end = upper ? range.upper : range.lower;
+  if (end.at_limit || !std::isfinite(end.value)) {
+    why = fmt::format("{}: it slips at none as it {}", load.path, load.falling ? "falls" : "grows");
+    return std::nullopt;
+  }
+  return end.value;
+}
+
+void StaticRun::read_slips(const Scene& scene, const std::vector<double>& inputs,
+                           const std::vector<SceneParameter>& numbers, Row& out) const {
+  constexpr double part = 1e-3;  // of a number's size
+  for (const SlipSensor& sensor : slips_) {
+    const std::optional<double> value = slips_at(sensor.load, scene, inputs, out.why);
+    if (!value) return;
+    out.value[sensor.at] = *value;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const SceneParameter& number = numbers[i];
+      const double now = number.get(scene);
+      const double step = part * (now != 0.0 ? std::abs(now) : 1.0);
+      const auto moved = [&](double by) {
+        Scene other = scene;
+        number.set(other, now + by * step);
+        return slips_at(sensor.load, other, inputs, out.why).value_or(NAN);
+      };
+      const bool both = number.allows(scene, now + 2 * step) && number.allows(scene, now - 2 * step);
+      const double sign = number.allows(scene, now + 2 * step) ? 1.0 : -1.0;
+      const double near =
+          both ? (moved(1) - moved(-1)) / 2 : sign * (4 * moved(sign) - 3 * *value - moved(2 * sign)) / 2;
+      const double half = both ? moved(0.5) - moved(-0.5) : sign * (4 * moved(0.5 * sign) - 3 * *value - moved(sign));
+      if (!out.ok()) return;
+      // Errors of the step's square cancel.
+      const double slope = half + (half - near) / 3.0;
+      const auto column = static_cast<Eigen::Index>(i);
+      out.by(sensor.at, column) = slope / step;
+      out.error(sensor.at, column) = std::abs(half - near) / step + 1e-12 * std::abs(*value) / step;
+    }
+  }
 }
 
 std::vector<StaticRun::Row> StaticRun::read(const Scene& scene, const std::vector<SceneParameter>& numbers,

@@ -179,6 +179,27 @@ TEST_F(QuantitySensors, TellTheMass) {
   test::expect_found(with, 0.1);
 }
 
+// A strain gauge beside an encoder: the moment in the rod behind the gauge, of what hangs beyond it.
+TEST_F(QuantitySensors, ReadAStrainGauge) {
+  folder_.write("scene.toml", pendulum + R"(
+[body.rod.section]
+points = ["O", "C", "E"]
+area = 1e-4
+second_moment = 1e-9
+modulus = 7e10
+)");
+  std::string text = app_tests::contents(folder_.path("scene.toml"));
+  const std::string points = "points = { O = [0, 0], C = [0.3, 0], P = [0.5, 0.1] }";
+  text.replace(text.find(points), points.size(),
+               "points = { O = [0, 0], G = [0.2, 0], C = [0.3, 0], P = [0.5, 0.1], E = [0.6, 0] }");
+  folder_.write("scene.toml", text);
+  const std::string gauge = sensor("gauge", "moment.rod.G", 1e-3, "factor = 1.2");
+  Experiment e = read(head + "set = { \"load.push\" = 0 }\n" + sensor("angle", "angle.rod", 1e-3) + gauge +
+                      unknown("body.rod.mass") + unknown("body.rod.inertia") + unknown("sensor.gauge.zero") + swing);
+  test::expect_derivatives(e, FitProblem(e).run(0).released());
+  test::expect_found(e, 0.1);
+}
+
 TEST_F(QuantitySensors, SayWhatIsWrong) {
   const auto says = [&](const std::string& sensor) { return error(head + sensor + swing); };
   EXPECT_EQ(says(sensor("s", "push.rod.P.x", 0.1)),

@@ -123,7 +123,8 @@ TEST(ReadExperiment, ReadsSensorsByNamesOfQuantities) {
       error_of_sensor("read = \"mode.1.frequency\"" + tail),
       "experiment.toml:3: sensor 1.read: sensors read angle.BODY, travel.JOINT, x.BODY.POINT, y.BODY.POINT, "
       "length.ELEMENT between two points or bodies, their d(A)/dt and d(d(A)/dt)/dt, other quantities of a motion "
-      "without rates, and at rest all quantities but stresses, modes and those over a path; found "
+      "without rates, and at rest all quantities but stresses, loads inside of links, modes and those over a path; "
+      "found "
       "mode.1.frequency");
   EXPECT_NE(error_of_sensor("read = \"angle.crnk\"" + tail).find("\"angle.crank\""), std::string::npos);
   EXPECT_NE(error_of_sensor("read = \"d(angle.crank)/dt\"\nrate = true" + tail).find("is a rate already"),
@@ -201,7 +202,7 @@ TEST(ReadExperiment, RejectsTheFile) {
 TEST(ReadExperiment, RejectsSensors) {
   const std::string place = "experiment.toml:2: sensor 1: ";
   const std::string kinds =
-      "expected one of the keys read, angle, travel, distance, x, y, force, impacts, accelerometer";
+      "expected one of the keys read, angle, travel, distance, x, y, force, impacts, accelerometer, slips";
   EXPECT_EQ(error_of_sensor("noise = 1\n"), place + kinds);
   EXPECT_EQ(error_of_sensor("noise = 1\nx = \"rod.B\"\ny = \"rod.B\"\n"),
             place + kinds + ", found x and y; leave one in, or give each a sensor");

@@ -215,6 +215,150 @@ seed = 4
   EXPECT_LT(std::abs(estimate(fitted, "c").value - 0.2), 4 * estimate(fitted, "c").standard_error);
 }
 
+/// A sledge on a level rail that rubs, pulled through its centre of mass; W presses it down.
+const std::string sledge = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.sledge]
+points = { C = [0, 0] }
+mass = 2
+[[slide]]
+name = "rail"
+points = ["ground.O", "sledge.C"]
+axis = [1, 0]
+friction = { coefficient = 0.3 }
+[[force]]
+name = "P"
+at = "sledge.C"
+vector = [1, 0]
+[[force]]
+name = "W"
+at = "sledge.C"
+vector = [0, -10]
+[start]
+rail = 0
+)";
+
+// It slips at  P = mu (m g + W): regression of P on W has the slope mu and the intercept mu m g.
+TEST(StaticRuns, FrictionFromLoadsAtWhichItSlips) {
+  const std::vector<double> slipped = {5.91, 7.42, 8.86, 10.4, 11.9, 13.35};
+  const Fit fitted = fit_own(read(sledge, R"(
+[[sensor]]
+name = "pull"
+slips = "load.P"
+noise = 0.05
+[[unknown]]
+path = "slide.rail.friction.coefficient"
+name = "mu"
+start = 0.2
+[[unknown]]
+path = "body.sledge.mass"
+name = "m"
+[[static]]
+inputs = { "load.W" = [0, 5, 10, 15, 20, 25] }
+readings = { pull = )" + list(slipped) + " }\n"));
+  ASSERT_EQ(fitted.status, FitStatus::converged) << fitted.why;
+  Eigen::MatrixXd a(6, 2);
+  for (int i = 0; i < 6; ++i) a.row(i) << 1.0, 5.0 * i;
+  const Eigen::Vector2d line = a.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(slipped.data(), 6));
+  const Eigen::Matrix2d covariance = 0.05 * 0.05 * (a.transpose() * a).inverse();
+  EXPECT_NEAR(estimate(fitted, "mu").value, line[1], 1e-7);
+  EXPECT_NEAR(estimate(fitted, "m").value, line[0] / (line[1] * g), 1e-5);
+  EXPECT_NEAR(fitted.errors.white[0], std::sqrt(covariance(1, 1)), 1e-6);
+}
+
+// An arm at the angle phi with a constant torque of friction:  T = m g c cos phi +- T_f.
+TEST(StaticRuns, ATorqueThatGrowsOrFallsUntilAPositionSlips) {
+  const std::string arm = R"(
+gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0] }
+mass = 1.5
+center = [0.2, 0]
+[[pin]]
+name = "O"
+points = ["ground.O", "arm.O"]
+friction = { torque = 0.4 }
+[[torque]]
+name = "T"
+on = "arm"
+value = 2
+[[drive]]
+name = "place"
+bodies = ["ground", "arm"]
+[start]
+arm = 0
+)";
+  const auto sensors = [](const std::string& up, const std::string& down) {
+    return "[[sensor]]\nname = \"up\"\nslips = " + up + "\nnoise = 0.01\n[[sensor]]\nname = \"down\"\nslips = " + down +
+           "\nnoise = 0.01\n";
+  };
+  const std::string rest = R"(
+[[unknown]]
+path = "pin.O.friction.torque"
+[[unknown]]
+path = "body.arm.mass"
+[[unknown]]
+path = "body.arm.center.x"
+[[static]]
+inputs = { "drive.place" = [-1.2, -0.5, 0, 0.4, 1.1, 2.0] }
+)";
+  const Experiment e = read(arm, sensors("\"load.T\"", "{ falling = \"load.T\" }") + rest);
+  const FitProblem problem(e);
+  const RunModel& run = problem.run(0);
+  Prediction found;
+  run.predict(run.scene_values().data(), nullptr, INFINITY, 1e-9, true, found);
+  ASSERT_TRUE(found.ok) << found.why;
+  const std::array<double, 6> places = {-1.2, -0.5, 0, 0.4, 1.1, 2.0};
+  for (std::size_t i = 0; i < 12; ++i) {
+    const double part = g * std::cos(places[i % 6]), sign = i < 6 ? 1 : -1;
+    EXPECT_NEAR(found.reading[i], 1.5 * 0.2 * part + sign * 0.4, 1e-10) << i;
+    EXPECT_NEAR(found.jacobian[3 * i], sign, 1e-8) << i;
+    EXPECT_NEAR(found.jacobian[3 * i + 1], 0.2 * part, 1e-8) << i;
+    EXPECT_NEAR(found.jacobian[3 * i + 2], 1.5 * part, 1e-8) << i;
+  }
+  // m and c come as m c alone, and a torque that is negative in the scene grows in size.
+  const Identifiability known = assess(problem, problem.truths(), test::released(problem));
+  EXPECT_EQ(known.rank, 2);
+  std::string pressed = arm;
+  pressed.replace(pressed.find("value = 2"), 9, "value = -2");
+  const Experiment other = read(pressed, sensors("{ growing = \"load.T\" }", "{ falling = \"load.T\" }") + rest);
+  const FitProblem turned(other);
+  Prediction again;
+  turned.run(0).predict(turned.run(0).scene_values().data(), nullptr, INFINITY, 1e-9, false, again);
+  ASSERT_TRUE(again.ok) << again.why;
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(again.reading[i], found.reading[i + 6], 1e-10);
+    EXPECT_NEAR(again.reading[i + 6], found.reading[i], 1e-10);
+  }
+}
+
+TEST(StaticRuns, WhatSlipsIsNamed) {
+  const auto says = [](const std::string& scene, const std::string& slips,
+                       const std::string& more = "") -> std::string {
+    try {
+      const Experiment e = read(scene, "[[sensor]]\nname = \"s\"\nslips = " + slips + "\nnoise = 0.1\n" + more +
+                                           "[[static]]\ninputs = { \"load.W\" = [1, 2] }\n");
+      const FitProblem problem(e);
+      Prediction found;
+      problem.run(0).predict(problem.run(0).scene_values().data(), nullptr, INFINITY, 1e-9, false, found);
+      return found.why;
+    } catch (const InputError& error) {
+      const std::string words = error.what();
+      return words.substr(words.rfind(": ", words.find("expected")) + 2);
+    }
+  };
+  EXPECT_EQ(says(sledge, "\"load.Q\""),
+            "expected the load of a force or torque at which it slips; did you mean \"load.P\"?");
+  EXPECT_EQ(says(rig, "\"load.W\""), "expected a scene in which something rubs; add friction to a joint");
+  EXPECT_EQ(says(sledge, "{ falling = \"load.P\", growing = \"load.P\" }"),
+            "expected one of the keys growing, falling");
+  EXPECT_EQ(says(sledge, "{ falling = \"load.P\" }"), "row 1: load.P: it slips at none as it falls");
+}
+
 // The snap load of a von Mises toggle is proportional to the stiffness of its two springs.
 TEST(StaticRuns, AStiffnessFromSnapLoads) {
   const Experiment e = on("von_mises_toggle", R"(

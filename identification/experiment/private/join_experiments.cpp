@@ -31,9 +31,9 @@ bool same_sensor(const Sensor& a, const Sensor& b) {
   const auto name = [](const Sensor& s) { return s.quantity ? s.quantity->name : std::string(); };
   return name(a) == name(b) && a.on.kind == b.on.kind && a.on.body_a == b.on.body_a && a.on.body_b == b.on.body_b &&
          a.on.joint == b.on.joint && a.on.a == b.on.a && a.on.b == b.on.b && a.element == b.element &&
-         a.stops == b.stops && a.axis == b.axis && a.by_time == b.by_time && a.noise_known == b.noise_known &&
-         (a.noise == b.noise || !a.noise_known) && a.delay == b.delay && a.least_delay == b.least_delay &&
-         a.most_delay == b.most_delay;
+         a.stops == b.stops && a.axis == b.axis && a.slips == b.slips && a.by_time == b.by_time &&
+         a.noise_known == b.noise_known && (a.noise == b.noise || !a.noise_known) && a.delay == b.delay &&
+         a.least_delay == b.least_delay && a.most_delay == b.most_delay;
 }
 
 /// Whether a number of sensor k is unknown or known with a deviation.
