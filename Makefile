@@ -5,7 +5,7 @@
 # PRESET=daily, for daily work, compiles every source alone into build-daily, so that little is compiled after a change.
 # PRESET=debug builds with the address and undefined behaviour sanitizers into build-debug.
 # PRESET=clang builds by clang into build-clang.
-# TESTS=regex: of `make test` and `make campaign` the tests whose names match only.
+# TESTS=regex: of `make test` and `make campaign` only the suites, and random tests, whose names match.
 
 PRESET ?= $(if $(CI),ci,release)
 PREFIX ?= /usr/local

@@ -203,7 +203,10 @@ double MovingQuantities::push(const SoughtQuantity& of, const Forces& forces) co
 
 double MovingQuantities::in_link(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {
   if (forces.friction.has_no_forces()) return undefined;
-  return load_in_link(of, then, link_loads(then, poses_of(forces.motions), in_motion(then, forces))).value;
+  ForcesInMotion acting = in_motion(then, forces);
+  // Accelerations between steps are known to the accuracy of the motion, imbalance() tells how well.
+  acting.balanced = false;
+  return load_in_link(of, then, link_loads(then, poses_of(forces.motions), acting)).value;
 }
 
 double MovingQuantities::rate(const SoughtQuantity& of, const Forces& forces, const Scene& then) const {

@@ -44,6 +44,12 @@ Identification identify(const FitProblem& problem, const IdentifyOptions& option
     for (const int p : parameters_named(problem, name)) profiled.push_back(p);
   }
 
+  if (const std::vector<std::string> noisy = noisy_inputs(experiment); options.bootstrap > 0 && !noisy.empty()) {
+    throw InputError(fmt::format(
+        "a bootstrap has the errors of sensors alone: expected inputs without noise, found that of {}; leave one out",
+        noisy.front()));
+  }
+
   // The fit.
   Identification out;
   say("simulating the runs");

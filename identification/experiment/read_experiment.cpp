@@ -140,9 +140,9 @@ class ExperimentReader {
   }
 
   Sensor read_sensor(const TomlTable& table, const std::string& name, const SceneNames& names) const {
-    table.allow_keys({"name", "slips",   "read",    "angle",         "travel",    "distance", "x",
-                      "y",    "force",   "impacts", "accelerometer", "direction", "rate",     "column",
-                      "gaps", "missing", "wraps",   "noise",         "zero",      "factor",   "delay"});
+    table.allow_keys({"name",  "read",    "angle",         "travel", "distance",  "x",      "y",
+                      "force", "impacts", "accelerometer", "slips",  "direction", "rate",   "column",
+                      "gaps",  "missing", "wraps",         "noise",  "zero",      "factor", "delay"});
     Sensor sensor;
     sensor.name = name;
     sensor.line = table.place().line;

@@ -34,6 +34,9 @@ struct Weighting {
   /// Per run, or empty: what the noise of its inputs does to residuals, which count as far as they are more than that;
   /// null of a run without such noise.
   std::vector<std::shared_ptr<const InputErrors>> inputs{};
+  /// The noise of inputs over what is stated that makes the residuals likeliest, where that is likelier beyond chance;
+  /// less than 1 it is taken, and more is left to the model.
+  double input_noise = 1.0;
 
   const InputErrors* input_errors(std::size_t run) const { return run < inputs.size() ? inputs[run].get() : nullptr; }
   /// rho(s) at s = e^2.

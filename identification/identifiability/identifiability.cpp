@@ -407,7 +407,8 @@ Eigen::VectorXd Identifiability::Combination::gradient(const std::vector<double>
 
 Identifiability assess(const FitProblem& problem, const std::vector<double>& parameters,
                        const std::vector<std::vector<double>>& nuisances) {
-  const Weighting weighting = problem.weighting();
+  Weighting weighting = problem.weighting();
+  weighting.inputs = problem.input_errors(parameters, nuisances, 0);
   return assess(problem, parameters, nuisances, triangles_of(problem, parameters, nuisances, weighting, 1e-8),
                 weighting);
 }

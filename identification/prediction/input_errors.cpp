@@ -18,7 +18,7 @@ double InputErrors::whiten(Eigen::MatrixXd& rows, const std::vector<Eigen::Index
     told.swap(next);
     product.noalias() = step.transition * covariance;
     covariance.noalias() = product * step.transition.transpose();
-    covariance.noalias() += step.kick * step.kick.transpose();
+    covariance.noalias() += (factor_ * factor_) * step.kick * step.kick.transpose();
     for (const Reading& reading : step.readings) {
       const Eigen::Index row = first[reading.sensor] + static_cast<Eigen::Index>(reading.number);
       if (row >= first[reading.sensor + 1]) continue;
@@ -33,6 +33,12 @@ double InputErrors::whiten(Eigen::MatrixXd& rows, const std::vector<Eigen::Index
     }
   }
   return log_determinant;
+}
+
+InputErrors InputErrors::times(double factor) const {
+  InputErrors out = *this;
+  out.factor_ *= factor;
+  return out;
 }
 
 InputErrors InputErrors::with_offset(Eigen::VectorXd offset, std::vector<Eigen::Index> first) const {

@@ -32,6 +32,8 @@ class InputErrors {
   /// determinant of the covariance of such residuals.
   double whiten(Eigen::MatrixXd& rows, const std::vector<Eigen::Index>& first, const std::vector<double>& noise) const;
 
+  /// The same where the noise is `factor` times as large.
+  InputErrors times(double factor) const;
   /// The same with an offset of whitened residuals: a value for each of all readings of sensor after sensor, sensor k's
   /// from first[k].
   InputErrors with_offset(Eigen::VectorXd offset, std::vector<Eigen::Index> first) const;
@@ -40,6 +42,7 @@ class InputErrors {
 
  private:
   std::vector<Step> steps_;
+  double factor_ = 1.0;  // of the kicks
   Eigen::VectorXd offset_;
   std::vector<Eigen::Index> first_;  // of the offset
 };

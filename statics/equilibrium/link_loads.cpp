@@ -545,7 +545,7 @@ LinkLoads rigid_link(const Scene& scene, const std::vector<BodyPose<double>>& po
   for (const Reaction& reaction : forces.reactions) actions.add_reaction(reaction);
   actions.expect_joints_on_line();
   find_pieces(line, out);
-  if (!(out.imbalance <= part_rounding)) {
+  if (forces.balanced && !(out.imbalance <= part_rounding)) {
     throw Refusal{
         fmt::format("what acts on it does not balance along its line, by {:.1g} of the largest force", out.imbalance)};
   }

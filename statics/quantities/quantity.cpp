@@ -349,9 +349,9 @@ constexpr std::array<Family, 12> families{{{"force.", "a force element or drive"
                                            {"stop.", "a stop"},
                                            {"center.", "a body and another, BODY.BODY.x,"},
                                            {"stress.", "a link with a section"},
-                                           {"normal.", "a point of a link with a section, LINK.POINT,"},
-                                           {"shear.", "a point of a link with a section, LINK.POINT,"},
-                                           {"moment.", "a point of a link with a section, LINK.POINT,"},
+                                           {"normal.", "a link with a section and of a point of it"},
+                                           {"shear.", "a link with a section and of a point of it"},
+                                           {"moment.", "a link with a section and of a point of it"},
                                            {"transmission.", "a link with two joints and one of these"},
                                            {"fold.load.", "a load"},
                                            {"load_at_fold.", "a load"}}};

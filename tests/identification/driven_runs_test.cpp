@@ -400,10 +400,10 @@ TEST_F(DrivenRuns, AreRefusedInWords) {
             place +
                 "load.motor: expected readings from the start of run \"run 1\", 0 s, to its end, 2 s, found them from "
                 "0 s to 1 s; leave out the rows of the run before and after them");
-  EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\", noise = 1 } }"),
-            place +
-                "load.motor.noise: expected noise of a drive only, readings of a load count as exact and are joined by "
-                "straight lines; leave it out, and smooth the column where it has noise");
+  EXPECT_EQ(
+      error_of("{ \"load.motor\" = { column = \"tau\", file = \"inputs.csv\", noise = 1 } }"),
+      place +
+          "load.motor.noise: expected noise of a load in a measured run, found it in a simulated one; leave it out");
   EXPECT_EQ(error_of("{ \"load.motor\" = { column = \"tau\", time = \"t\" } }"),
             place + "load.motor.time: expected the key file as well; the times of data files are in time of the run");
   EXPECT_EQ(error_of("{ \"load.motor\" = { file = \"inputs.csv\" } }"),

@@ -17,6 +17,7 @@
 #include "identification/assessment/identify.hpp"
 #include "identification/fit/fit.hpp"
 #include "identification/fit/some_runs.hpp"
+#include "identification/identifiability/identifiability.hpp"
 #include "tests/identification/crane.hpp"
 #include "tests/identification/experiments.hpp"
 #include "tests/identification/written_experiment.hpp"
@@ -366,11 +367,44 @@ TEST_F(NoisyTorque, IntervalsCoverTheTruthAsTheySay) {
   }
 }
 
+// Overstated noise would be taken out of the derivatives too much; what the residuals show is taken. Understated noise
+// is a misfit, and how much it would have to be is told.
+TEST_F(NoisyTorque, NoiseThatIsStatedWronglyIsSeen) {
+  write_run(7);
+  const auto found = [&](double stated) { return identify(experiment(fmt::format(", noise = {}", stated), true), {}); };
+  const Identification right = found(torque_noise);
+  EXPECT_EQ(right.fit.weighting.input_noise, 1.0);
+  for (const double times : {3.0, 30.0, 1e6}) {
+    const Identification over = found(times * torque_noise);
+    EXPECT_EQ(over.fit.status, FitStatus::converged) << times << over.fit.why;
+    EXPECT_NEAR(times * over.fit.weighting.input_noise, 1.0, 0.25) << times;
+    for (std::size_t p = 0; p < 3; ++p) {
+      const Estimate &one = over.fit.estimates[p], &other = right.fit.estimates[p];
+      EXPECT_NEAR(one.value, other.value, 0.3 * other.standard_error) << times;
+      EXPECT_NEAR(one.standard_error, other.standard_error, 0.3 * other.standard_error) << times;
+    }
+  }
+  const Identification under = found(0.1 * torque_noise);
+  EXPECT_EQ(under.fit.status, FitStatus::misfit);
+  EXPECT_NEAR(0.1 * under.fit.weighting.input_noise, 1.0, 0.25);
+  EXPECT_NE(under.fit.why.find("times what is stated would explain it"), std::string::npos) << under.fit.why;
+}
+
 TEST_F(NoisyTorque, WithoutItsNoiseItIsAMisfit) {
   write_run(5);
   EXPECT_EQ(identify(experiment("", true), {}).fit.status, FitStatus::misfit);
   const Identification found = identify(experiment(fmt::format(", noise = {}", torque_noise), true), {});
   EXPECT_EQ(found.fit.status, FitStatus::converged) << found.fit.why;
+  // What the design alone tells of the errors, at the estimates.
+  const Experiment at_estimates = experiment(fmt::format(", noise = {}", torque_noise), true);
+  const FitProblem design(at_estimates);
+  const Identifiability told = assess(design, found.fit.parameters, {found.fit.runs[0].nuisances});
+  const Experiment exact = experiment("", true);
+  const Identifiability without = assess(FitProblem(exact), found.fit.parameters, {found.fit.runs[0].nuisances});
+  for (std::size_t p = 0; p < 3; ++p) {
+    EXPECT_NEAR(told.standard_error[p], found.fit.identifiability.standard_error[p], 0.02 * told.standard_error[p]);
+    EXPECT_LT(without.standard_error[p], 0.6 * told.standard_error[p]);
+  }
   // A fit of some of the runs takes what the noise does in these.
   const Experiment e = experiment(fmt::format(", noise = {}", torque_noise), true);
   const FitProblem problem(e);

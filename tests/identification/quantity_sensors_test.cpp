@@ -183,10 +183,11 @@ TEST_F(QuantitySensors, TellTheMass) {
 TEST_F(QuantitySensors, ReadAStrainGauge) {
   folder_.write("scene.toml", pendulum + R"(
 [body.rod.section]
-points = ["O", "C", "E"]
+line = ["O", "C", "E"]
 area = 1e-4
 second_moment = 1e-9
 modulus = 7e10
+height = 0.01
 )");
   std::string text = app_tests::contents(folder_.path("scene.toml"));
   const std::string points = "points = { O = [0, 0], C = [0.3, 0], P = [0.5, 0.1] }";
@@ -195,7 +196,7 @@ modulus = 7e10
   folder_.write("scene.toml", text);
   const std::string gauge = sensor("gauge", "moment.rod.G", 1e-3, "factor = 1.2");
   Experiment e = read(head + "set = { \"load.push\" = 0 }\n" + sensor("angle", "angle.rod", 1e-3) + gauge +
-                      unknown("body.rod.mass") + unknown("body.rod.inertia") + unknown("sensor.gauge.zero") + swing);
+                      unknown("body.rod.mass") + unknown("body.rod.inertia") + unknown("sensor.gauge.zero") + swing + "start_known = true\n");
   test::expect_derivatives(e, FitProblem(e).run(0).released());
   test::expect_found(e, 0.1);
 }

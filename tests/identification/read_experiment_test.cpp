@@ -214,7 +214,7 @@ TEST(ReadExperiment, RejectsSensors) {
   EXPECT_EQ(error_of_sensor("angles = \"crank\"\n"),
             third +
                 "angles: expected one of the keys name, read, angle, travel, "
-                "distance, x, y, force, impacts, accelerometer, direction, rate, column, gaps, missing, wraps, "
+                "distance, x, y, force, impacts, accelerometer, slips, direction, rate, column, gaps, missing, wraps, "
                 "noise, zero, factor, delay; did you mean \"angle\"?");
   EXPECT_EQ(error_of_sensor("angle = \"crnk\"\n"),
             third + "angle: expected the name of a body other than ground, found \"crnk\"; did you mean \"crank\"?");

@@ -14,6 +14,7 @@
 #include "model/joint_friction.hpp"
 #include "model/scene.hpp"
 #include "statics/bodies/forces_on_bodies.hpp"
+#include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/motions.hpp"
 #include "tests/support/moving_scenes.hpp"

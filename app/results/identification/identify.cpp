@@ -243,8 +243,9 @@ std::vector<Line> warnings(const FitProblem& problem, const Identification& answ
     out.push_back(doubtful(fmt::format(
         "Outliers: {} in {}, listed below{}.", count(static_cast<int>(fitted.outliers.size()), "reading", "readings"),
         count(static_cast<int>(runs.size()), "run", "runs"),
-        fitted.weighting.loss == Loss::squares ? "; loss = \"huber\", \"cauchy\" or \"student\" limits their effect"
-                                               : "")));
+        fitted.weighting.loss == Loss::squares && noisy_inputs(problem.experiment()).empty()
+            ? "; loss = \"huber\", \"cauchy\" or \"student\" limits their effect"
+            : "")));
   }
   if (!fitted.identifiability.ok) {
     out.push_back(bad("Standard errors are not known: " + fitted.identifiability.why + "."));
@@ -666,8 +667,13 @@ void add_residuals(Group& content, const FitProblem& problem, const Identificati
                                          count(static_cast<int>(fitted.runs.size()), "run", "runs")));
   section.fact("rms", rms_in_words(fitted.rms, experiment));
   if (const std::vector<std::string> inputs = noisy_inputs(experiment); !inputs.empty()) {
-    section.fact("inputs", fmt::format("these are less what the noise of {} does to readings, and so independent",
-                                       fmt::join(inputs, ", ")));
+    const double shown = fitted.weighting.input_noise;
+    const std::string more = shown < 1
+                                 ? fmt::format("; {:.2g} times what is stated is taken, as they show no more", shown)
+                             : shown > 1 ? fmt::format("; {:.2g} times what is stated would explain them", shown)
+                                         : std::string();
+    section.fact("inputs",
+                 fmt::format("these are less what the noise of {} does to readings{}", fmt::join(inputs, ", "), more));
   }
   if (!answer.rms_from_readings.empty() && !problem.all_at_rest()) {
     section.fact("unfitted", rms_in_words(answer.rms_from_readings, experiment) +

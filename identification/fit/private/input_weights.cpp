@@ -14,7 +14,7 @@ namespace poise {
 namespace {
 
 /// How often the errors are taken at the values reached.
-constexpr int rounds = 2;
+constexpr int rounds = 3;
 /// Over so many standard errors of a parameter d log det S is a difference.
 constexpr double step_of_difference = 0.3;
 
@@ -25,7 +25,7 @@ double log_determinant(const FitProblem& problem, std::size_t r, const std::vect
       problem.run(r).input_errors(problem.unknowns_of(r, parameters).data(), nuisances.data(), problem.accuracy(r));
   if (errors == nullptr) return NAN;
   Eigen::MatrixXd none(like.rows.rows(), 0);
-  return errors->whiten(none, like.first, weighting.noise);
+  return errors->times(std::min(1.0, weighting.input_noise)).whiten(none, like.first, weighting.noise);
 }
 
 /// g of run r, by all parameters.
@@ -79,6 +79,59 @@ void add_offsets(const FitTask& task, Minimum& at, Weighting& weighting) {
   }
 }
 
+bool guesses_noise(const FitProblem& problem, const Weighting& weighting) {
+  for (std::size_t k = 0; k < weighting.noise.size(); ++k) {
+    if (estimates_noise(problem, weighting, k)) return true;
+  }
+  return false;
+}
+
+/// -2 log likelihood of the residuals where the noise of inputs is so many times what is stated.
+double misfit_with(double factor, const std::vector<LinearRun>& runs, const Weighting& weighting) {
+  double sum = 0.0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    if (weighting.inputs[r] == nullptr || runs[r].rows.size() == 0) continue;
+    Eigen::MatrixXd residuals = runs[r].rows.rightCols(1);
+    const double determinant = weighting.inputs[r]->times(factor).whiten(residuals, runs[r].first, weighting.noise);
+    sum += determinant + residuals.squaredNorm();
+  }
+  return sum;
+}
+
+/// Weighting::input_noise at a minimum; `weighting` has the errors of the noise as it is stated.
+double noise_shown(const FitTask& task, const FitPoint& at, const Weighting& weighting) {
+  constexpr double beyond_chance = 15.1;  // of chi squared with one degree of freedom, once in 10^4
+  constexpr int decades = 12, refinements = 30;
+  const FitProblem& problem = task.problem;
+  Weighting without = weighting;
+  without.inputs.clear();
+  std::vector<LinearRun> runs(problem.runs());
+  solvers::parallel_for(problem.runs(), {.jobs = task.options.jobs}, [&](std::size_t r) {
+    runs[r] =
+        problem.linearized(r, at.parameters, at.nuisances[r], &task.records[r], INFINITY, problem.accuracy(r), without);
+  });
+  const auto misfit = [&](double power) { return misfit_with(std::pow(10.0, power), runs, weighting); };
+  const double stated = misfit(0.0);
+  double best = 0.0, least = stated;
+  for (int power = -decades; power <= decades; ++power) {
+    const double there = misfit(power);
+    if (!(there < least)) continue;
+    best = power;
+    least = there;
+  }
+  constexpr double golden = 0.6180339887498949;
+  double low = best - 1, high = best + 1;
+  for (int k = 0; k < refinements; ++k) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    if (misfit(a) < misfit(b))
+      high = b;
+    else
+      low = a;
+  }
+  best = (low + high) / 2;
+  return stated - misfit(best) > beyond_chance ? std::pow(10.0, best) : 1.0;
+}
+
 }  // namespace
 
 WeightedMinimum weigh_by_input_errors(const FitTask& task, WeightedMinimum from, FitEffort& effort) {
@@ -89,6 +142,15 @@ WeightedMinimum weigh_by_input_errors(const FitTask& task, WeightedMinimum from,
     weighting.inputs = task.problem.input_errors(point.parameters, point.nuisances, task.options.jobs);
     if (weighting.inputs.empty()) break;
     task.say("weighing the readings by the noise of inputs");
+    // A first guess of a sensor's noise contains what that of inputs does.
+    if (round > 0 || !guesses_noise(task.problem, weighting)) {
+      weighting.input_noise = noise_shown(task, point, weighting);
+    }
+    if (weighting.input_noise < 1) {
+      for (auto& errors : weighting.inputs) {
+        if (errors) errors = std::make_shared<const InputErrors>(errors->times(weighting.input_noise));
+      }
+    }
     add_offsets(task, out.minimum, weighting);
     Minimum next = minimise(task, weighting, point, 1.0, effort);
     if (!next.is_reached()) break;

@@ -74,6 +74,11 @@ std::string reason_in_words(const FitProblem& problem, const Fit& fitted, bool l
       inputs.empty() ? "or the noise is larger than stated"
                      : fmt::format("the noise is larger than stated, or inputs that count as exact have errors ({})",
                                    fmt::join(inputs, ", ")));
+  const std::vector<std::string> noisy = noisy_inputs(problem.experiment());
+  if (!noisy.empty() && fitted.weighting.input_noise > 1) {
+    out += fmt::format("; noise of {} that is {:.2g} times what is stated would explain it", fmt::join(noisy, ", "),
+                       fitted.weighting.input_noise);
+  }
   if (fitted.residual_over_noise > doubtful_from) {
     out += fmt::format("; or a better minimum exists, {} tried",
                        fitted.tries == 1 ? "1 start was" : fmt::format("{} starts were", fitted.tries));
