@@ -135,7 +135,8 @@ struct ForcesInMotion {
   std::vector<Reaction> reactions;
   std::vector<MeasureEffort> efforts;
   std::vector<BodyAcceleration> accelerations;  ///< per body of the scene
-  /// False of a state beside a motion, whose forces need not balance: loads are then those of the parts before the cuts.
+  /// False of a state beside a motion, whose forces need not balance: loads are then those of the parts before the
+  /// cuts.
   bool balanced = true;
 };
 

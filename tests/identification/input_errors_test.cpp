@@ -374,10 +374,11 @@ TEST_F(NoisyTorque, NoiseThatIsStatedWronglyIsSeen) {
   const auto found = [&](double stated) { return identify(experiment(fmt::format(", noise = {}", stated), true), {}); };
   const Identification right = found(torque_noise);
   EXPECT_EQ(right.fit.weighting.input_noise, 1.0);
+  // One run tells the noise of its load to a third or so.
   for (const double times : {3.0, 30.0, 1e6}) {
     const Identification over = found(times * torque_noise);
     EXPECT_EQ(over.fit.status, FitStatus::converged) << times << over.fit.why;
-    EXPECT_NEAR(times * over.fit.weighting.input_noise, 1.0, 0.25) << times;
+    EXPECT_NEAR(times * over.fit.weighting.input_noise, 1.0, 0.4) << times;
     for (std::size_t p = 0; p < 3; ++p) {
       const Estimate &one = over.fit.estimates[p], &other = right.fit.estimates[p];
       EXPECT_NEAR(one.value, other.value, 0.3 * other.standard_error) << times;
@@ -386,7 +387,7 @@ TEST_F(NoisyTorque, NoiseThatIsStatedWronglyIsSeen) {
   }
   const Identification under = found(0.1 * torque_noise);
   EXPECT_EQ(under.fit.status, FitStatus::misfit);
-  EXPECT_NEAR(0.1 * under.fit.weighting.input_noise, 1.0, 0.25);
+  EXPECT_NEAR(0.1 * under.fit.weighting.input_noise, 1.0, 0.4);
   EXPECT_NE(under.fit.why.find("times what is stated would explain it"), std::string::npos) << under.fit.why;
 }
 

@@ -196,7 +196,8 @@ height = 0.01
   folder_.write("scene.toml", text);
   const std::string gauge = sensor("gauge", "moment.rod.G", 1e-3, "factor = 1.2");
   Experiment e = read(head + "set = { \"load.push\" = 0 }\n" + sensor("angle", "angle.rod", 1e-3) + gauge +
-                      unknown("body.rod.mass") + unknown("body.rod.inertia") + unknown("sensor.gauge.zero") + swing + "start_known = true\n");
+                      unknown("body.rod.mass") + unknown("body.rod.inertia") + unknown("sensor.gauge.zero") + swing +
+                      "start_known = true\n");
   test::expect_derivatives(e, FitProblem(e).run(0).released());
   test::expect_found(e, 0.1);
 }
