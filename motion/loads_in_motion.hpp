@@ -13,7 +13,8 @@ namespace poise {
 /// What link_loads() needs of forces that were found with the drives of the scene.
 ForcesInMotion in_motion(const Scene& scene, const Forces& forces);
 
-/// Of the internal loads of all links of a scene: a quantity of one of them (SoughtQuantity::is_in_link()), SI.
+/// Returns the quantity of a link (SoughtQuantity::is_in_link()), SI, that the internal loads of all links of a scene
+/// have, or why there is none.
 QuantityValue load_in_link(const SoughtQuantity& of, const Scene& scene, const std::vector<LinkLoads>& links);
 
 /// The internal loads of links at one time of a motion, SI.

@@ -41,7 +41,7 @@ Eigen::VectorXd change_by_clock(const FitProblem& problem, const Fit& fitted, co
   return out;
 }
 
-/// Of the rows of run r: takes out what the noise of its inputs does, as in FitProblem::linearized().
+/// Takes what the noise of inputs does out of the rows of run r, as FitProblem::linearized() does.
 void whiten(const Fit& fitted, const std::vector<Record>& records, std::size_t r, Eigen::MatrixXd& rows) {
   const InputErrors* const errors = fitted.weighting.input_errors(r);
   if (errors == nullptr) return;

@@ -246,7 +246,7 @@ Dimension dimension_of(const Experiment& experiment, const Unknown& unknown);
 
 /// Paths of the loads and drives that follow readings in measured runs, each once: "load.motor".
 std::vector<std::string> measured_inputs(const Experiment& experiment);
-/// Those of these whose readings count as exact, and the others, which have noise.
+/// Readings of the first of these count as exact, and those of the others have noise.
 std::vector<std::string> exact_inputs(const Experiment& experiment);
 std::vector<std::string> noisy_inputs(const Experiment& experiment);
 

@@ -7,13 +7,13 @@ namespace poise {
 double InputErrors::whiten(Eigen::MatrixXd& rows, const std::vector<Eigen::Index>& first,
                            const std::vector<double>& noise) const {
   double log_determinant = 0.0;
-  if (steps_.empty()) return log_determinant;
-  const Eigen::Index states = steps_.front().transition.rows();
+  if (steps_->empty()) return log_determinant;
+  const Eigen::Index states = steps_->front().transition.rows();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(states, states), product(states, states);
   Eigen::MatrixXd told = Eigen::MatrixXd::Zero(states, rows.cols()), next(states, rows.cols());  // of each column
   Eigen::RowVectorXd h(states), surprise(rows.cols());
   Eigen::VectorXd gain(states);
-  for (const Step& step : steps_) {
+  for (const Step& step : *steps_) {
     next.noalias() = step.transition * told;
     told.swap(next);
     product.noalias() = step.transition * covariance;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,7 @@ class InputErrors {
     std::vector<Reading> readings;     ///< after it
   };
 
-  explicit InputErrors(std::vector<Step> steps) : steps_(std::move(steps)) {}
+  explicit InputErrors(std::vector<Step> steps) : steps_(std::make_shared<const std::vector<Step>>(std::move(steps))) {}
 
   /// Makes the errors of residuals independent, of unit size: each row is less what those before it tell of the states,
   /// over the standard deviation of what is left (the innovations of a Kalman filter, R. E. Kalman, 1960). `rows`: of
@@ -32,17 +33,17 @@ class InputErrors {
   /// determinant of the covariance of such residuals.
   double whiten(Eigen::MatrixXd& rows, const std::vector<Eigen::Index>& first, const std::vector<double>& noise) const;
 
-  /// The same where the noise is `factor` times as large.
+  /// Returns the errors that noise makes which is `factor` times as large.
   InputErrors times(double factor) const;
-  /// The same with an offset of whitened residuals: a value for each of all readings of sensor after sensor, sensor k's
-  /// from first[k].
+  /// Returns these errors with an offset of whitened residuals, which has a value for each of all readings of sensor
+  /// after sensor, sensor k's from first[k].
   InputErrors with_offset(Eigen::VectorXd offset, std::vector<Eigen::Index> first) const;
   /// Takes that from residuals, which are as for whiten(); nothing where there is none.
   void subtract_offset(Eigen::Ref<Eigen::VectorXd> residuals, const std::vector<Eigen::Index>& first) const;
 
  private:
-  std::vector<Step> steps_;
-  double factor_ = 1.0;  // of the kicks
+  std::shared_ptr<const std::vector<Step>> steps_;  // shared by those with other noise or offsets
+  double factor_ = 1.0;                             // of the kicks
   Eigen::VectorXd offset_;
   std::vector<Eigen::Index> first_;  // of the offset
 };

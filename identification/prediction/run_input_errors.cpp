@@ -14,10 +14,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Of coordinates (rad or sizes of the mechanism) and their rates, over which derivatives are differences.
+/// Coordinates (rad or sizes of the mechanism) and their rates are moved by this for a difference.
 constexpr double state_step = 1e-6;
 
-/// Of an input whose readings have noise.
+/// An input whose readings have noise.
 struct NoisyInput {
   std::size_t at;             // index into Run::inputs
   double noise;               // SI
@@ -30,7 +30,7 @@ struct NoisyInput {
   }
 };
 
-/// The same curve, higher everywhere.
+/// Returns the curve with the same value added everywhere.
 std::shared_ptr<const TimeCurve> raised(const TimeCurve& curve, double by) {
   std::vector<double> values;
   for (const double t : curve.breaks()) values.push_back(curve.at(t) + by);

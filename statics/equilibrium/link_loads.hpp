@@ -108,8 +108,8 @@ struct LinkLoads {
   double stress() const { return std::max(tension.value, -compression.value); }
   /// Inside of a piece, s within it.
   LinkState at(const LinkPiece& piece, double s) const;
-  /// Of a rigid link, at the place of its line that is nearest to a point of the body, m, before what acts there. None
-  /// where nothing is said of the link.
+  /// Returns the state of a rigid link at the place of its line that is nearest to a point of the body, m, before what
+  /// acts there; none where nothing is said of the link.
   std::optional<LinkState> at_nearest(Vec2 point) const;
   /// So many parts of every piece; all samples of a flexible link.
   std::vector<LinkSample> sampled(int parts) const;

@@ -47,7 +47,7 @@ struct SoughtQuantity {
     product,
     quotient
   };
-  /// Of a reaction, a shaking force or a load inside of a link; axial: tension.
+  /// A part belongs to a reaction, a shaking force or a load inside of a link; axial is the tension.
   enum class Part { size, x, y, moment, axial, shear };
 
   std::string name;

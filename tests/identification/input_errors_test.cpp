@@ -65,7 +65,7 @@ TEST(InputErrors, WhitenedRowsHaveTheProductsOfTheInverseCovariance) {
   errors.whiten(whitened, first, noise);
   const MatrixXd expected = rows.transpose() * covariance.ldlt().solve(rows);
   EXPECT_LT((whitened.transpose() * whitened - expected).norm(), 1e-9 * expected.norm());
-  // Of part of the readings, the first ones of each sensor.
+  // The first readings of each sensor alone are whitened with their own part of the covariance.
   std::vector<int> kept = {0, 1, 2, 3, 4, 12, 13};
   MatrixXd fewer = rows(kept, Eigen::all);
   errors.whiten(fewer, {0, 5, 7}, noise);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <boost/math/tools/minima.hpp>
+
 #include "identification/fit/private/linear_fit.hpp"
 #include "identification/fit/projection.hpp"
 #include "solvers/parallel.hpp"
@@ -101,7 +103,7 @@ double misfit_with(double factor, const std::vector<LinearRun>& runs, const Weig
 /// Weighting::input_noise at a minimum; `weighting` has the errors of the noise as it is stated.
 double noise_shown(const FitTask& task, const FitPoint& at, const Weighting& weighting) {
   constexpr double beyond_chance = 15.1;  // of chi squared with one degree of freedom, once in 10^4
-  constexpr int decades = 12, refinements = 30;
+  constexpr int decades = 12;
   const FitProblem& problem = task.problem;
   Weighting without = weighting;
   without.inputs.clear();
@@ -119,17 +121,9 @@ double noise_shown(const FitTask& task, const FitPoint& at, const Weighting& wei
     best = power;
     least = there;
   }
-  constexpr double golden = 0.6180339887498949;
-  double low = best - 1, high = best + 1;
-  for (int k = 0; k < refinements; ++k) {
-    const double a = high - golden * (high - low), b = low + golden * (high - low);
-    if (misfit(a) < misfit(b))
-      high = b;
-    else
-      low = a;
-  }
-  best = (low + high) / 2;
-  return stated - misfit(best) > beyond_chance ? std::pow(10.0, best) : 1.0;
+  constexpr int bits = 20;
+  const auto [power, lowest] = boost::math::tools::brent_find_minima(misfit, best - 1, best + 1, bits);
+  return stated - lowest > beyond_chance ? std::pow(10.0, power) : 1.0;
 }
 
 }  // namespace
