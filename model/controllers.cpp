@@ -53,6 +53,13 @@ int controller_that_sets(const Scene& scene, int element) {
   return -1;
 }
 
+int controller_of_drive(const Scene& scene, int drive) {
+  for (const int e : controllers_of(scene)) {
+    if (scene.elements[static_cast<std::size_t>(e)].feedback->sets_drive(drive)) return e;
+  }
+  return -1;
+}
+
 std::vector<int> in_order_of_decisions(const Scene& scene) {
   std::vector<int> out;
   const auto add = [&](int e, const auto& self) -> void {

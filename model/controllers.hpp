@@ -24,6 +24,9 @@ std::vector<int> circle_of_decisions(const Scene& scene);
 /// The controller that sets a number of an element, or -1.
 int controller_that_sets(const Scene& scene, int element);
 
+/// The controller that sets the acceleration of a drive, or -1.
+int controller_of_drive(const Scene& scene, int drive);
+
 /// The bodies that are states of controllers (Feedback), as a set that is empty in most scenes.
 std::set<int> bodies_of_states(const Scene& scene);
 

@@ -279,7 +279,8 @@ class Mechanism {
     int on = -1;                        // the element whose measure it acts on
     int sets = -1;                      // the number of that element's law that it adds to
     int load = -1;                      // of loads_, to whose size it adds
-    std::vector<int> turns;             // coordinates on which it acts by a torque of the scene
+    std::vector<int> turns;             // coordinates on which it acts by a torque
+    T turned_by{1};                     // of a unit of its effort
     int follows = -1, reads_from = -1;  // controllers
     int reads_force = -1;               // an element
     int force_set_by = -1;              // the controller that sets a number of that

@@ -242,8 +242,8 @@ typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene
   } else if (feedback.sets && feedback.sets->of == TimeFunction::Of::force) {
     out.load = feedback.sets->item;
   } else if (feedback.sets) {
-    const int torque = feedback.sets->item;
-    const int turned = layout_.links[scene.torques[torque].body].frame;
+    const bool drives = feedback.sets->of == TimeFunction::Of::drive;
+    const int turned = layout_.links[drives ? feedback.course : scene.torques[feedback.sets->item].body].frame;
     if (turned >= 0 && turned < coordinates()) out.turns.push_back(turned);
   }
   out.follows = feedback.follows;
@@ -259,6 +259,7 @@ typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene
   out.filter = angle_of(feedback.filter);
   for (std::size_t k = 0; k < out.held.size(); ++k) out.held[k] = angle_of(feedback.held[k]);
   for (const int body : feedback.states()) out.inertia = T(scene.bodies[static_cast<std::size_t>(body)].inertia);
+  if (feedback.course >= 0) out.turned_by = out.inertia / T(controller_of(element.law)->effort_unit);
   return out;
 }
 

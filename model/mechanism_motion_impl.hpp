@@ -174,7 +174,7 @@ void Mechanism<T>::slopes_of_push(const Control& control, const Configuration<T>
     load.path.derivative(phasors_, here.pose, here.scratch);
     for (int i = 0; i < load.path.size(); ++i) slopes[i] = dot(direction, here.scratch[i]);
   } else {
-    std::fill(slopes, slopes + control.turns.size(), T(1));
+    std::fill(slopes, slopes + control.turns.size(), control.turned_by);
   }
 }
 
@@ -302,7 +302,7 @@ void Mechanism<T>::add_push(const Control& control, const T& change, const Confi
   } else if (control.load >= 0) {
     add_load_at(control.load, effort, here, g);
   } else {
-    for (const int i : control.turns) g[i] -= effort;
+    for (const int i : control.turns) g[i] -= effort * control.turned_by;
   }
 }
 

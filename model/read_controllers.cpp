@@ -247,6 +247,19 @@ void ControllerReader::read_set_number(const One& one) {
     sets.of = TimeFunction::Of::force;
   } else if (row.place.owner == Owner::torque) {
     sets.of = TimeFunction::Of::torque;
+  } else if (row.place.owner == Owner::drive) {
+    sets.of = TimeFunction::Of::drive;
+    if (row.path.parts[2] != "acceleration") {
+      path.place.fail(fmt::format(
+          "expected \"drive.{}.acceleration\": a drive moves without jumps of its place and its rate, found \"{}\"",
+          scene_.drives[item].name, path.value));
+    }
+    const int other = controller_of_drive(scene_, row.place.item);
+    if (other >= 0) {
+      path.place.fail(fmt::format(
+          "expected a drive that no other controller sets, found that of \"{}\"; let one of them follow the other",
+          scene_.elements[static_cast<std::size_t>(other)].name));
+    }
   } else if (row.place.owner == Owner::element && varies_in_motion(scene_.elements[item].law)) {
     const Element& target = scene_.elements[item];
     const bool is_length = row.path.parts[3].ends_with("length") || row.path.parts[3].ends_with("angle");
@@ -264,8 +277,8 @@ void ControllerReader::read_set_number(const One& one) {
     }
   } else {
     path.place.fail(
-        "expected a number of a spring, a damper or a constant force, a load that is given by direction and size, or a "
-        "torque");
+        "expected a number of a spring, a damper or a constant force, a load that is given by direction and size, a "
+        "torque, or the acceleration of a drive");
   }
   element(one).feedback->sets = std::move(sets);
 }
@@ -398,6 +411,7 @@ void ControllerReader::add_states(const One& one) {
     if (law.has(Controller::integral)) feedback.held[1] = add_state("held error");
     if (has_state) feedback.held[2] = add_state("held input");
   }
+  if (feedback.sets && feedback.sets->of == TimeFunction::Of::drive) feedback.course = add_state("course");
   element(one).feedback = std::move(feedback);
 }
 

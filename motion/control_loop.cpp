@@ -105,7 +105,13 @@ class LoopAtRest {
                       "with it; expected a scene without it",
                       scene_.file, line, family, name, controllers_of(scene_).empty() ? "blades" : "controllers"));
     };
-    for (const Drive& drive : scene_.drives) refuse(drive.line, "drive", drive.name);
+    for (std::size_t d = 0; d < scene_.drives.size(); ++d) {
+      const Drive& drive = scene_.drives[d];
+      const bool is_set = controller_of_drive(scene_, static_cast<int>(d)) >= 0;
+      if (moves_by_itself(static_cast<int>(d)) || (is_set && !scene_.blades.empty())) {
+        refuse(drive.line, "drive", drive.name);
+      }
+    }
     for (const Element& element : scene_.elements) {
       if (std::holds_alternative<DryFriction>(element.law)) refuse(element.line, element.family(), element.name);
     }
@@ -114,15 +120,26 @@ class LoopAtRest {
     }
   }
 
-  /// Each coordinate of the mechanism with its rate, then the states of controllers: the rates of their coordinates,
-  /// of a transfer function of second order these too.
+  /// Whether it has a rate or a function of time.
+  bool moves_by_itself(int index) const {
+    const Drive& drive = scene_.drives[static_cast<std::size_t>(index)];
+    const bool has_function =
+        std::any_of(scene_.time_functions.begin(), scene_.time_functions.end(), [&](const TimeFunction& function) {
+          return function.of == TimeFunction::Of::drive && function.item == index;
+        });
+    return has_function || drive.moved(0.0, 1) != 0.0 || drive.moved(0.0, 2) != 0.0;
+  }
+
+  /// Each coordinate of the mechanism, and the course of each drive that a controller sets, with its rate, then the
+  /// states of controllers: the rates of their coordinates, of a transfer function of second order these too.
   void find_states() {
-    const std::vector<int> own = states_of_controllers(scene_, model_.layout());
+    std::vector<int> own = states_of_controllers(scene_, model_.layout());
     std::vector<int> second_order;
     for (const int e : controllers_of(scene_)) {
       const Element& element = scene_.elements[static_cast<std::size_t>(e)];
-      if (controller_of(element.law)->order < 2) continue;
-      second_order.push_back(model_.layout().links[static_cast<std::size_t>(element.feedback->filter)].frame);
+      const auto coordinate = [&](int body) { return model_.layout().links[static_cast<std::size_t>(body)].frame; };
+      if (element.feedback->course >= 0) std::erase(own, coordinate(element.feedback->course));
+      if (controller_of(element.law)->order == 2) second_order.push_back(coordinate(element.feedback->filter));
     }
     const auto is_in = [](const std::vector<int>& list, int i) {
       return std::find(list.begin(), list.end(), i) != list.end();

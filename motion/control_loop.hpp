@@ -80,7 +80,10 @@ struct ControlLoop {
 /// Of controllers with a period what is held between samples takes no part in x; the zero-order hold is exact. Delays
 /// are exact, too (solvers/delayed_system.hpp).
 /// Not known with limits of stops that are touched, and where controllers with delays follow each other in a circle.
-/// Throws InputError for scenes with drives or dry friction, for periods that differ, and for periods beside delays.
+/// Drives that stand still hold their measures; how far one has moved whose acceleration a controller sets is a
+/// coordinate of the mechanism, and so is its rate.
+/// Throws InputError for scenes with dry friction or drives that move by themselves, for drives that controllers set
+/// beside blades, for periods that differ, and for periods beside delays.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
 }  // namespace poise

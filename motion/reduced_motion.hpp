@@ -91,6 +91,11 @@ struct MotionVariations;
 ///   (B^T M B) alpha = -B^T G(a0).
 /// Complete pivoting removes redundant closures and chooses z. Units are those of the scene given.
 ///
+/// States s of controllers are independent, and no force acts on them but what their controllers give, so that their
+/// rows of these equations are  M_s s'' = -G_s. A drive whose acceleration a controller sets moves by its course, such a
+/// state; with its columns of B the other rows are
+///   (B^T M B) alpha = -B^T G(a0) - B^T M B_s s''.
+///
 /// A number p of the scene that closures or drives depend on moves dependent coordinates at fixed z and w. With |p for
 /// the derivative at fixed coordinates, rates, accelerations and multipliers
 ///   J q_p + c|p = 0,   J v_p + D2c[v, q_p] + (J v)|p = 0,
@@ -343,11 +348,15 @@ class ReducedMotion {
   void reduced_inertia(int body, const BodyInertia<T>& part, T* f) const;
 
  private:
-  struct DriveRow {  // g(q) = start + moved(t), or the input's curve
+  // g(q) = start + moved(t), or the input's curve. Where a controller sets the drive, g is its measure less led_by times
+  // the coordinate `led` of the course.
+  struct DriveRow {
     Drive drive;
     CompiledMeasure<T> on;
     T start{};
     std::optional<MotionInput> input{};
+    int led = -1;
+    T led_by{}, led_rate{};  // the rate is that of the last move()
 
     T target(const T& t, int derivative, double near) const {
       if (input) return static_cast<T>(input->at(static_cast<double>(t), derivative, near));
@@ -389,6 +398,11 @@ class ReducedMotion {
   template <class S>
   friend class ReducedMotion;
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
+  static DriveRow row_of(const Scene& scene, int drive, const Mechanism<T>& mechanism);
+  bool is_course(int coordinate) const {
+    return std::find(courses_.begin(), courses_.end(), coordinate) != courses_.end();
+  }
+  void divide_states_by_mass(T* b) const;
   static std::vector<Grip> grips_of(const Scene& scene, const Mechanism<T>& mechanism);
   static std::vector<int> growing(const std::vector<Grip>& grips);
   double near_at(const T& t) const { return std::isnan(near_) ? static_cast<double>(t) : near_; }
@@ -458,11 +472,12 @@ class ReducedMotion {
   bool jumps_ = false;           // the state is that of jump()
   std::vector<MotionInput> inputs_;
   InputForces<T> input_forces_;
-  std::vector<int> states_;  // of controllers
+  std::vector<int> states_, courses_;  // of controllers; those of them by which drives move
   std::vector<int> moving_;  // the other coordinates
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
-  int heavy_ = 0;  // of the independent coordinates: those before the states of controllers
+  int heavy_ = 0;    // of the independent coordinates: those before the states of controllers
+  int carrying_ = 0;  // those before the states by which no drive moves
   T singular_limit_{};
   T pivot_{1};
   T t_{};
@@ -476,6 +491,7 @@ class ReducedMotion {
   std::vector<int> sliding_, held_;  // see set_sliding()
   std::vector<T> resistances_;       // at q, v
   std::vector<T> v_z_, a_z_, a_w_, alpha_z_, alpha_w_, tangent_, tangent_of_loads_;
+  std::vector<T> mass_by_courses_;  // B^T M B_s: heavy_ values of each
   std::vector<T> mass_columns_, drive_multipliers_, drive_rows_, zero_;
   std::vector<Planar<T>> weight_columns_;
   std::vector<Planar<T>> second_, weight_;

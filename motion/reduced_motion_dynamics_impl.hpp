@@ -11,9 +11,20 @@
 
 namespace poise {
 
+// The accelerations of the states of controllers, and what the others do against those that follow from them.
+template <class T>
+void ReducedMotion<T>::divide_states_by_mass(T* b) const {
+  for (int i = heavy_; i < freedoms(); ++i) b[i] /= inertia_.moment(independent_[i]);
+  const T* column = mass_by_courses_.data();
+  for (int i = heavy_; i < carrying_; ++i, column += heavy_) {
+    for (int j = 0; j < heavy_; ++j) b[j] -= column[j] * b[i];
+  }
+}
+
 // Cholesky factors of what is not a state of controllers are in mass_, lower part. States turn for themselves alone.
 template <class T>
 void ReducedMotion<T>::divide_by_mass(T* b) const {
+  divide_states_by_mass(b);
   const int f = heavy_;
   const auto l = [&](int i, int j) -> const T& { return mass_[static_cast<std::size_t>(i) * f + j]; };
   for (int i = 0; i < f; ++i) {
@@ -24,12 +35,12 @@ void ReducedMotion<T>::divide_by_mass(T* b) const {
     for (int j = i + 1; j < f; ++j) b[i] -= l(j, i) * b[j];
     b[i] /= l(i, i);
   }
-  for (int i = f; i < freedoms(); ++i) b[i] /= inertia_.moment(independent_[i]);
 }
 
 // Divides derivatives by the mass, with the reciprocals of the factors' diagonal, which round once more.
 template <class T>
 void ReducedMotion<T>::divide_change_by_mass(T* b) const {
+  divide_states_by_mass(b);
   const int f = heavy_;
   const T* mass = mass_.data();
   const T* inverse = inverse_diagonal_.data();
@@ -43,7 +54,6 @@ void ReducedMotion<T>::divide_change_by_mass(T* b) const {
     for (int j = i + 1; j < f; ++j) x -= mass[j * f + i] * b[j];
     b[i] = x * inverse[i];
   }
-  for (int i = f; i < freedoms(); ++i) b[i] /= inertia_.moment(independent_[i]);
 }
 
 // A, C, M'^-1 C^T and the factors of C M'^-1 C^T. False where a blade's condition repeats others.
@@ -57,6 +67,12 @@ bool ReducedMotion<T>::factor_blades() {
     project(&blade_rows_[i * n], &blade_reduced_[i * f]);
     std::copy(&blade_reduced_[i * f], &blade_reduced_[i * f] + f, &blade_responses_[i * f]);
     divide_by_mass(&blade_responses_[i * f]);
+    // A blade moves with the courses, on which it does not act.
+    for (int k = heavy_; k < carrying_; ++k) {
+      T rate(0);
+      for (std::size_t j = 0; j < n; ++j) rate += blade_rows_[i * n + j] * B(k)[j];
+      blade_reduced_[i * f + static_cast<std::size_t>(k)] = rate;
+    }
     for (std::size_t j = 0; j <= i; ++j) {
       T entry(0);
       for (std::size_t k = 0; k < f; ++k) entry += blade_reduced_[i * f + k] * blade_responses_[j * f + k];
@@ -170,7 +186,7 @@ template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
   using std::sqrt;
   const int f = heavy_;
-  for (int k = 0; k < f; ++k) {
+  for (int k = 0; k < carrying_; ++k) {
     Planar<T>* weighed = &weight_columns_[static_cast<std::size_t>(k) * n_];
     T* moved = &mass_columns_[static_cast<std::size_t>(k) * n_];
     mechanism_.phasors().first(pose_.data(), B(k), work_.data());
@@ -178,6 +194,10 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::solve_accelerations() {
     for (const int i : moving_) moved[i] = inertia_.moment(i) * B(k)[i];
     mechanism_.phasors().add_projection(pose_.data(), weighed, moved);
     project(moved, small_.data());
+    if (k >= f) {
+      std::copy_n(small_.data(), f, &mass_by_courses_[static_cast<std::size_t>(k - f) * f]);
+      continue;
+    }
     for (int j = 0; j < f; ++j) mass_[static_cast<std::size_t>(j) * f + k] = small_[j];
   }
   for (int j = 0; j < f; ++j) {
@@ -259,7 +279,7 @@ void ReducedMotion<T>::add_accelerations(const T* alpha) {
   for (const int i : moving_) {
     T change(0), force(0);
     Planar<T> weight{};
-    for (int k = 0; k < heavy_; ++k) {
+    for (int k = 0; k < carrying_; ++k) {
       const std::size_t at = static_cast<std::size_t>(k) * n_ + i;
       change += alpha[k] * B_[at];
       force += alpha[k] * mass_columns_[at];
@@ -370,10 +390,10 @@ void ReducedMotion<T>::answer_change(const T* dq, const T* dv, const Direct* dir
     press_blades(blade_work_.data(), dalpha);
   }
   if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
-  for (int k = 0; k < heavy_; ++k) {
+  for (int k = 0; k < carrying_; ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
-  for (int k = heavy_; k < freedoms(); ++k) da[independent_[k]] += dalpha[k];
+  for (int k = carrying_; k < freedoms(); ++k) da[independent_[k]] += dalpha[k];
 }
 
 // Along the place and the rate of a state of a controller, of which controllers alone know.
@@ -438,8 +458,8 @@ void ReducedMotion<T>::linearize() {
     mechanism_.tangent(pose_.data(), rows_work_.data(), tangent_of_loads_.data());
     for (std::size_t e = 0; e < tangent_.size(); ++e) tangent_[e] -= tangent_of_loads_[e];
   }
-  for (int k = heavy_; k < freedoms(); ++k) linearize_state(k);
-  for (int k = 0; k < heavy_; ++k) {
+  for (int k = carrying_; k < freedoms(); ++k) linearize_state(k);
+  for (int k = 0; k < carrying_; ++k) {
     const std::size_t at = static_cast<std::size_t>(k) * n_;
     const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
     const T* dq = B(k);
@@ -671,7 +691,9 @@ T ReducedMotion<T>::power() const {
 template <class T>
 T ReducedMotion<T>::drive_power() const {
   T power(0);
-  for (int k = 0; k < drives(); ++k) power += drive_force(k) * drives_[k].target(t_, 1, near_at(t_));
+  for (int k = 0; k < drives(); ++k) {
+    power += drive_force(k) * (drives_[k].target(t_, 1, near_at(t_)) + drives_[k].led_rate);
+  }
   return power;
 }
 

@@ -31,6 +31,9 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   for (int i = 0; i < n_; ++i) {
     if (!is_state(i)) moving_.push_back(i);
   }
+  for (const DriveRow& row : drives_) {
+    if (row.led >= 0) courses_.push_back(row.led);
+  }
   prescribed_ = drives_.size();
   const std::size_t contacts = bearing_loads_.contacts().size();
   for (std::size_t c = 0; c < contacts; ++c) {
@@ -86,9 +89,7 @@ template <class T>
 std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const Scene& scene,
                                                                            const Mechanism<T>& mechanism) {
   std::vector<DriveRow> rows;
-  for (const Drive& drive : scene.drives) {
-    rows.push_back({drive, {scene, mechanism.layout(), mechanism.phasors(), drive.on}, T(0)});
-  }
+  for (std::size_t d = 0; d < scene.drives.size(); ++d) rows.push_back(row_of(scene, static_cast<int>(d), mechanism));
   for (const Stop& stop : scene.stops) {
     if (!stop.holds()) continue;
     Drive still;
@@ -96,6 +97,25 @@ std::vector<typename ReducedMotion<T>::DriveRow> ReducedMotion<T>::rows_of(const
     rows.push_back({still, {scene, mechanism.layout(), mechanism.phasors(), stop.on}, static_cast<T>(stop.max)});
   }
   return rows;
+}
+
+template <class T>
+typename ReducedMotion<T>::DriveRow ReducedMotion<T>::row_of(const Scene& scene, int drive,
+                                                             const Mechanism<T>& mechanism) {
+  DriveRow row;
+  row.drive = scene.drives[static_cast<std::size_t>(drive)];
+  Measure on = row.drive.on;
+  const int controller = controller_of_drive(scene, drive);
+  if (controller >= 0) {
+    const Element& leading = scene.elements[static_cast<std::size_t>(controller)];
+    const double by = controller_of(leading.law)->effort_unit;
+    row.led = mechanism.layout().links[static_cast<std::size_t>(leading.feedback->course)].frame;
+    row.led_by = T(by);
+    if (on.kind != Measure::Kind::sum) on = Measure::sum_of({{1.0, on}});
+    on.terms.push_back({-by, Measure::angle_between(0, leading.feedback->course)});
+  }
+  row.on = {scene, mechanism.layout(), mechanism.phasors(), on};
+  return row;
 }
 
 template <class T>
@@ -276,12 +296,13 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   std::vector<int> rows(rows_), columns(n_);
   for (int i = 0; i < rows_; ++i) rows[i] = i;
   for (int j = 0; j < n_; ++j) columns[j] = j;
-  if (fixed != nullptr) {
-    // The fixed ones are put last, and pivots are searched before them only.
-    std::stable_partition(columns.begin(), columns.end(),
-                          [&](int j) { return std::find(fixed->begin(), fixed->end(), j) == fixed->end(); });
-  }
-  const int searched = fixed != nullptr ? n_ - static_cast<int>(fixed->size()) : n_;
+  // The fixed ones are put last, and courses, which follow from nothing; pivots are searched before them only.
+  const auto is_fixed = [&](int j) {
+    return is_course(j) || (fixed != nullptr && std::find(fixed->begin(), fixed->end(), j) != fixed->end());
+  };
+  const auto first_fixed =
+      std::stable_partition(columns.begin(), columns.end(), [&](int j) { return !is_fixed(j); });
+  const int searched = static_cast<int>(first_fixed - columns.begin());
   // Coordinates without names, which only cut joints make, depend on the others where that is well-conditioned.
   int unnamed = 0;
   if (gripping_) {
@@ -331,7 +352,9 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   dependent_.assign(columns.begin(), columns.begin() + rank);
   independent_.assign(columns.begin() + rank, columns.end());
   std::sort(independent_.begin(), independent_.end());
-  std::stable_partition(independent_.begin(), independent_.end(), [&](int i) { return !is_state(i); });
+  const auto first_state =
+      std::stable_partition(independent_.begin(), independent_.end(), [&](int i) { return !is_state(i); });
+  std::stable_partition(first_state, independent_.end(), [&](int i) { return is_course(i); });
   std::sort(dependent_.begin(), dependent_.end());
   std::sort(used_rows_.begin(), used_rows_.end());
   make_room();
@@ -366,6 +389,8 @@ void ReducedMotion<T>::make_room() {
   for (auto* square : {&alpha_z_, &alpha_w_, &mass_}) square->assign(f * f, T(0));
   heavy_ =
       static_cast<int>(std::count_if(independent_.begin(), independent_.end(), [&](int i) { return !is_state(i); }));
+  carrying_ = heavy_ + static_cast<int>(courses_.size());
+  mass_by_courses_.assign(courses_.size() * static_cast<std::size_t>(heavy_), T(0));
   weight_columns_.resize(f * n);
   for (auto* few : {&alpha_, &small_, &inverse_diagonal_}) few->assign(f, T(0));
 }
@@ -469,9 +494,9 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::place(const T& t, const T* z
     last = step;
   }
   if (!closed) return Status::open;
-  // B = [-Jd^-1 Ji; I]; nothing follows from a state of a controller.
+  // B = [-Jd^-1 Ji; I]; from states of controllers only drives follow.
   for (int k = 0; k < freedoms(); ++k) {
-    if (k >= heavy_) {
+    if (k >= carrying_) {
       B_[static_cast<std::size_t>(k) * n_ + independent_[k]] = T(1);
       continue;
     }
@@ -525,9 +550,12 @@ void ReducedMotion<T>::move(const T* w) {
   }
   std::copy(drift_.begin(), drift_.end(), v_.begin());
   for (int k = heavy_; k < freedoms(); ++k) v_[independent_[k]] += w[k];
-  for (int k = 0; k < heavy_; ++k) {
+  for (int k = 0; k < carrying_; ++k) {
     const T* column = B(k);
     for (const int i : moving_) v_[i] += w[k] * column[i];
+  }
+  for (DriveRow& row : drives_) {
+    if (row.led >= 0) row.led_rate = row.led_by * v_[row.led];
   }
 }
 
