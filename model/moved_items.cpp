@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <initializer_list>
 
+#include <fmt/format.h>
+
 namespace poise {
 namespace {
 
@@ -27,10 +29,11 @@ void MovedItems::name_in_sets(toml::table& controller, const TomlTable& place) {
   std::string* const path = text_in(controller, "sets");
   if (path == nullptr) return;
   const bool is_load = path->starts_with("load.");
-  if (is_load && mirrored_) {
-    place.place_of("sets").fail(
-        "expected a number of a spring or a damper where the controller is mirrored: a torque changes its sign then; "
-        "act on a measure");
+  if ((is_load || path->starts_with("drive.")) && mirrored_) {
+    place.place_of("sets").fail(fmt::format(
+        "expected a number of a spring or a damper where the controller is mirrored: {} changes its sign then; "
+        "act on a measure",
+        is_load ? "a torque" : "the angle of a drive"));
   }
   const std::size_t from = path->find('.') + 1, to = is_load ? path->size() : path->rfind('.');
   if (from == 0 || to <= from) return;

@@ -17,6 +17,7 @@
 #include "motion/simulate.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/motion_derivatives.hpp"
 #include "tests/support/motions.hpp"
 
 namespace poise::control_test {
@@ -432,42 +433,10 @@ TEST(Control, TheCascadeOfAnAxisHasItsPoles) {
   EXPECT_NEAR(test::read_at(motion, {5.0})[0].q[i], 0.3, 1e-4);
 }
 
-/// The derivatives of a motion by numbers agree with differences of motions.
 void expect_derivatives(const std::string& text, const std::vector<std::string>& paths, double duration) {
   const Scene scene = parse_scene(text, "blocks.toml");
-  const MotionModel model(scene);
-  const MotionState start = test::released(model, {.places = {{"x", 0.3}}, .rates = {{"x", 0.2}}});
-  MotionOptions options{.duration = duration, .accuracy = 1e-12, .sensitivities = true};
-  for (const std::string& path : paths) {
-    const ParameterRow row = parameter(scene, path);
-    Influence influence;
-    influence.force = {ForceNumber::Of::element, row.place.item, row.place.number};
-    influence.by = row.dimension.per_scale(model.scales());
-    options.influences.push_back(influence);
-  }
-  const Motion motion = simulate(model, start, options);
-  ASSERT_TRUE(motion.completed()) << motion.why;
-  const int x = test::coordinate_of(model, "x");
-  TrajectoryReader reader(motion.trajectory, {x});
-  reader.at(duration);
-  const auto f = static_cast<std::size_t>(motion.freedoms);
-  for (std::size_t p = 0; p < paths.size(); ++p) {
-    const double value = value_at(scene, parameter(scene, paths[p]).place).value();
-    const double h = 1e-4 * std::max(std::abs(value), 0.1);
-    const auto at = [&](double by) {
-      Scene other = scene;
-      set_value_at(other, parameter(other, paths[p]).place, value + by);
-      const MotionModel changed(other, model.scales());
-      return test::read_at(test::moved(changed, start, duration, 1e-13), {duration})[0];
-    };
-    const test::Reading up = at(h), down = at(-h), far_up = at(2 * h), far_down = at(-2 * h);
-    const auto by_differences = [&](auto part) {
-      const auto value_of = [&](const test::Reading& reading) { return (reading.*part)[static_cast<std::size_t>(x)]; };
-      return (8 * (value_of(up) - value_of(down)) - (value_of(far_up) - value_of(far_down))) / (12 * h);
-    };
-    EXPECT_NEAR(reader.q_p(0)[2 * f + p], by_differences(&test::Reading::q), 1e-6) << paths[p];
-    EXPECT_NEAR(reader.v_p(0)[2 * f + p], by_differences(&test::Reading::v), 1e-6) << paths[p];
-  }
+  const MotionState start = test::released(MotionModel(scene), {.places = {{"x", 0.3}}, .rates = {{"x", 0.2}}});
+  test::expect_derivatives(scene, start, paths, {"x"}, duration);
 }
 
 TEST(Control, DerivativesByNumbersAreThoseOfMotions) {

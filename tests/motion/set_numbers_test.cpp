@@ -22,6 +22,7 @@
 #include "tests/app/run_poise.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/motion_derivatives.hpp"
 #include "tests/support/motions.hpp"
 
 namespace poise::set_numbers_test {
@@ -248,52 +249,13 @@ integral = 0.3
 
 TEST(SetNumbers, DerivativesAreThoseOfMotions) {
   const Scene scene = parse_scene(all_together(), "set.toml");
-  const MotionModel model(scene);
-  const MotionState start = test::released(model, {.places = {{"arm", 0.3}}, .rates = {{"arm", 0.5}}});
-  const std::vector<std::string> paths{"spring.S.stiffness",
-                                       "spring.S.free_length",
-                                       "damper.D.coefficient",
-                                       "load.thrust",
-                                       "controller.tension.integral",
-                                       "controller.tension.reference",
-                                       "controller.brake.proportional",
-                                       "controller.thrust.proportional",
-                                       "controller.thrust.integral"};
-  const double duration = 1.5;
-  MotionOptions options{.duration = duration, .accuracy = 1e-12, .sensitivities = true};
-  for (const std::string& path : paths) {
-    const ParameterRow row = parameter(scene, path);
-    Influence influence;
-    const bool is_load = row.place.owner == Owner::force;
-    influence.force = {is_load ? ForceNumber::Of::force : ForceNumber::Of::element, row.place.item, row.place.number};
-    influence.by = row.dimension.per_scale(model.scales());
-    options.influences.push_back(influence);
-  }
-  const Motion motion = simulate(model, start, options);
-  ASSERT_TRUE(motion.completed()) << motion.why;
-  const int arm = test::coordinate_of(model, "arm");
-  TrajectoryReader reader(motion.trajectory, {arm});
-  reader.at(duration);
-  const auto f = static_cast<std::size_t>(motion.freedoms);
-  for (std::size_t p = 0; p < paths.size(); ++p) {
-    const double value = value_at(scene, parameter(scene, paths[p]).place).value();
-    const double h = 1e-4 * std::max(std::abs(value), 0.1);
-    const auto at = [&](double by) {
-      Scene other = scene;
-      set_value_at(other, parameter(other, paths[p]).place, value + by);
-      const MotionModel changed(other, model.scales());
-      return test::read_at(test::moved(changed, start, duration, 1e-13), {duration})[0];
-    };
-    const test::Reading up = at(h), down = at(-h), far_up = at(2 * h), far_down = at(-2 * h);
-    const auto by_differences = [&](auto part) {
-      const auto value_of = [&](const test::Reading& reading) {
-        return (reading.*part)[static_cast<std::size_t>(arm)];
-      };
-      return (8 * (value_of(up) - value_of(down)) - (value_of(far_up) - value_of(far_down))) / (12 * h);
-    };
-    EXPECT_NEAR(reader.q_p(0)[2 * f + p], by_differences(&test::Reading::q), 1e-6) << paths[p];
-    EXPECT_NEAR(reader.v_p(0)[2 * f + p], by_differences(&test::Reading::v), 1e-6) << paths[p];
-  }
+  const MotionState start = test::released(MotionModel(scene), {.places = {{"arm", 0.3}}, .rates = {{"arm", 0.5}}});
+  test::expect_derivatives(
+      scene, start,
+      {"spring.S.stiffness", "spring.S.free_length", "damper.D.coefficient", "load.thrust",
+       "controller.tension.integral", "controller.tension.reference", "controller.brake.proportional",
+       "controller.thrust.proportional", "controller.thrust.integral"},
+      {"arm"}, 1.5);
 }
 
 // Newton's laws of each body, with forces from places and rates of bodies, and the equations of motion, which know
