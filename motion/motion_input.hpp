@@ -150,6 +150,13 @@ class TorquesOfPast {
   virtual ~TorquesOfPast() = default;
   /// Returns those at t; `near` is that of TimeFunction.
   virtual const std::vector<One>& at(double t, double near) const = 0;
+
+  /// The derivatives of an acceleration by the columns of sensitivities.
+  struct Change {
+    int coordinate;
+    std::vector<double> by;
+  };
+  virtual const std::vector<Change>& changes_at(double t, double near) const = 0;
 };
 
 /// All that follows functions of time but drives: loads, springs, dampers and the acceleration of the frame.

@@ -38,6 +38,13 @@ class MotionStep {
   std::size_t sensitivity(int k, int c) const {
     return static_cast<std::size_t>(2 * reduced_.freedoms() + 1 + k * columns_ + c);
   }
+  /// Changes of all coordinates, their rates and accelerations, n values each.
+  struct Changes {
+    std::vector<double> q, v, a;
+  };
+  /// Those by column c, of a state like y to which the equations are evaluated; `influence` is the index of that of the
+  /// column, negative without one.
+  void changes_by(int c, const std::vector<double>& state, int influence, Changes& out) const;
   double work() const { return y[static_cast<std::size_t>(2 * reduced_.freedoms())]; }
   /// Whether the motion has independent coordinates that are ill-conditioned: by the loops, or because coordinates that
   /// are far more sensitive follow from them, as the angle of a cam from its follower near a dwell.

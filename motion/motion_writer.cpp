@@ -34,7 +34,7 @@ void MotionWriter::add(double t, const ReducedMotion<double>& reduced, const Mot
   }
   pivot_.push_back(reduced.pivot());
   add_energies(reduced, step);
-  if (columns_.count() > 0) add_sensitivities(reduced, step);
+  if (columns_.count() > 0) add_sensitivities(step);
 }
 
 void MotionWriter::add_energies(const ReducedMotion<double>& reduced, const MotionStep& step) {
@@ -57,41 +57,19 @@ void MotionWriter::add_energies(const ReducedMotion<double>& reduced, const Moti
   }
 }
 
-void MotionWriter::add_sensitivities(const ReducedMotion<double>& reduced, const MotionStep& step) {
+void MotionWriter::add_sensitivities(const MotionStep& step) {
   Trajectory& path = out_.trajectory;
-  const int f = reduced.freedoms();
   const auto width = static_cast<std::size_t>(columns_.count());
   const std::size_t first = path.q_p.size();
   for (auto* part : {&path.q_p, &path.v_p, &path.a_p}) part->resize(first + n_ * width);
   for (int c = 0; c < columns_.count(); ++c) {
     const double per = 1.0 / columns_.unit_of(c);
-    const int influence = columns_.influence_of(c);
-    const double* own = influence < 0 ? nullptr : step.system().alpha_p(influence);
-    const bool moves = own != nullptr && options_.influences[static_cast<std::size_t>(influence)].moves();
-    const double* moved = moves ? step.system().moved_p(influence) : nullptr;
+    step.changes_by(c, step.y, columns_.influence_of(c), changes_);
     for (std::size_t i = 0; i < n_; ++i) {
-      double dq = moves ? moved[i] : 0.0;
-      double dv = moves ? moved[n_ + i] : 0.0;
-      double da = moves ? moved[2 * n_ + i] : 0.0;
-      for (int k = 0; k < f; ++k) {
-        const double dz = step.y[step.sensitivity(k, c)];
-        const double dw = step.y[step.sensitivity(f + k, c)];
-        dq += reduced.B(k)[i] * dz;
-        dv += reduced.v_z(k)[i] * dz + reduced.B(k)[i] * dw;
-        da += reduced.a_z(k)[i] * dz + reduced.a_w(k)[i] * dw;
-        if (own != nullptr && !moves) da += reduced.B(k)[i] * own[k];
-      }
-      for (std::size_t h = 0; h < reduced.held().size(); ++h) {
-        const double* by = step.system().moved_held(h);
-        const double value = step.system().held_by(h)[c];
-        dq += by[i] * value;
-        dv += by[n_ + i] * value;
-        da += by[2 * n_ + i] * value;
-      }
       const std::size_t at = first + i * width + static_cast<std::size_t>(c);
-      path.q_p[at] = unit_[i] * per * dq;
-      path.v_p[at] = unit_[i] * per * dv;
-      path.a_p[at] = unit_[i] * per * da;
+      path.q_p[at] = unit_[i] * per * changes_.q[i];
+      path.v_p[at] = unit_[i] * per * changes_.v[i];
+      path.a_p[at] = unit_[i] * per * changes_.a[i];
     }
   }
 }

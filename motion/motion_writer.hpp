@@ -49,7 +49,7 @@ class MotionWriter {
 
  private:
   void add_energies(const ReducedMotion<double>& reduced, const MotionStep& step);
-  void add_sensitivities(const ReducedMotion<double>& reduced, const MotionStep& step);
+  void add_sensitivities(const MotionStep& step);
   void read(const std::vector<double>& by, std::size_t column, std::vector<double>& out) const;
 
   const MotionModel& model_;
@@ -59,6 +59,7 @@ class MotionWriter {
   const std::vector<double>& q_start_;
   Motion& out_;
   std::size_t n_;
+  MotionStep::Changes changes_;
   std::vector<double> reach_, speed_;
   std::vector<double> pivot_;
   double energy_ = 0.0, exchanged_ = 0.0;

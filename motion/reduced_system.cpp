@@ -1,6 +1,7 @@
 #include "motion/reduced_system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "model/inertia_impl.hpp"
@@ -79,6 +80,7 @@ bool ReducedSystem::rates(double t, const double* y, double* dydt) {
   status = reduced_.evaluate(t, y, y + freedoms_);
   if (status != ReducedStatus::ok) return false;
   if (columns_ > 0) reduced_.linearize();
+  t_ = t;
   if (reduced_.rank() > 0 && reduced_.pivot() < small_pivot) {
     if (!fine_) fine_ = std::make_unique<Fine>(scene_, reduced_, variations_);
     if (fine_->evaluate(t, y, reduced_)) {
@@ -145,6 +147,13 @@ void ReducedSystem::fill(ReducedMotion<T>& motion, const double* y, double* dydt
       const double* w = dw + k * columns;
       for (int c = 0; c < columns; ++c) out[c] += by_z * z[c] + by_w * w[c];
     }
+  }
+  if (motion.past() == nullptr) return;
+  const double near = std::isnan(motion.near()) ? t_ : motion.near();
+  for (const TorquesOfPast::Change& change : motion.past()->changes_at(t_, near)) {
+    const auto k = std::find(motion.independent().begin(), motion.independent().end(), change.coordinate);
+    double* row = dydt + 2 * f + 1 + (f + (k - motion.independent().begin())) * columns;
+    for (int c = 0; c < columns; ++c) row[c] += change.by[static_cast<std::size_t>(c)];
   }
 }
 

@@ -57,6 +57,7 @@ class ReducedSystem : public solvers::OdeSystem {
   const std::vector<Variation>& variations_;
   int columns_;
   int freedoms_;
+  double t_ = 0.0;  // of the state evaluated last
   std::vector<double> alpha_p_, moved_p_, held_by_, alpha_held_, moved_held_;
   std::unique_ptr<Fine> fine_;  // made at first use
 };

@@ -9,19 +9,10 @@
 #include "motion/motion_input_impl.hpp"
 
 namespace poise {
-namespace {
-
-/// What is held, in SI.
-template <class T>
-std::array<T, 3> held_of(const ControlOutputs<T>& decided, double effort_unit) {
-  return {decided.effort * (1.0 / effort_unit), decided.integral, decided.input};
-}
-
-}  // namespace
 
 Samples::Samples(const MotionModel& model, const std::vector<Variation>& variations,
                  const std::vector<Influence>& influences)
-    : model_(model), variations_(variations), influences_(influences) {
+    : model_(model), decisions_(model, variations, influences) {
   const Scene& scene = model.scene();
   for (const int e : in_order_of_decisions(scene)) {
     const Element& element = scene.elements[static_cast<std::size_t>(e)];
@@ -70,7 +61,7 @@ std::vector<Samples::Held> Samples::take(const ReducedMotion<double>& motion, do
   for_each_decided(t, apart, [&](const One& one) {
     const Controller& law = *controller_of(law_in_time(m, in_time, one.element));
     const std::array<double, 3> held =
-        held_of(law.decide(m.signals_of(one.element, pose_.data(), v.data(), in_time)), law.effort_unit);
+        in_si(law.decide(m.signals_of(one.element, pose_.data(), v.data(), in_time)), law.effort_unit);
     for (std::size_t k = 0; k < held.size(); ++k) {
       if (one.held[k] >= 0) v[static_cast<std::size_t>(one.held[k])] = held[k];
     }
@@ -87,60 +78,23 @@ std::vector<Samples::Held> Samples::take(const ReducedMotion<double>& motion, do
 std::vector<Samples::Held> Samples::take_by(const ReducedMotion<double>& motion, double t, double apart,
                                             const std::vector<double>& dq, const std::vector<double>& dv,
                                             int influence) {
-  const Influence* const by = influence < 0 ? nullptr : &influences_[static_cast<std::size_t>(influence)];
-  const VariedModel* const varied =
-      by != nullptr && by->variation >= 0 ? &variations_[static_cast<std::size_t>(by->variation)].compiled() : nullptr;
-  std::vector<double> v(motion.v(), motion.v() + motion.coordinates()), change = dv;
-  const auto set = [&](const One& one, const std::array<double, 3>& held, const std::array<double, 3>& slope) {
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      if (one.held[k] < 0) continue;
-      v[static_cast<std::size_t>(one.held[k])] = held[k];
-      change[static_cast<std::size_t>(one.held[k])] = slope[k];
-    }
-  };
-  if (varied != nullptr) {
-    const Mechanism<Dual>& m = varied->mechanism();
-    InputForces<Dual> forces(m);
-    forces.set_inputs(varied->numbers(), motion.inputs());
-    forces.set(t, std::isnan(motion.near()) ? t : motion.near());
-    std::vector<Dual> q, rates;
-    for (std::size_t i = 0; i < dq.size(); ++i) q.emplace_back(motion.q()[i], dq[i]);
-    std::vector<Planar<Dual>> pose(static_cast<std::size_t>(m.pose_size()));
-    m.place(q.data(), pose.data());
-    const ForcesInTime<Dual> in_time = forces.in_time();
-    for_each_decided(t, apart, [&](const One& one) {
-      rates.clear();
-      for (std::size_t i = 0; i < v.size(); ++i) rates.emplace_back(v[i], change[i]);
-      const auto& law = *controller_of(law_in_time(m, in_time, one.element));
-      const std::array<Dual, 3> held =
-          held_of(law.decide(m.signals_of(one.element, pose.data(), rates.data(), in_time)), law.effort_unit);
-      set(one, {held[0].a, held[1].a, held[2].a}, {held[0].v[0], held[1].v[0], held[2].v[0]});
-    });
-  } else {
-    const Mechanism<double>& m = model_.mechanism();
-    m.place(motion.q(), pose_.data());
-    const ForcesInTime<double> in_time = motion.forces_in_time();
-    ControlChange<double> along{.dq = dq.data(), .dv = change.data()};
-    const bool is_of_controller = by != nullptr && by->body < 0 && by->drive < 0 &&
-                                  by->force.of == ForceNumber::Of::element && m.is_of_control(by->force.item);
-    if (is_of_controller) {
-      along.element = by->force.item;
-      along.number = by->force.number;
-      along.by = by->by * motion.number_of_element_by(by->force);
-    }
-    for_each_decided(t, apart, [&](const One& one) {
-      const Controller& law = *controller_of(law_in_time(m, in_time, one.element));
-      const ControlSignals<double> in = m.signals_of(one.element, pose_.data(), v.data(), in_time);
-      const ControlSignals<double> in_by = m.signals_along(one.element, pose_.data(), v.data(), along, in_time);
-      const std::array<double, 3> held = held_of(law.decide(in), law.effort_unit);
-      std::array<double, 3> slope = held_of(law.decide_along(in, in_by), law.effort_unit);
-      if (along.element == one.element) {
-        const std::array<double, 3> own = held_of(law.decide_by(along.number, in), law.effort_unit);
-        for (std::size_t k = 0; k < slope.size(); ++k) slope[k] += along.by * own[k];
-      }
-      set(one, held, slope);
-    });
-  }
+  std::vector<const One*> deciding;
+  std::vector<int> elements;
+  for_each_decided(t, apart, [&](const One& one) {
+    deciding.push_back(&one);
+    elements.push_back(one.element);
+  });
+  std::vector<double> change = dv;
+  decisions_.change(
+      motion, t, elements, dq, dv, influence,
+      [&](std::size_t k, const Decisions::Decided& decided, std::vector<double>& v, std::vector<double>& changed) {
+        for (std::size_t h = 0; h < decided.by.size(); ++h) {
+          if (deciding[k]->held[h] < 0) continue;
+          const auto i = static_cast<std::size_t>(deciding[k]->held[h]);
+          v[i] = decided.value[h];
+          change[i] = changed[i] = decided.by[h];
+        }
+      });
   std::vector<Held> out;
   for (const One& one : sampled_) {
     for (const int i : one.held) {

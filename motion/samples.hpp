@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "motion/decisions.hpp"
 #include "motion/motion_model.hpp"
 #include "motion/reduced_motion.hpp"
-#include "motion/varied_model.hpp"
 
 namespace poise {
 
@@ -33,7 +33,6 @@ class Samples {
                             const std::vector<double>& dv, int influence);
 
  private:
-  using Dual = VariedModel::Dual;
   struct One {
     int element;
     double period;
@@ -44,8 +43,7 @@ class Samples {
   void for_each_decided(double t, double apart, const Use& use) const;
 
   const MotionModel& model_;
-  std::vector<Variation> variations_;
-  std::vector<Influence> influences_;
+  Decisions decisions_;
   std::vector<One> sampled_;  // those that others depend on at once come before these
   std::vector<Planar<double>> pose_;
 };

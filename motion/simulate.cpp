@@ -111,16 +111,21 @@ class InputBreaks {
   }
   /// What controllers decide with these delays is not smooth at t: nor is what they give later.
   void add_echoes(double t, const std::vector<double>& delays) {
-    const auto at = echo_at(t);
-    const int order = at == echoes_.end() ? 0 : at->second + 1;
-    if (order >= most_echoes) return;
-    for (const double delay : delays) {
-      const auto [place, is_new] = echoes_.try_emplace(t + delay, order);
-      if (!is_new) place->second = std::min(place->second, order);
+    const std::vector<int> behind = echo(t);
+    if (static_cast<int>(behind.size()) >= most_echoes) return;
+    for (std::size_t k = 0; k < delays.size(); ++k) {
+      std::vector<int> all = behind;
+      all.push_back(static_cast<int>(k));
+      const auto [place, is_new] = echoes_.try_emplace(t + delays[k], all);
+      if (!is_new && all.size() < place->second.size()) place->second = std::move(all);
     }
     echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
   }
-  bool is_echo(double t) const { return echo_at(t) != echoes_.end(); }
+  /// The indices of the delays behind which something at t is the echo of its cause; empty if nothing is.
+  std::vector<int> echo(double t) const {
+    const auto at = echoes_.lower_bound(t - apart());
+    return at != echoes_.end() && at->first <= t + apart() ? at->second : std::vector<int>();
+  }
   /// Times that are so near to each other are one.
   double apart() const { return 1e-9 * duration_; }
 
@@ -128,17 +133,12 @@ class InputBreaks {
   bool jumps(double t) const { return std::find(jumps_.begin(), jumps_.end(), t) != jumps_.end(); }
 
  private:
-  std::map<double, int>::const_iterator echo_at(double t) const {
-    const auto at = echoes_.lower_bound(t - apart());
-    return at != echoes_.end() && at->first <= t + apart() ? at : echoes_.end();
-  }
-
   const Samples& samples_;
   double duration_;
   std::vector<double> all_;  // ascending
   std::vector<double> jumps_;
-  std::size_t next_ = 0;          // of all_
-  std::map<double, int> echoes_;  // the times that delays make, and how many delays ago their causes are
+  std::size_t next_ = 0;                       // of all_
+  std::map<double, std::vector<int>> echoes_;  // the times that delays make, and those behind which their causes are
 };
 
 /// Integrates one motion: makes steps, and goes on in other formulas where inputs, friction or profiles change.
@@ -153,7 +153,7 @@ class Simulation {
         rolling_(model),
         borders_(model, options.variations, options.influences),
         samples_(model, options.variations, options.influences),
-        delays_(model),
+        delays_(model, options),
         inputs_(with_inputs_of(model.scene(), options.inputs)),
         breaks_(inputs_, samples_, options.duration),
         q_start_(model.from_si(start.q)),
@@ -167,6 +167,9 @@ class Simulation {
     out_.independent = columns_.independent();
     out_.states = states_of_controllers(model.scene(), model.layout());
     controlled_ = coordinates_of_controlled(model);
+    std::vector<int> influences;
+    for (int c = 0; c < columns_.count(); ++c) influences.push_back(columns_.influence_of(c));
+    delays_.set_columns(std::move(influences));
     const std::vector<double> v = model.from_si(start.v);
     set_state(q_start_.data(), v.data(), 0.0);
     const int f = reduced_.freedoms();
@@ -214,7 +217,7 @@ class Simulation {
   /// Throws InputError for derivatives that are not known.
   void refuse_unknown_derivatives() const {
     refuse_periods();
-    if (options_.sensitivities) delays_.refuse_derivatives();
+    if (options_.sensitivities) delays_.refuse_derivatives(contacts_.act() || friction_.acts());
     if (!options_.sensitivities || !friction_.acts()) return;
     const auto refuse = [&](const TimeFunction& function, int number, double) {
       if (function.is_smooth_in(number)) return;
@@ -632,6 +635,10 @@ class Simulation {
   template <class Given>
   bool go_on_with(double t, const std::vector<Given>& given) {
     set_rates(given);
+    return go_on_from(t);
+  }
+  /// Goes on from the last node, at t, with the state as it is.
+  bool go_on_from(double t) {
     if (!step_.evaluate(t)) {
       give_up(t);
       return false;
@@ -651,16 +658,34 @@ class Simulation {
 
   /// At the start controllers with delays give what they decide there.
   bool begin_delays() {
-    for (int round = 0; round < delays_.rounds(); ++round) {
+    for (int round = 0; round <= delays_.rounds(); ++round) {
+      for (const Delays::Column& column : delay_columns(step_.y)) {
+        set_rates_by(column.index, delays_.begin_by(reduced_, column));
+      }
       set_rates(delays_.begin(reduced_));
       if (!step_.evaluate(0.0)) {
         give_up(0.0);
         return false;
       }
     }
-    if (!go_on_with(0.0, delays_.begin(reduced_))) return false;
+    if (!go_on_from(0.0)) return false;
     echo(0.0);
     return true;
+  }
+  /// How places and rates of a state, to which the equations are evaluated, change by the columns.
+  std::vector<Delays::Column> delay_columns(const std::vector<double>& state) const {
+    std::vector<Delays::Column> out;
+    MotionStep::Changes changes;
+    for (int c = 0; c < columns_.count(); ++c) {
+      step_.changes_by(c, state, columns_.influence_of(c), changes);
+      out.push_back({static_cast<std::size_t>(c), changes.q, changes.v});
+    }
+    return out;
+  }
+  void set_rates_by(std::size_t column, const std::vector<Delays::Given>& given) {
+    for (const Delays::Given& one : given) {
+      step_.y[step_.sensitivity(row_of_rate(one.coordinate), static_cast<int>(column))] = one.rate;
+    }
   }
   void echo(double t) {
     breaks_.add_echoes(t, delays_.delays());
@@ -673,19 +698,26 @@ class Simulation {
     const double from = t - step_.length;
     const std::vector<double>&y0 = step_.y_new, &dy0 = step_.dydt_new, &y1 = step_.y, &dy1 = step_.dydt;
     const std::array<double, Delays::points> times = Delays::times_within(from, t);
-    std::vector<double> z(static_cast<std::size_t>(f)), w(z.size());
+    std::vector<double> within = y1;
+    const auto read = [&](std::size_t place, std::size_t rate, double x) {
+      const double h = t - from;
+      within[place] = Quintic(h, y0[place], y0[rate], dy0[rate], y1[place], y1[rate], dy1[rate]).at(x);
+      within[rate] = rate_within(h, x, y0[place], y0[rate], dy0[rate], y1[place], y1[rate], dy1[rate]);
+    };
+    const std::vector<double> at_end = dy1;
     for (int p = 0; p < Delays::points; ++p) {
       const double at = times[static_cast<std::size_t>(p)], x = (at - from) / (t - from);
-      for (std::size_t k = 0; k < z.size(); ++k) {
-        const std::size_t rate = z.size() + k;
-        z[k] = Quintic(t - from, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]).at(x);
-        w[k] = rate_within(t - from, x, y0[k], y0[rate], dy0[rate], y1[k], y1[rate], dy1[rate]);
+      for (int k = 0; k < f; ++k) {
+        read(static_cast<std::size_t>(k), static_cast<std::size_t>(f + k), x);
+        for (int c = 0; c < columns_.count(); ++c) read(step_.sensitivity(k, c), step_.sensitivity(f + k, c), x);
       }
-      if (reduced_.evaluate(at, z.data(), w.data()) != Reduced::Status::ok) {
+      if (!step_.evaluate_at(at, within)) {
         give_up(at);
         return false;
       }
       delays_.keep(from, t, p, reduced_);
+      for (const Delays::Column& column : delay_columns(within)) delays_.keep_by(p, reduced_, column);
+      step_.dydt = at_end;
     }
     if (step_.evaluate(t)) return true;
     give_up(t);
@@ -694,10 +726,37 @@ class Simulation {
 
   /// Goes on behind an instant t at which what controllers decide or give need not be smooth.
   bool hear_of_it(double t) {
-    const bool heard = breaks_.is_echo(t);
+    const std::vector<int> causes = breaks_.echo(t);
     echo(t);
-    if (t >= options_.duration) return true;
-    return !heard || go_on_with(t, delays_.just_behind(t, breaks_.apart()));
+    if (t >= options_.duration || causes.empty()) return true;
+    set_rates(delays_.just_behind(t, breaks_.apart()));
+    if (columns_.count() == 0) return go_on_from(t);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(columns_.count()); ++c) {
+      set_rates_by(c, delays_.just_behind_by(t, breaks_.apart(), c));
+    }
+    return follow_echo(t, causes) && go_on_from(t);
+  }
+
+  /// Where an echo moves with the delays behind which its cause is, accelerations that jump there make derivatives of
+  /// rates jump by  (accelerations before - after) dt/dp.
+  bool follow_echo(double t, const std::vector<int>& causes) {
+    if (!step_.evaluate(t)) {
+      give_up(t);
+      return false;
+    }
+    const int f = reduced_.freedoms();
+    for (int c = 0; c < columns_.count(); ++c) {
+      double later = 0.0;
+      for (const int k : causes) later += delays_.delay_by(static_cast<std::size_t>(k), static_cast<std::size_t>(c));
+      if (later == 0.0) continue;
+      for (int k = 0; k < f; ++k) {
+        const int i = reduced_.independent()[static_cast<std::size_t>(k)];
+        if (delays_.gives(i)) continue;
+        const double jump = nodes_.acceleration(static_cast<std::size_t>(i)) - reduced_.a()[i];
+        step_.y[step_.sensitivity(f + k, c)] += jump * later;
+      }
+    }
+    return true;
   }
 
   /// Adds to derivatives by the time at which a load jumps, which is t: rates stay and accelerations jump, so that the

@@ -17,6 +17,7 @@
 #include "motion/simulate.hpp"
 #include "tests/support/known_answers.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/motion_derivatives.hpp"
 #include "tests/support/motions.hpp"
 
 namespace poise::delays_test {
@@ -274,6 +275,99 @@ TEST(Delays, MotionsDecayAsTheirRightmostPolesSay) {
   EXPECT_NEAR(read[1].q[i] / read[0].q[i] / std::exp(pole.real() * turn), 1.0, 1e-5);
 }
 
+/// Places and rates of the block, by numbers of controllers, against differences of motions.
+void expect_derivatives(const std::string& tables, const std::vector<std::string>& paths, double duration) {
+  const Scene scene = parse_scene(blocks(tables), "blocks.toml");
+  const MotionState start = test::released(MotionModel(scene), {.places = {{"x", 0.3}}, .rates = {{"x", -0.2}}});
+  test::expect_derivatives(scene, start, paths, {"x"}, duration);
+}
+
+// By the delay itself, too, with which echoes move: of the start, of a reference that steps, of limits that are
+// reached, and behind other delays.
+TEST(Delays, DerivativesAreThoseOfMotions) {
+  expect_derivatives("proportional = 3\nderivative = 1.5\nintegral = 0.7\ndelay = 0.25",
+                     {"controller.C.proportional", "controller.C.derivative", "controller.C.integral",
+                      "controller.C.reference", "controller.C.delay"},
+                     1.6);
+  expect_derivatives(
+      "proportional = 6\nderivative = 2\nfilter = 0.1\nmin = -1.5\nmax = 1.2\ndelay = 0.2\n"
+      "reference = 1\ntime = { reference = { step = { at = 0.7, to = 0.4 } } }",
+      {"controller.C.proportional", "controller.C.filter", "controller.C.min", "controller.C.max",
+       "controller.C.reference", "controller.C.delay"},
+      2.3);
+  expect_derivatives(
+      "reads_rate = true\nproportional = 2\ndelay = 0.1\nfollows = \"D\"\n[[controller]]\nname = \"D\"\n"
+      "reads = { slide = \"x\" }\nproportional = 1.5\ndelay = 0.17\nreference = 0.5\n"
+      "time = { reference = { step = { at = 0.31, to = 2 } } }",
+      {"controller.C.proportional", "controller.C.delay", "controller.D.proportional", "controller.D.delay",
+       "controller.D.reference"},
+      1.9);
+}
+
+// What samples decide acts after a delay.
+TEST(Delays, DerivativesOfSamplesThatActLateAreThoseOfMotions) {
+  expect_derivatives(
+      "reads = \"nothing\"\nfollows = \"D\"\nproportional = 1\ndelay = 0.08\n[[controller]]\n"
+      "name = \"D\"\nreads = { slide = \"x\" }\nproportional = 3\nderivative = 1.2\nintegral = 1\n"
+      "reference = 0.6\nperiod = 0.3",
+      {"controller.D.proportional", "controller.D.derivative", "controller.D.integral", "controller.C.delay"}, 1.7);
+}
+
+// By numbers that move the geometry, and those of springs, in a loop: a slider crank whose crank a late controller
+// turns.
+TEST(Delays, DerivativesOfALoopAreThoseOfMotions) {
+  const Scene scene = parse_scene(R"(gravity = [0, -9.81]
+[ground]
+points = { O = [0, 0] }
+[body.crank]
+mass = 1
+inertia = 0.02
+center = [0.1, 0]
+points = { O = [0, 0], A = [0.2, 0] }
+[body.rod]
+mass = 1.5
+inertia = 0.05
+center = [0.3, 0]
+points = { A = [0, 0], B = [0.6, 0] }
+[body.piston]
+mass = 2
+points = { B = [0, 0] }
+[[pin]]
+name = "O"
+points = ["ground.O", "crank.O"]
+[[pin]]
+name = "A"
+points = ["crank.A", "rod.A"]
+[[pin]]
+name = "B"
+points = ["rod.B", "piston.B"]
+[[slide]]
+name = "guide"
+points = ["ground.O", "piston.B"]
+axis = [1, 0]
+[[spring]]
+name = "S"
+slide = "guide"
+stiffness = 40
+free_length = 0.7
+[[controller]]
+name = "C"
+bodies = ["ground", "crank"]
+reference = 1
+proportional = 6
+derivative = 0.8
+integral = 2
+delay = 0.05
+[start]
+crank = 0.4
+)",
+                                  "crank.toml");
+  test::expect_derivatives(scene, test::released(MotionModel(scene), {}),
+                           {"spring.S.stiffness", "spring.S.free_length", "controller.C.proportional",
+                            "controller.C.derivative", "controller.C.delay"},
+                           {"crank", "guide"}, 0.9);
+}
+
 // A pendulum with a PID controller that is limited, late: by a Runge-Kutta method of fourth order, whose steps are a
 // part of the delay, with what was decided between steps by cubics.
 TEST(Delays, ALimitedPendulumFollowsWhatIsIntegratedApart) {
@@ -402,10 +496,11 @@ TEST(Delays, WhatIsNotKnownIsRefusedByName) {
   EXPECT_NE(both.find("expected delay or period, found both"), std::string::npos) << both;
   const std::string none = test::message_of([] { parse_scene(blocks("proportional = 1\ndelay = 0"), "a"); });
   EXPECT_NE(none.find("expected a finite number > 0"), std::string::npos) << none;
-  const MotionModel model(parse_scene(blocks("proportional = 1\ndelay = 0.1"), "a"));
+  const MotionModel model(
+      parse_scene(blocks("proportional = 1\ndelay = 0.1\n[[stop]]\nname = \"wall\"\nslide = \"x\"\nmax = 2"), "a"));
   const std::string by =
       test::message_of([&] { simulate(model, test::released(model, {}), {.duration = 1.0, .sensitivities = true}); });
-  EXPECT_NE(by.find("controller \"C\".delay: derivatives of a motion with a delay are not known"), std::string::npos)
+  EXPECT_NE(by.find("controller \"C\".delay: derivatives of a motion with a delay and with stops"), std::string::npos)
       << by;
   // Delayed controllers in a circle are no algebraic loop, but their echoes do not decay.
   const ControlLoop circle = loop_of(
