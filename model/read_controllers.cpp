@@ -224,12 +224,20 @@ void ControllerReader::read_sources(const One& one) {
 /// The element of this name whose force follows from places and rates.
 int ControllerReader::element_with_force(const TomlText& name) const {
   std::vector<std::string> names;
+  int found = -1;
   for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
     const Element& candidate = scene_.elements[e];
     if (candidate.feedback || sticks(candidate.law)) continue;
-    if (candidate.name == name.value) return static_cast<int>(e);
     names.push_back(candidate.name);
+    if (candidate.name != name.value) continue;
+    if (found >= 0) {
+      name.place.fail(
+          fmt::format("expected a name that one element has, found \"{}\", that of a {} and a {}; rename one",
+                      name.value, scene_.elements[static_cast<std::size_t>(found)].family(), candidate.family()));
+    }
+    found = static_cast<int>(e);
   }
+  if (found >= 0) return found;
   name.place.fail(fmt::format(
       "expected the name of a spring, a damper or another element whose force follows from places and rates, found "
       "\"{}\"; they are {}",
@@ -249,7 +257,7 @@ void ControllerReader::read_set_number(const One& one) {
     sets.of = TimeFunction::Of::torque;
   } else if (row.place.owner == Owner::drive) {
     sets.of = TimeFunction::Of::drive;
-    if (row.path.parts[2] != "acceleration") {
+    if (row.path.parts[3] != "acceleration") {
       path.place.fail(fmt::format(
           "expected \"drive.{}.acceleration\": a drive moves without jumps of its place and its rate, found \"{}\"",
           scene_.drives[item].name, path.value));

@@ -42,9 +42,9 @@ class ElementReader {
     const auto first = std::ssize(scene_.time_functions);
     read_loads();
     const auto behind = std::ssize(scene_.time_functions);
+    read_family("drive", scene_.drives, &ElementReader::read_drive);
     ControllerReader(root_, measures_, scene_).read();
     read_times_of_springs();
-    read_family("drive", scene_.drives, &ElementReader::read_drive);
     read_times_of_drives();
     const auto functions = scene_.time_functions.begin();
     std::rotate(functions + first, functions + behind, scene_.time_functions.end());
