@@ -2,6 +2,8 @@
 # Called by ctest with source_dir, build_dir, generator, compiler, flags and build_type.
 set(work "${build_dir}/library_example")
 set(prefix "${work}/prefix")
+# Programs that run for a moment need no optimization.
+set(quick "-O0 -DNDEBUG")
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
@@ -25,7 +27,8 @@ list(JOIN headers "" includes)
 file(WRITE "${work}/source/all_headers.cpp" "${includes}")
 
 run("${CMAKE_COMMAND}" -S "${work}/source" -B "${work}/build" -G "${generator}" "-DCMAKE_CXX_COMPILER=${compiler}"
-  "-DCMAKE_CXX_FLAGS=${flags}" "-DCMAKE_BUILD_TYPE=${build_type}" "-DCMAKE_PREFIX_PATH=${prefix}")
+  "-DCMAKE_CXX_FLAGS=${flags}" "-DCMAKE_BUILD_TYPE=${build_type}" "-DCMAKE_CXX_FLAGS_RELEASE=${quick}"
+  "-DCMAKE_PREFIX_PATH=${prefix}")
 run("${CMAKE_COMMAND}" --build "${work}/build")
 
 execute_process(COMMAND "${work}/build/example" datasets/toggle_clamp.toml
@@ -57,7 +60,7 @@ endif()
 # The example of docs/library.md, in its own project: the page shows what is in the installed file and what it prints.
 set(examples "${prefix}/share/poise/docs/examples")
 set(common -G "${generator}" "-DCMAKE_CXX_COMPILER=${compiler}" "-DCMAKE_CXX_FLAGS=${flags}"
-  "-DCMAKE_BUILD_TYPE=${build_type}")
+  "-DCMAKE_BUILD_TYPE=${build_type}" "-DCMAKE_CXX_FLAGS_RELEASE=${quick}")
 run("${CMAKE_COMMAND}" -S "${examples}" -B "${work}/installed" ${common} "-DCMAKE_PREFIX_PATH=${prefix}")
 run("${CMAKE_COMMAND}" --build "${work}/installed")
 execute_process(COMMAND "${work}/installed/press" OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
