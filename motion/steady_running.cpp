@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <Eigen/Core>
@@ -29,7 +32,14 @@ constexpr double running_accuracy = 1e-11;
 constexpr double turn_closed_within = 1e-11, turn_closed_at_all = 1e-8;
 /// From here Newton's method takes over.
 constexpr double near_running = 0.05;
-constexpr int most_newton_steps = 20;
+constexpr int most_newton_steps = 60;
+/// It takes over again where the speed has changed by this part since.
+constexpr double elsewhere = 0.25;
+/// Bound of the difference of a period and the next one, of sizes and speeds, and what grows by more winds up.
+constexpr double turn_repeated_within = 1e-6;
+/// Periods after which angles are looked for that have made whole turns, and turns that are taken without being asked
+/// for.
+constexpr int most_periods = 60, most_turns_of_itself = 12;
 /// A first period that takes longer than this, s, is none.
 constexpr double longest_period = 1e4;
 
@@ -128,6 +138,12 @@ class Runs {
     }
   }
 
+  /// Where the rate of the angle is in a state.
+  Index place_of_speed() const { return freedoms() - 1 + section_; }
+  /// The largest part of off(), over the sizes of the period.
+  double relative_off(const VectorXd& x, const Turned& shot) const {
+    return off(x, shot.after).cwiseQuotient(sizes(shot.period)).cwiseAbs().maxCoeff();
+  }
   /// P(x) - x, in which angles count modulo whole turns.
   VectorXd off(const VectorXd& x, const VectorXd& after) const {
     VectorXd out = after - x;
@@ -292,87 +308,221 @@ void find_speeds(const RunningOptions& options, SteadyRunning& out) {
   out.fastest = refined(1.0);
 }
 
+/// How far all coordinates have moved over a period, and whether the next period repeats it.
+struct Repeated {
+  VectorXd moved;
+  double differs = 0.0;  ///< the next one, over sizes and speeds
+};
+
+Repeated repeat(const MotionModel& model, const Runs& runs, const VectorXd& x, double period) {
+  const int n = model.mechanism().coordinates();
+  std::vector<int> all(static_cast<std::size_t>(n));
+  std::iota(all.begin(), all.end(), 0);
+  const Motion motion = runs.move(x, 2 * period, false, running_accuracy / 100);
+  Repeated out;
+  if (!motion.completed()) {
+    out.moved = VectorXd::Zero(n);
+    out.differs = std::numeric_limits<double>::infinity();
+    return out;
+  }
+  TrajectoryReader reader(motion.trajectory, all);
+  const auto read = [&](double t, auto part) {
+    reader.at(t);
+    VectorXd values(n);
+    for (int i = 0; i < n; ++i) values[i] = (reader.*part)(static_cast<std::size_t>(i));
+    return values;
+  };
+  const VectorXd first = read(0.0, &TrajectoryReader::q), second = read(period, &TrajectoryReader::q),
+                 third = read(2 * period, &TrajectoryReader::q);
+  const VectorXd rates = read(2 * period, &TrajectoryReader::v) - read(period, &TrajectoryReader::v);
+  out.moved = second - first;
+  for (int i = 0; i < n; ++i) {
+    const double unit = i < model.layout().angles ? 1.0 : model.scales().length;
+    out.differs = std::max({out.differs, std::abs(third[i] - second[i] - out.moved[i]) / unit,
+                            std::abs(rates[i]) * period / (turn * unit)});
+  }
+  return out;
+}
+
+/// The least number of such periods, up to `most`, after which all angles have made whole turns; 0 where there is none.
+int periods_of_whole_turns(const MotionModel& model, const VectorXd& moved, int most) {
+  constexpr double whole_within = 1e-7;
+  for (int count = 1; count <= most; ++count) {
+    bool is_whole = true;
+    for (int i = 0; i < model.layout().angles; ++i) {
+      is_whole = is_whole && std::abs(std::remainder(count * moved[i], turn)) <= whole_within;
+    }
+    if (is_whole) return count;
+  }
+  return 0;
+}
+
+/// What a whole turn does not bring back: a spring that winds up, a limit that is reached in the end, a place that is
+/// controlled; empty if nothing.
+std::string what_winds_up(const MotionModel& model, const VectorXd& q, const VectorXd& moved) {
+  const Scene& scene = model.scene();
+  const auto poses_at = [&](const VectorXd& at) {
+    return model.mechanism().poses(model.from_si({at.data(), at.data() + at.size()}).data());
+  };
+  const std::vector<BodyPose<double>> before = poses_at(q), after = poses_at(q + moved);
+  const Scene& scaled = model.scaled_scene();
+  const auto winds = [&](const Measure& on) {
+    return std::abs(value_of(scaled, on, after) - value_of(scaled, on, before)) > turn_repeated_within;
+  };
+  for (std::size_t e = 0; e < scene.elements.size(); ++e) {
+    const Element& element = scene.elements[e];
+    const Controller* const controller = controller_of(element.law);
+    const bool keeps = controller == nullptr
+                           ? stores_energy(element.law)
+                           : element.feedback->source == Feedback::Source::measure && !controller->of_rate &&
+                                 (controller->has(Controller::proportional) || controller->curve);
+    if (!keeps || !winds(controller == nullptr ? scaled.elements[e].on : scaled.elements[e].feedback->reads)) continue;
+    return fmt::format("{} \"{}\" winds up with each period", element.family(), element.name);
+  }
+  for (std::size_t k = 0; k < scene.stops.size(); ++k) {
+    const Stop& stop = scene.stops[k];
+    const bool is_limited = std::isfinite(stop.min) || std::isfinite(stop.max);
+    if (stop.holds() || !is_limited || !winds(scaled.stops[k].on)) continue;
+    return fmt::format("it comes nearer to a limit of {} with each period", stop.title());
+  }
+  return "";
+}
+
+/// Newton's method for  s (P(x) - x) = 0  with the speed s of the angle: without s torques that do not balance would
+/// seem small where it is fast. Steps are shortened until that is less, and change the speed by half of it at most.
+bool close_by_newton(Runs& runs, VectorXd& at, Turned& shot) {
+  const Index speed = runs.place_of_speed();
+  const auto open = [&](const VectorXd& x, const Turned& made) {
+    return runs.relative_off(x, made) * x[speed] * x[speed];
+  };
+  shot = runs.shoot(at, true, running_accuracy);
+  for (int step = 0; step < most_newton_steps && shot.why.empty(); ++step) {
+    const VectorXd size = runs.sizes(shot.period), off = runs.off(at, shot.after).cwiseQuotient(size);
+    const double residual = off.cwiseAbs().maxCoeff();
+    if (residual > 1.0 || at[speed] == 0.0) return false;
+    MatrixXd J =
+        MatrixXd::Identity(at.size(), at.size()) - size.cwiseInverse().asDiagonal() * shot.by * size.asDiagonal();
+    J.col(speed) -= off * (size[speed] / at[speed]);
+    VectorXd change = size.cwiseProduct(solvers::minimum_norm_solution<double>(J, off));
+    // Where the speed grows without end the residual falls, but not the step.
+    const double step_size = change.cwiseQuotient(size).cwiseAbs().maxCoeff();
+    if (residual < turn_closed_at_all && step_size < turn_closed_at_all) {
+      at += change;
+      return true;
+    }
+    change *= std::min(1.0, std::abs(at[speed] / (2 * change[speed])));
+    const double left = open(at, shot);
+    bool is_better = false;
+    constexpr int most_halvings = 8;
+    for (int halving = 0; halving < most_halvings && !is_better; ++halving, change /= 2) {
+      const VectorXd next = at + change;
+      Turned made = runs.shoot(next, true, running_accuracy);
+      if (!made.why.empty() || !(open(next, made) < left)) continue;
+      is_better = true;
+      at = next;
+      shot = std::move(made);
+    }
+    if (!is_better) return false;
+  }
+  return false;
+}
+
 }  // namespace
 
 SteadyRunning steady_running(const MotionModel& model, const MotionState& start, const RunningOptions& options) {
   refuse_blades(model.scene(), "turns of a machine");
   refuse_states_of_controllers(model.scene(), "steady runnings");
   SteadyRunning out;
+  out.turns = options.turns;
   Runs runs(model, start, options);
   VectorXd x = runs.start();
   const auto interrupted = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
-  const auto relative = [&](const Turned& shot, const VectorXd& before) {
-    return runs.off(before, shot.after).cwiseQuotient(runs.sizes(shot.period)).cwiseAbs().maxCoeff();
-  };
-  Turned shot;
-  for (double near = near_running; near > turn_closed_within; near /= 10) {
-    for (;;) {
-      if (out.periods >= options.most_turns) {
-        out.why = fmt::format("after {} periods its speed still changes from each to the next, by {:.2g} of it",
-                              out.periods, relative(shot, x));
-        return out;
-      }
-      shot = runs.shoot(x, false, running_accuracy);
-      if (interrupted()) shot.why = "interrupted";
-      if (!shot.why.empty()) {
-        out.why = std::move(shot.why);
-        return out;
-      }
-      ++out.periods;
-      if (options.progress) options.progress(out.periods);
-      const bool is_near = relative(shot, x) < near;
-      x += runs.off(x, shot.after);
-      if (is_near) break;
-    }
-    VectorXd at = x;
-    for (int step = 0; step < most_newton_steps; ++step) {
-      shot = runs.shoot(at, true, running_accuracy);
-      if (!shot.why.empty()) break;
-      const VectorXd size = runs.sizes(shot.period), off = runs.off(at, shot.after);
-      const double residual = off.cwiseQuotient(size).cwiseAbs().maxCoeff();
-      if (residual > 1.0) break;
-      const MatrixXd scaled = size.cwiseInverse().asDiagonal() * shot.by * size.asDiagonal();
-      const MatrixXd J = MatrixXd::Identity(at.size(), at.size()) - scaled;
-      const VectorXd change =
-          size.cwiseProduct(solvers::minimum_norm_solution<double>(J, VectorXd(off.cwiseQuotient(size))));
-      at += change;
-      // Where the speed grows without end the residual falls, but not the step.
-      const double step_size = change.cwiseQuotient(size).cwiseAbs().maxCoeff();
-      if (residual < turn_closed_at_all && step_size < turn_closed_at_all) {
-        out.found = true;
-        break;
-      }
-    }
-    if (!out.found) continue;
+  // The running at `at`, closed by the period `shot`.
+  const auto finish = [&](const VectorXd& at, Turned& shot) {
+    SteadyRunning found = out;
+    found.found = true;
     const VectorXd size = runs.sizes(shot.period);
     for (const std::complex<double>& one :
          solvers::eigenpairs(MatrixXd(size.cwiseInverse().asDiagonal() * shot.by * size.asDiagonal())).values) {
-      out.multipliers.push_back(one);
+      found.multipliers.push_back(one);
     }
-    std::sort(out.multipliers.begin(), out.multipliers.end(),
+    std::sort(found.multipliers.begin(), found.multipliers.end(),
               [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
-    out.stable = out.multipliers.empty() || std::abs(out.multipliers.front()) < 1.0;
+    found.stable = found.multipliers.empty() || std::abs(found.multipliers.front()) < 1.0;
     Turned again = runs.shoot(at, false, running_accuracy / 100);
-    out.found = again.why.empty();
-    if (!out.found) {
-      out.why = std::move(again.why);
-      return out;
+    const auto fail = [&](std::string why) {
+      found.found = false;
+      found.why = std::move(why);
+      return found;
+    };
+    if (!again.why.empty()) return fail(std::move(again.why));
+    found.residual = runs.relative_off(at, again);
+    found.period = again.period;
+    found.direction = runs.direction();
+    found.mean = turn * options.turns / found.period;
+    found.motion = runs.move(at, found.period, false, running_accuracy / 100);
+    found.error = difference(found.motion, runs.move(at, found.period, false, running_accuracy));
+    find_speeds(options, found);
+    if (found.residual > turn_closed_at_all) {
+      return fail(fmt::format("its state after a period differs by {:.2g} from that before", found.residual));
     }
-    out.residual = relative(again, at);
-    out.period = again.period;
-    out.direction = runs.direction();
-    out.mean = turn * options.turns / out.period;
-    out.motion = runs.move(at, out.period, false, running_accuracy / 100);
-    out.error = difference(out.motion, runs.move(at, out.period, false, running_accuracy));
-    if (out.residual > turn_closed_at_all) {
-      out.found = false;
-      out.why = fmt::format("its state after a period differs by {:.2g} from that before", out.residual);
-    }
-    find_speeds(options, out);
+    const Repeated repeated = repeat(model, runs, at, found.period);
+    const std::size_t n = static_cast<std::size_t>(model.mechanism().coordinates());
+    const std::vector<double> q(found.motion.trajectory.q.begin(),
+                                found.motion.trajectory.q.begin() + static_cast<std::ptrdiff_t>(n));
+    const std::string winding =
+        what_winds_up(model, Eigen::Map<const VectorXd>(q.data(), static_cast<Index>(n)), repeated.moved);
+    if (!winding.empty()) return fail(winding + ", so that no running repeats itself");
+    if (repeated.differs <= turn_repeated_within) return found;
+    found.whole_turns = options.turns * periods_of_whole_turns(model, repeated.moved, most_periods);
+    return fail(fmt::format(
+        "after {} its state is that of before, but not where other bodies are: the next period differs by {:.2g}{}",
+        options.turns == 1 ? "one turn" : fmt::format("{} turns", options.turns), repeated.differs,
+        found.whole_turns > options.turns ? fmt::format("; expected --turns {}", found.whole_turns) : ""));
+  };
+  std::optional<SteadyRunning> far;  // one that it does not come to by itself
+  const auto give_up = [&](std::string why) {
+    if (far) return *far;
+    out.why = std::move(why);
     return out;
+  };
+  Turned shot;
+  double tried = 0.0;  // the speed from which Newton's method was begun last
+  bool comes_near = false;
+  for (double near = near_running; near > turn_closed_within; near /= comes_near ? 10.0 : 1.0) {
+    for (double change = 0.0;;) {
+      if (out.periods >= options.most_turns) {
+        return give_up(fmt::format("after {} periods its speed still changes from each to the next, by {:.2g} of it",
+                                   out.periods, change));
+      }
+      shot = runs.shoot(x, false, running_accuracy);
+      if (interrupted()) shot.why = "interrupted";
+      if (!shot.why.empty()) return give_up(std::move(shot.why));
+      ++out.periods;
+      if (options.progress) options.progress(out.periods);
+      change = runs.relative_off(x, shot);
+      x += runs.off(x, shot.after);
+      // On a slow way to it there may be places from which Newton's method does not lead there.
+      const double speed = std::abs(x[runs.place_of_speed()]);
+      const bool is_elsewhere = change < near_running && !(std::abs(speed - tried) <= elsewhere * tried);
+      comes_near = change < near;
+      if (!comes_near && !is_elsewhere) continue;
+      tried = speed;
+      break;
+    }
+    VectorXd at = x;
+    if (!close_by_newton(runs, at, shot)) continue;
+    SteadyRunning found = finish(at, shot);
+    if (found.whole_turns > options.turns && found.whole_turns <= most_turns_of_itself) {
+      RunningOptions longer = options;
+      longer.turns = found.whole_turns;
+      return steady_running(model, start, longer);
+    }
+    const bool is_near = (at - x).cwiseQuotient(runs.sizes(shot.period)).cwiseAbs().maxCoeff() <= near_running;
+    if (!found.found || found.stable || is_near) return found;
+    far = std::move(found);
   }
-  out.why = "its running could not be closed: after a period it is not where it was";
-  return out;
+  return give_up("its running could not be closed: after a period it is not where it was");
 }
 
 }  // namespace poise

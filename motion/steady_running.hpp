@@ -29,6 +29,8 @@ struct SteadyRunning {
   bool found = false;
   std::string why;         ///< if not
   Motion motion;           ///< of one period, which begins at the angle of the start
+  int turns = 1;           ///< in the period: those asked for, or as many as bring all bodies back, up to 12
+  int whole_turns = 0;     ///< after so many it repeats itself, where it does not after those asked for
   double period = 0.0;     ///< s
   double direction = 1.0;  ///< 1: the angle grows
   double mean = 0.0;       ///< size of the rate, rad/s: 2 pi turns / period
@@ -51,7 +53,9 @@ struct SteadyRunning {
 /// the angle k,
 ///   DP = Phi - y' Phi_k / y'_k   without row and column k,
 /// whose eigenvalues are the multipliers; simulate() gives Phi, across events too. Angles that have turned count
-/// modulo whole turns.
+/// modulo whole turns. One that it does not come to by itself is given only where it is the only one found, or the
+/// motion begins near it. A second period must repeat the first: not found where a spring winds up with each turn, a
+/// limit of an angle comes nearer, or other bodies are elsewhere after the turns and it matters.
 ///
 /// Throws InputError where the scene has drives or functions of time, or the angle is none that can turn.
 SteadyRunning steady_running(const MotionModel& model, const MotionState& start, const RunningOptions& options);

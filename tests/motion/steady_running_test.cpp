@@ -2,6 +2,7 @@
 
 #include "motion/steady_running.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -113,6 +114,129 @@ TEST(Motors, WithoutALoadTheSpeedIsThatWithoutLoad) {
   const SteadyRunning found = steady_running(model, test::released(model, {}), {});
   ASSERT_TRUE(found.found) << found.why;
   EXPECT_NEAR(found.mean, 20.0, 1e-9);
+}
+
+// A DC motor with friction in its bearing: M0/(M0/w0 + c) and exp(-(M0/w0 + c) T/J), from wherever it starts.
+TEST(Motors, ItIsFoundFromAnySpeed) {
+  constexpr double stall = 10.0, no_load = 100.0, c = 0.05, inertia = 0.05;
+  const MotionModel model(parse_scene(wheel("stall_torque = 10\nno_load_rate = 100") +
+                                          "[[torsion_damper]]\nbodies = [\"ground\", \"rotor\"]\ncoefficient = 0.05\n",
+                                      "scene.toml"));
+  const double slope = stall / no_load + c, speed = stall / slope;
+  for (const double guess : {0.0, 30.0, 200.0, 3e4, 1e9}) {
+    RunningOptions options;
+    options.guess = guess;
+    const SteadyRunning found = steady_running(model, test::released(model, {}), options);
+    ASSERT_TRUE(found.found) << guess << ": " << found.why;
+    EXPECT_NEAR(found.mean, speed, 1e-9 * speed) << guess;
+    EXPECT_NEAR(found.multipliers[0].real(), std::exp(-slope * found.period / inertia), 1e-6) << guess;
+  }
+}
+
+// Between the speeds at which an induction motor holds a load the lower one is unstable: from beyond it the motor runs
+// up to the higher one, as its motion does.
+TEST(Motors, ARunningIsThatToWhichTheMotionComes) {
+  constexpr double load = 5.0, Mk = 10.0, sk = 0.2, ws = 100.0;
+  const MotionModel model(
+      parse_scene(wheel("breakdown_torque = 10\nbreakdown_slip = 0.2\nsynchronous_rate = 100", load), "scene.toml"));
+  // Kloss: load (s^2 + sk^2) = 2 Mk sk s.
+  const double root = std::sqrt(Mk * Mk - load * load), fast = (1 - sk * (Mk - root) / load) * ws,
+               slow = (1 - sk * (Mk + root) / load) * ws;
+  ASSERT_GT(slow, 20.0);
+  for (const double guess : {slow + 2.0, slow + 10.0, 60.0, 99.0, 300.0}) {
+    RunningOptions options;
+    options.guess = guess;
+    const SteadyRunning found = steady_running(model, test::released(model, {}), options);
+    ASSERT_TRUE(found.found) << guess << ": " << found.why;
+    EXPECT_TRUE(found.stable) << guess;
+    EXPECT_NEAR(found.mean, fast, 1e-9 * ws) << guess;
+  }
+}
+
+// What a turn does not bring back is no running: a spring that winds up, a limit that comes nearer.
+TEST(Motors, WhatWindsUpDoesNotRunSteadily) {
+  const auto why = [](const std::string& tables) {
+    const MotionModel model(parse_scene(wheel("stall_torque = 10\nno_load_rate = 100", 1.0) + tables, "scene.toml"));
+    const SteadyRunning found = steady_running(model, test::released(model, {}), {});
+    EXPECT_FALSE(found.found);
+    return found.why;
+  };
+  const std::string spring =
+      why("[[torsion_spring]]\nname = \"S\"\nbodies = [\"ground\", \"rotor\"]\n"
+          "stiffness = 1e-3\n");
+  EXPECT_NE(spring.find("torsion spring \"S\" winds up"), std::string::npos) << spring;
+  const std::string stop = why("[[stop]]\nname = \"end\"\nbodies = [\"ground\", \"rotor\"]\nmax = 1e4\n");
+  EXPECT_NE(stop.find("limit of stop \"end\""), std::string::npos) << stop;
+}
+
+/// A crank that turns an eccentric wheel under gravity by a gear.
+std::string eccentric(double ratio) {
+  return fmt::format(R"(
+gravity = [0, -9.81]
+[ground]
+points = {{ A = [0, 0], B = [0.4, 0] }}
+[body.crank]
+points = {{ A = [0, 0] }}
+inertia = 0.05
+[body.wheel]
+points = {{ B = [0, 0] }}
+mass = 2
+center = [0.1, 0]
+inertia = 0.01
+[[pin]]
+points = ["ground.A", "crank.A"]
+[[pin]]
+points = ["ground.B", "wheel.B"]
+[[motor]]
+bodies = ["ground", "crank"]
+stall_torque = 6
+no_load_rate = 30
+[[torsion_damper]]
+bodies = ["ground", "crank"]
+coefficient = 0.05
+[[gear]]
+bodies = ["crank", "wheel"]
+ratio = {}
+)",
+                     ratio);
+}
+
+// The wheel is back after two turns of the crank. By the rate as a function of the angle, w dw = M/J dphi, by Runge and
+// Kutta's method until it repeats itself.
+TEST(Motors, APeriodIsThatOfAllBodies) {
+  const MotionModel model(parse_scene(eccentric(0.5), "scene.toml"));
+  RunningOptions options;
+  options.coordinate = test::coordinate_of(model, "crank");
+  const SteadyRunning found = steady_running(model, test::released(model, {}), options);
+  ASSERT_TRUE(found.found) << found.why;
+  EXPECT_EQ(found.turns, 2);
+  const double inertia = 0.05 + 0.25 * (0.01 + 2 * 0.01);
+  // The wheel turns the other way, by half the angle.
+  const auto slope = [&](double phi, double energy) {
+    const double w = std::sqrt(2 * energy);
+    return (6 * (1 - w / 30) - 0.05 * w + 0.5 * 2 * 9.81 * 0.1 * std::cos(-0.5 * phi)) / inertia;
+  };
+  constexpr int steps = 20000;
+  constexpr double h = 4 * pi / steps;
+  double energy = 300.0, slowest = 1e9, fastest = 0.0;
+  for (int turn = 0; turn < 60; ++turn) {
+    slowest = 1e9;
+    fastest = 0.0;
+    for (int k = 0; k < steps; ++k) {
+      const double phi = k * h, k1 = slope(phi, energy), k2 = slope(phi + h / 2, energy + h / 2 * k1);
+      const double k3 = slope(phi + h / 2, energy + h / 2 * k2), k4 = slope(phi + h, energy + h * k3);
+      energy += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+      slowest = std::min(slowest, std::sqrt(2 * energy));
+      fastest = std::max(fastest, std::sqrt(2 * energy));
+    }
+  }
+  EXPECT_NEAR(found.slowest.speed, slowest, 1e-5);
+  EXPECT_NEAR(found.fastest.speed, fastest, 1e-5);
+  // Where a ratio takes many turns, it says so.
+  const MotionModel uneven(parse_scene(eccentric(0.04), "scene.toml"));
+  const SteadyRunning many = steady_running(uneven, test::released(uneven, {}), options);
+  EXPECT_FALSE(many.found);
+  EXPECT_NE(many.why.find("--turns 25"), std::string::npos) << many.why;
 }
 
 TEST(Motors, WhatDoesNotRunSteadilySaysWhy) {
