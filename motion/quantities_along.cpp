@@ -722,6 +722,7 @@ std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuant
   return out;
 }
 
+// Around each sample that is least among its neighbours, and beside which the value can be less than all others.
 ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector<double>& times,
                                      const std::vector<double>& values, double sign) {
   std::size_t best = 0;
@@ -730,12 +731,22 @@ ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector
     if (sign * values[k] < sign * values[best]) best = k;
   }
   ValueInTime found{times[best], values[best]};
-  for (const std::size_t from : {best == 0 ? 0 : best - 1, best}) {
-    if (from + 1 >= times.size() || !(times[from] < times[from + 1])) continue;
+  const auto refine = [&](std::size_t from) {
     constexpr double narrow = 1e-8;  // of an interval: rounding of the value hides what is nearer
     const ValueAt refined = least_between([&](double t) { return sign * value(of, t); }, times[from], times[from + 1],
                                           narrow * (times[from + 1] - times[from]));
     if (refined.value < sign * found.value) found = {refined.at, sign * refined.value};
+  };
+  const auto fall = [&](std::size_t from, std::size_t to) { return sign * (values[from] - values[to]); };
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    // Where something jumps, or nodes are at one time, an interval has no length.
+    const bool has_left = k > 0 && times[k - 1] < times[k], has_right = k + 1 < times.size() && times[k] < times[k + 1];
+    const double left = has_left ? fall(k - 1, k) : 0.0, right = has_right ? fall(k + 1, k) : 0.0;
+    if (left < 0.0 || right < 0.0) continue;
+    // A parabola through the three falls below the middle one by less than the larger difference.
+    if (sign * values[k] - std::max(left, right) > sign * found.value) continue;
+    if (has_left) refine(k - 1);
+    if (has_right) refine(k);
   }
   return found;
 }

@@ -234,7 +234,7 @@ class PredictedMotion {
       return out;
     }
     QuantitiesAlong along(scene, model, motion);
-    const QuantitiesInTime found = quantities_in_time(shown_, {0.0, request_.duration}, along);
+    const QuantitiesInTime found = quantities_in_time(shown_, {0.0, request_.duration}, request_.duration, along);
     for (const QuantitiesInTime::Once& one : found.once) {
       out.push_back({one.of.name, one.of.dimension, one.value, one.value});
     }
@@ -305,7 +305,7 @@ int run_motion(const MotionRequest& request, const Palette& palette) {
   }
   if (!shown.empty() && moved) {
     QuantitiesAlong along(scene, model, answer.found.motion);
-    answer.shown = quantities_in_time(shown, answer.record.time, along);
+    answer.shown = quantities_in_time(shown, answer.record.time, answer.found.motion.trajectory.t.back(), along);
     answer.shown.are_all = asked;
     answer.shown.left_out = left_out;
   }

@@ -93,7 +93,7 @@ void look_along(const Scene& scene, const MotionModel& model, const Channel& cha
         std::any_of(all.begin(), all.end(), [&](const SoughtQuantity& other) { return other.name == one.name; });
     if (!has) all.push_back(std::move(one));
   }
-  answer.shown = quantities_in_time(all, time, along);
+  answer.shown = quantities_in_time(all, time, answer.found.period, along);
 }
 
 int run_running(const RunningRequest& request, const Palette& palette) {
@@ -113,7 +113,6 @@ int run_running(const RunningRequest& request, const Palette& palette) {
 
   RunningAnswer answer;
   answer.turning = channel.name;
-  answer.turns = request.turns;
   RunningOptions options;
   options.coordinate = channel.coordinate;
   options.turns = request.turns;
@@ -123,6 +122,7 @@ int run_running(const RunningRequest& request, const Palette& palette) {
     progress.now_and_then([&] { return fmt::format("running: {} periods", periods); });
   };
   answer.found = steady_running(model, start_motion(model, {}), options);
+  answer.turns = answer.found.turns;
   if (answer.found.found) {
     progress.now("finding the forces");
     look_along(scene, model, channel, asked, answer);

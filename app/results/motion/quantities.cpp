@@ -73,7 +73,8 @@ void add_ranges(Group& group, const QuantitiesInTime& found, const ScaledModel& 
   std::vector<double> least_at, greatest_at;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const QuantityRange& range = found.range[k];
-    const Written as = written(found.of[k], largest_finite(found.value[k]), model, found.time.back(), known);
+    const double largest = largest_finite({range.least.value, range.greatest.value});
+    const Written as = written(found.of[k], largest, model, found.duration, known);
     names.push_back(found.of[k].name);
     least.push_back(as.text(range.least.value));
     least_at.push_back(range.least.time);
@@ -98,7 +99,7 @@ void add_once(Group& group, const QuantitiesInTime& found, const ScaledModel& mo
   std::vector<double> values, times;
   for (const auto& [of, value, at] : found.once) {
     names.push_back(of.name);
-    const Written as = written(of, std::abs(value), model, found.time.back(), known);
+    const Written as = written(of, std::abs(value), model, found.duration, known);
     values.push_back(value / as.unit);
     texts.push_back(as.text(value));
     times.push_back(at);
@@ -150,8 +151,8 @@ double time_of(const SoughtQuantity& of, QuantitiesAlong& along) {
 }  // namespace
 
 QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const std::vector<double>& time,
-                                    QuantitiesAlong& along) {
-  QuantitiesInTime out{.time = time};
+                                    double duration, QuantitiesAlong& along) {
+  QuantitiesInTime out{.duration = duration, .time = time};
   std::vector<SoughtQuantity> changing;
   for (const SoughtQuantity& one : of) {
     if (!is_constant_in_time(one))
@@ -185,7 +186,7 @@ void add_quantities_in_time(Group& group, const QuantitiesInTime& found, const S
   if (!is_confirmed) table.words("confirmed", "", std::vector<std::string>(found.time.size(), "no")).shown = false;
   for (std::size_t k = 0; k < found.of.size(); ++k) {
     const SoughtQuantity& of = found.of[k];
-    const Written as = written(of, largest_finite(found.value[k]), model, found.time.back(), known);
+    const Written as = written(of, largest_finite(found.value[k]), model, found.duration, known);
     table.numbers(of.name, of.name, of.dimension.unit_name(units), in_unit_of(of, found.value[k], units),
                   {.digits = most_digits, .zero_below = as.nothing, .radius = as.radius});
   }

@@ -21,6 +21,7 @@ struct QuantitiesInTime {
   std::vector<std::string> left_out{};  ///< outputs of the scene that have no meaning in a motion, and why
   std::vector<Once> once{};
   std::vector<SoughtQuantity> of{};
+  double duration = 0.0;  ///< of the motion, s
   std::vector<double> time{};
   std::vector<std::vector<double>> value{};  ///< of each, per time; not a number where it is undefined
   std::vector<QuantityRange> range{};        ///< of each, over the whole motion
@@ -29,9 +30,9 @@ struct QuantitiesInTime {
   bool empty() const { return of.empty() && once.empty(); }
 };
 
-/// Their values at these times, which lie in the motion.
+/// Their values at these times, which lie in the motion of this duration, s.
 QuantitiesInTime quantities_in_time(const std::vector<SoughtQuantity>& of, const std::vector<double>& time,
-                                    QuantitiesAlong& along);
+                                    double duration, QuantitiesAlong& along);
 
 /// The table over time, as text at some of the times, which is the one for CSV where they are all; the least, the
 /// greatest and the mean values; in JSON `quantities` and their times `quantity_times`. `error`: to which the motion is
