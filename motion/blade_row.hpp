@@ -28,6 +28,15 @@ class BladeRow {
     const Planar<T> e = edge(at);
     return e.x * y_.along(at, v) - e.y * x_.along(at, v);
   }
+  /// The sum of the sizes of all terms of the rates Dx[v] and Dy[v]: what rounds in A v.
+  T terms(const Configuration<T>& at, const T* v) const {
+    using std::abs;
+    T sum(0);
+    for (const CompiledMeasure<T>* of : {&x_, &y_}) {
+      of->gradient(at, [&](int i, const T& by) { sum += abs(by * v[of->support()[i]]); });
+    }
+    return sum;
+  }
   /// out += factor A, n values.
   void add(const Configuration<T>& at, const T& factor, T* out) const {
     const Planar<T> e = edge(at);

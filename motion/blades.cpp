@@ -90,11 +90,8 @@ void refuse_idle_blades(const MotionModel& model, const Reduced& motion) {
   const Eigen::MatrixXd conditions = blade_conditions(motion);
   for (int b = 0; b < motion.blades(); ++b) {
     const Blade& blade = model.scene().blades[static_cast<std::size_t>(b)];
-    const std::vector<double> row = row_of(motion, b);
     double terms = 0.0;
-    for (int k = 0; k < motion.freedoms(); ++k) {
-      for (std::size_t i = 0; i < row.size(); ++i) terms += std::abs(row[i] * motion.B(k)[i]);
-    }
+    for (int k = 0; k < motion.freedoms(); ++k) terms += motion.blade_terms(b, motion.B(k));
     const Eigen::VectorXd own = conditions.row(b).transpose();
     if (!(own.norm() > rounding_of_conditions * terms)) {
       throw InputError(fmt::format(
@@ -115,10 +112,7 @@ void refuse_idle_blades(const MotionModel& model, const Reduced& motion) {
 
 void refuse_rates_across_blades(const MotionModel& model, const Reduced& motion) {
   for (int b = 0; b < motion.blades(); ++b) {
-    const std::vector<double> row = row_of(motion, b);
-    double terms = 0.0;
-    for (std::size_t i = 0; i < row.size(); ++i) terms += std::abs(row[i] * motion.v()[i]);
-    if (std::abs(motion.blade_rate(b)) <= rounding_of_conditions * terms) continue;
+    if (std::abs(motion.blade_rate(b)) <= rounding_of_conditions * motion.blade_terms(b, motion.v())) continue;
     throw InputError(fmt::format(
         "{}: the motion would begin with {} at {:.3g} m/s across its edge; expected a start along it, give other rates",
         title_of(model, b), model.scene().name_of(model.scene().blades[static_cast<std::size_t>(b)].at),

@@ -263,6 +263,8 @@ class ReducedMotion {
   void add_blade(int k, T* row) const { blades_[k].add(here(), T(1), row); }
   /// After move(): the rate A v across the edge.
   T blade_rate(int k) const { return blades_[k].along(here(), v_.data()); }
+  /// The sum of the sizes of the terms of the rates of its point, at the rates v: what rounds in blade_rate().
+  T blade_terms(int k, const T* v) const { return blades_[k].terms(here(), v); }
   /// Its change along dq and dv, n values each.
   T blade_rate_change(int k, const T* dq, const T* dv);
   /// After influence() of one that moves(): its derivative by the number, at constant z and w.
