@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <variant>
 
+#include <fmt/format.h>
+
 #include "model/controllers.hpp"
+#include "model/input_error.hpp"
 #include "statics/bodies/body_measures.hpp"
 
 namespace poise {
@@ -59,6 +62,19 @@ ControlOutputs<double> outputs_at(const Scene& scene, const Element& controller,
 ControlOutputs<double> control_outputs(const Scene& scene, const Element& controller,
                                        const std::vector<BodyMotion>& motions) {
   return outputs_at(scene, controller, motions, true);
+}
+
+void refuse_idle_controllers(const MotionModel& model) {
+  const Scene& scene = model.scaled_scene();
+  for (const Element& element : scene.elements) {
+    if (!element.feedback || !element.feedback->acts) continue;
+    const CompiledMeasure<double> on(scene, model.layout(), model.mechanism().phasors(), element.on);
+    if (!on.support().empty()) continue;
+    throw InputError(fmt::format(
+        "{}:{}: controller \"{}\": expected a measure that can change, the joints keep the one on which it acts, so "
+        "that it does nothing; let it act on another one",
+        scene.file, element.line, element.name));
+  }
 }
 
 const Scene& with_set_numbers(const Scene& scene, const std::vector<BodyMotion>& motions, std::optional<Scene>& room) {

@@ -5,6 +5,7 @@
 
 #include "model/scene.hpp"
 #include "motion/body_motion.hpp"
+#include "motion/motion_model.hpp"
 
 namespace poise {
 
@@ -15,5 +16,8 @@ ControlOutputs<double> control_outputs(const Scene& scene, const Element& contro
 
 /// The scene, or in `room` one that has, for good, the numbers that its controllers set there (Feedback::Sets).
 const Scene& with_set_numbers(const Scene& scene, const std::vector<BodyMotion>& motions, std::optional<Scene>& room);
+
+/// Throws InputError for a controller on a measure that the joints keep, on which it does nothing.
+void refuse_idle_controllers(const MotionModel& model);
 
 }  // namespace poise

@@ -70,12 +70,10 @@ Delays::Delays(const MotionModel& model, const MotionOptions& options)
     const Controller& law = *controller_of(element.law);
     if (!law.has(Controller::delay)) continue;
     const auto body = static_cast<std::size_t>(element.feedback->held[0]);
-    all_.push_back({e,
-                    model.layout().links[body].frame,
-                    law.values[Controller::delay],
-                    model.scaled_scene().bodies[body].inertia,
-                    0.0,
-                    {}});
+    all_.push_back({.element = e,
+                    .coordinate = model.layout().links[body].frame,
+                    .delay = law.values[Controller::delay],
+                    .inertia = model.scaled_scene().bodies[body].inertia});
     elements_.push_back(e);
   }
   pose_.resize(static_cast<std::size_t>(model.mechanism().pose_size()));
@@ -186,7 +184,9 @@ void Delays::keep(double from, double to, int k, const ReducedMotion<double>& mo
         {from, to, std::vector<Coefficients>(all_.size()), std::vector<Coefficients>(all_.size() * columns())});
   }
   for (std::size_t i = 0; i < all_.size(); ++i) {
-    add_value(pieces_.back().coefficients[i], k, decided(all_[i], motion));
+    const double u = decided(all_[i], motion);
+    all_[i].largest = std::max(all_[i].largest, std::abs(u));
+    add_value(pieces_.back().coefficients[i], k, u);
   }
 }
 
@@ -223,6 +223,24 @@ std::vector<Delays::Given> Delays::just_behind(double t, double apart) const {
     out.push_back({all_[i].coordinate, u});
   }
   return out;
+}
+
+bool Delays::jump_at(double t, double apart) const {
+  constexpr double value_within = 1e-9, slope_within = 1e-6;  // of u, over a delay
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const double s = t - all_[i].delay;
+    const auto read = [&](double near) {
+      const Piece* piece = piece_at(s, near);
+      if (piece == nullptr) return Reading{all_[i].before, 0.0, 0.0};
+      return reading_of(piece->coefficients[i], piece->from, piece->to, std::clamp(s, piece->from, piece->to));
+    };
+    const Reading before = read(s - apart), behind = read(s + apart);
+    if (std::abs(behind.value - before.value) > value_within * all_[i].largest ||
+        std::abs(behind.slope - before.slope) * all_[i].delay > slope_within * all_[i].largest) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::vector<Delays::Given> Delays::just_behind_by(double t, double apart, std::size_t column) const {

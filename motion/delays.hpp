@@ -54,6 +54,8 @@ class Delays : public TorquesOfPast {
   int rounds() const { return static_cast<int>(all_.size()); }
   /// What is given just behind t; times within `apart` of each other are one.
   std::vector<Given> just_behind(double t, double apart) const;
+  /// Whether what is given, or its slope, jumps at t by more than rounding.
+  bool jump_at(double t, double apart) const;
   /// The derivatives of these by a column.
   std::vector<Given> just_behind_by(double t, double apart, std::size_t column) const;
 
@@ -72,9 +74,10 @@ class Delays : public TorquesOfPast {
   struct Delayed {
     int element, coordinate;
     double delay;
-    double inertia;  ///< of the coordinate, scaled
-    double before;   ///< u at the start, SI
-    std::vector<double> before_by;
+    double inertia;                   ///< of the coordinate, scaled
+    double before = 0.0;              ///< u at the start, SI
+    double largest = 0.0;             ///< size of u yet
+    std::vector<double> before_by{};  ///< derivatives by the columns
   };
   /// What was decided over one step: each controller has the coefficients of a sum of Chebyshev polynomials.
   struct Piece {

@@ -103,6 +103,7 @@ std::vector<ForceCourse> force_courses(const Scene& scene, const ForcesAlong& fo
   const std::size_t elements = std::min(scene.elements.size(), forces.poses.front().element_force.size());
   for (std::size_t i = 0; i < elements; ++i) {
     const Element& element = scene.elements[i];
+    if (element.feedback && !element.feedback->acts) continue;  // what it gives is no force
     const double sign = element.on.is_angle() ? -1.0 : 1.0;
     add(element.table + "." + element.name, effort_of(element.on),
         [i, sign](const Forces& f) { return sign * f.element_force[i]; });

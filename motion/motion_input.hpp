@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "model/mechanism.hpp"
@@ -22,10 +23,11 @@ struct MotionInput {
   bool multiplies = false;
   std::shared_ptr<const TimeFunction> function{};  ///< of the scene, SI, in place of a curve
   int part = 0;  ///< of an element that follows a curve: which of the numbers of its law does
+  std::optional<double> own_near{};  ///< its own `near`, whatever that of the others is
 
   /// The value or a derivative by time, times the unit; `near` as of TimeFunction.
   double at(double t, int derivative, double near) const {
-    return unit * (function ? function->at(t, derivative, near) : curve->at(t, derivative));
+    return unit * (function ? function->at(t, derivative, own_near.value_or(near)) : curve->at(t, derivative));
   }
   bool is_load() const { return of == Of::force || of == Of::torque; }
   /// An element has several numbers: the index of the one of its law that this is of.

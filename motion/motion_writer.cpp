@@ -5,10 +5,9 @@
 
 namespace poise {
 
-MotionWriter::MotionWriter(const MotionModel& model, const MotionOptions& options, const SensitivityColumns& columns,
+MotionWriter::MotionWriter(const MotionModel& model, const SensitivityColumns& columns,
                            const std::vector<double>& q_start, Motion& out)
     : model_(model),
-      options_(options),
       columns_(columns),
       unit_(columns.units()),
       q_start_(q_start),

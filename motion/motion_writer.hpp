@@ -12,8 +12,8 @@ namespace poise {
 class MotionWriter {
  public:
   /// All must outlive this; `q_start` in the units of the model.
-  MotionWriter(const MotionModel& model, const MotionOptions& options, const SensitivityColumns& columns,
-               const std::vector<double>& q_start, Motion& out);
+  MotionWriter(const MotionModel& model, const SensitivityColumns& columns, const std::vector<double>& q_start,
+               Motion& out);
 
   /// Adds the node at t, to which `reduced` is evaluated with the state of `step`.
   void add(double t, const ReducedMotion<double>& reduced, const MotionStep& step);
@@ -53,7 +53,6 @@ class MotionWriter {
   void read(const std::vector<double>& by, std::size_t column, std::vector<double>& out) const;
 
   const MotionModel& model_;
-  const MotionOptions& options_;
   const SensitivityColumns& columns_;
   const std::vector<double>& unit_;
   const std::vector<double>& q_start_;

@@ -14,6 +14,7 @@
 #include "model/joint_friction.hpp"
 #include "motion/blades.hpp"
 #include "motion/contacts.hpp"
+#include "motion/controller_efforts.hpp"
 #include "motion/delays.hpp"
 #include "motion/motion_error.hpp"
 #include "motion/motion_step.hpp"
@@ -109,22 +110,34 @@ class InputBreaks {
     const double sample = samples_.next(t, shortest);
     return sample < in_list - shortest ? sample : in_list;
   }
-  /// What controllers decide with these delays is not smooth at t: nor is what they give later.
-  void add_echoes(double t, const std::vector<double>& delays) {
-    const std::vector<int> behind = echo(t);
-    if (static_cast<int>(behind.size()) >= most_echoes) return;
+  /// What delays bring back.
+  struct Echo {
+    int order = 0;            ///< passes through the mechanism since what jumped, each of which makes it smoother
+    std::vector<int> delays;  ///< how often it has passed each delay; empty if nothing comes back
+  };
+  /// What controllers decide with these delays is not smooth at t: nor is what they give later. With `jumps` it is as
+  /// a new cause, whatever came back at t.
+  void add_echoes(double t, const std::vector<double>& delays, bool jumps) {
+    Echo behind = echo(t);
+    const int order = jumps || behind.delays.empty() ? 0 : behind.order + 1;
+    if (order >= most_echoes) return;
+    behind.delays.resize(delays.size(), 0);
     for (std::size_t k = 0; k < delays.size(); ++k) {
-      std::vector<int> all = behind;
-      all.push_back(static_cast<int>(k));
-      const auto [place, is_new] = echoes_.try_emplace(t + delays[k], all);
-      if (!is_new && all.size() < place->second.size()) place->second = std::move(all);
+      Echo next{order, behind.delays};
+      ++next.delays[k];
+      const auto [place, is_new] = echoes_.try_emplace(t + delays[k], next);
+      if (!is_new && order < place->second.order) place->second = std::move(next);
     }
     echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
   }
-  /// The indices of the delays behind which something at t is the echo of its cause; empty if nothing is.
-  std::vector<int> echo(double t) const {
+  Echo echo(double t) const {
     const auto at = echoes_.lower_bound(t - apart());
-    return at != echoes_.end() && at->first <= t + apart() ? at->second : std::vector<int>();
+    return at != echoes_.end() && at->first <= t + apart() ? at->second : Echo();
+  }
+  /// Whether a formula changes at t, or controllers decide.
+  bool are_at(double t) const {
+    const auto at = std::lower_bound(all_.begin(), all_.end(), t - apart());
+    return samples_.are_at(t, apart()) || (at != all_.end() && *at <= t + apart());
   }
   /// Times that are so near to each other are one.
   double apart() const { return 1e-9 * duration_; }
@@ -137,8 +150,8 @@ class InputBreaks {
   double duration_;
   std::vector<double> all_;  // ascending
   std::vector<double> jumps_;
-  std::size_t next_ = 0;                       // of all_
-  std::map<double, std::vector<int>> echoes_;  // the times that delays make, and those behind which their causes are
+  std::size_t next_ = 0;           // of all_
+  std::map<double, Echo> echoes_;  // by the times that delays make
 };
 
 /// Integrates one motion: makes steps, and goes on in other formulas where inputs, friction or profiles change.
@@ -159,7 +172,7 @@ class Simulation {
         q_start_(model.from_si(start.q)),
         columns_(model, options, first_choice()),
         step_(model, options, reduced_, columns_.count()),
-        nodes_(model, options, columns_, q_start_, out_),
+        nodes_(model, columns_, q_start_, out_),
         error_(reduced_, step_, nodes_, columns_, q_start_,
                !inputs_.empty() || friction_.acts() || !controllers_of(model.scene()).empty()),
         ends_(reduced_, step_, friction_, contacts_, borders_) {
@@ -200,6 +213,7 @@ class Simulation {
     reduced_.set_inputs(model_.scaled_scene(), scaled(inputs_, model_.scene(), model_.scales()));
     if (delays_.act()) reduced_.set_past(&delays_);
     refuse_unknown_derivatives();
+    refuse_idle_controllers(model_);
     contacts_.refuse_start(q_start_.data());
     reduced_.begin(0.0, q_start_.data(), options_.independent.empty() ? nullptr : &options_.independent);
     refuse_idle_blades();
@@ -319,7 +333,7 @@ class Simulation {
       const bool crosses = border.is_reached && !changes && step_.length == to_border;
       h = length_near_border(h, border, crosses);
       if (crosses && !cross_border(t)) return;
-      if (delays_.act() && (t == end || changes || crosses) && !hear_of_it(t)) return;
+      if (delays_.act() && (t == end || changes || crosses) && !hear_of_it(t, changes || crosses)) return;
       if (options_.progress) options_.progress(t);
       if (step_.has_poor_coordinates()) choose_anew(t);
     }
@@ -542,8 +556,8 @@ class Simulation {
     if (fastest < 0) return false;
     const bool turns = !model_.layout().is_length(fastest);
     stop(MotionStatus::ran_away,
-         fmt::format("at t = {:.9g} s \"{}\" is faster than {:g} {}: its controllers let it run away, they are not "
-                     "stable there",
+         fmt::format("at t = {:.9g} s \"{}\" is faster than {:g} {}: its controllers let it run away, or ask for "
+                     "such a rate",
                      t, model_.layout().coordinates[static_cast<std::size_t>(fastest)].name, fastest_controlled,
                      turns ? "rad/s" : "sizes of the mechanism per second"));
     return true;
@@ -669,7 +683,7 @@ class Simulation {
       }
     }
     if (!go_on_from(0.0)) return false;
-    echo(0.0);
+    echo(0.0, true);
     return true;
   }
   /// How places and rates of a state, to which the equations are evaluated, change by the columns.
@@ -687,8 +701,8 @@ class Simulation {
       step_.y[step_.sensitivity(row_of_rate(one.coordinate), static_cast<int>(column))] = one.rate;
     }
   }
-  void echo(double t) {
-    breaks_.add_echoes(t, delays_.delays());
+  void echo(double t, bool jumps) {
+    breaks_.add_echoes(t, delays_.delays(), jumps);
     reduced_.set_near((t + breaks_.next(t)) / 2);
   }
 
@@ -696,6 +710,7 @@ class Simulation {
   bool keep_decided(double t) {
     const int f = reduced_.freedoms();
     const double from = t - step_.length;
+    if (!(from < t)) return true;  // events at once behind each other
     const std::vector<double>&y0 = step_.y_new, &dy0 = step_.dydt_new, &y1 = step_.y, &dy1 = step_.dydt;
     const std::array<double, Delays::points> times = Delays::times_within(from, t);
     std::vector<double> within = y1;
@@ -725,21 +740,22 @@ class Simulation {
   }
 
   /// Goes on behind an instant t at which what controllers decide or give need not be smooth.
-  bool hear_of_it(double t) {
-    const std::vector<int> causes = breaks_.echo(t);
-    echo(t);
-    if (t >= options_.duration || causes.empty()) return true;
+  bool hear_of_it(double t, bool is_event) {
+    const InputBreaks::Echo heard = breaks_.echo(t);
+    const bool jumps = !heard.delays.empty() && delays_.jump_at(t, breaks_.apart());
+    echo(t, is_event || jumps || breaks_.are_at(t));
+    if (t >= options_.duration || heard.delays.empty()) return true;
     set_rates(delays_.just_behind(t, breaks_.apart()));
     if (columns_.count() == 0) return go_on_from(t);
     for (std::size_t c = 0; c < static_cast<std::size_t>(columns_.count()); ++c) {
       set_rates_by(c, delays_.just_behind_by(t, breaks_.apart(), c));
     }
-    return follow_echo(t, causes) && go_on_from(t);
+    return follow_echo(t, heard) && go_on_from(t);
   }
 
   /// Where an echo moves with the delays behind which its cause is, accelerations that jump there make derivatives of
   /// rates jump by  (accelerations before - after) dt/dp.
-  bool follow_echo(double t, const std::vector<int>& causes) {
+  bool follow_echo(double t, const InputBreaks::Echo& heard) {
     if (!step_.evaluate(t)) {
       give_up(t);
       return false;
@@ -747,7 +763,9 @@ class Simulation {
     const int f = reduced_.freedoms();
     for (int c = 0; c < columns_.count(); ++c) {
       double later = 0.0;
-      for (const int k : causes) later += delays_.delay_by(static_cast<std::size_t>(k), static_cast<std::size_t>(c));
+      for (std::size_t k = 0; k < heard.delays.size(); ++k) {
+        later += heard.delays[k] * delays_.delay_by(k, static_cast<std::size_t>(c));
+      }
       if (later == 0.0) continue;
       for (int k = 0; k < f; ++k) {
         const int i = reduced_.independent()[static_cast<std::size_t>(k)];
@@ -769,6 +787,10 @@ class Simulation {
           model_.scene(), [&](const TimeFunction& function, int number, double by) {
             const std::optional<JumpInTime> jump = function.law.jump_by(number);
             if (!jump || jump->at != t) return;
+            if (function.of == TimeFunction::Of::element) {
+              follow_jump_of_element(t, function, by * jump->by, columns_.column_of(p));
+              return;
+            }
             Influence by_to;
             by_to.force = force_number(function.of, function.item, function.part, TimeFunction::whole);
             reduced_.influence(by_to, by_value.data());
@@ -779,6 +801,30 @@ class Simulation {
           });
       follow_jumps_of_drives(t, p);
     }
+  }
+
+  /// The same of a number of an element, on which forces need not depend linearly: a limit may be reached by the jump.
+  /// `by` is the jump of the function times the derivative of the time.
+  void follow_jump_of_element(double t, const TimeFunction& function, double by, int column) {
+    const double before = std::nextafter(t, -1.0),
+                 jump = function.at(t, 0, reduced_.near()) - function.at(t, 0, before);
+    if (jump == 0.0) return;
+    const auto f = static_cast<std::size_t>(reduced_.freedoms());
+    const std::vector<MotionInput> inputs = reduced_.inputs();
+    const std::vector<double> after(reduced_.alpha(), reduced_.alpha() + f);
+    std::vector<MotionInput> without = inputs;
+    for (MotionInput& one : without) {
+      if (one.function && one.of == function.of && one.item == function.item && one.function->part == function.part) {
+        one.own_near = before;
+      }
+    }
+    reduced_.set_inputs(model_.scaled_scene(), std::move(without));
+    const bool is_known = reduced_.evaluate(t, step_.y.data(), step_.y.data() + f) == Reduced::Status::ok;
+    for (std::size_t k = 0; is_known && k < f; ++k) {
+      step_.y[step_.sensitivity(static_cast<int>(f + k), column)] += (reduced_.alpha()[k] - after[k]) * by / jump;
+    }
+    reduced_.set_inputs(model_.scaled_scene(), inputs);
+    step_.evaluate(t);
   }
 
   /// Adds to derivatives by a time at which the acceleration g'' of a drive jumps: where that time moves, the

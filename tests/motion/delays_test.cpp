@@ -5,6 +5,7 @@
 #include <complex>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -273,6 +274,125 @@ TEST(Delays, MotionsDecayAsTheirRightmostPolesSay) {
   const auto i = static_cast<std::size_t>(test::coordinate_of(model, "pendulum"));
   const std::vector<test::Reading> read = test::read_at(motion, {8 * turn, 9 * turn});
   EXPECT_NEAR(read[1].q[i] / read[0].q[i] / std::exp(pole.real() * turn), 1.0, 1e-5);
+}
+
+// A ball that bounces pushes a mass of 1 kg by its rate, late: v(t) = y(t - T) - y(0).
+TEST(Delays, ImpactsAreHeardAfterTheDelay) {
+  for (const double restitution : {0.7, 0.0}) {
+    for (const double delay : {0.03, 0.1, 0.25, 0.6}) {
+      const MotionModel model(parse_scene(fmt::format(R"(gravity = [0, -10]
+[ground]
+points = {{ O = [0, 0] }}
+[body.ball]
+points = {{ P = [0, 0] }}
+mass = 1
+[body.pushed]
+points = {{ P = [0, 0] }}
+mass = 1
+[[slide]]
+name = "y"
+points = ["ground.O", "ball.P"]
+axis = [0, 1]
+[[slide]]
+name = "x"
+points = ["ground.O", "pushed.P"]
+axis = [1, 0]
+[[stop]]
+slide = "y"
+min = 0
+restitution = {}
+[[controller]]
+slide = "x"
+reads = {{ slide = "y" }}
+reads_rate = true
+proportional = -1
+delay = {}
+[start]
+y = 1.25
+)",
+                                                      restitution, delay),
+                                          "ball.toml"));
+      const std::vector<double> times{0.3, 0.55, 0.8, 1.3};
+      const Motion motion = test::moved(model, test::released(model, {}), 1.5, 1e-11);
+      const std::vector<test::Reading> at = test::read_at(motion, times);
+      const auto x = static_cast<std::size_t>(test::coordinate_of(model, "x"));
+      const auto height = [&](double t) {
+        if (t < 0.0) return 1.25;
+        double up = 0.0;
+        for (double begin = -0.5; begin <= t; begin += up / 5) {
+          up = begin < 0.0 ? 5.0 : up * restitution;
+          const double since = t - begin;
+          if (since < up / 5 || up == 0.0) return up == 0.0 ? 0.0 : up * since - 5 * since * since;
+        }
+        return 0.0;
+      };
+      for (std::size_t k = 0; k < times.size(); ++k) {
+        EXPECT_NEAR(at[k].v[x], height(times[k] - delay) - 1.25, 1e-9) << restitution << " " << delay;
+      }
+    }
+  }
+}
+
+// m x'' = -k x + u with what was sampled at 0, T, ..., a delay later: circles between the events. Delays that samples
+// and old echoes meet are as others.
+TEST(Delays, SamplesActAfterAnyDelay) {
+  constexpr double k = 8.0, end = 6.1;
+  const double w = std::sqrt(k / mass);
+  for (const auto& [period, delay] : {std::pair{0.2, 0.15}, {0.1, 0.15}, {0.2, 0.3}, {0.2, 0.4}, {0.2, 0.5}}) {
+    const Course found =
+        course(blocks(fmt::format("reads = \"nothing\"\nfollows = \"D\"\nproportional = 1\ndelay = {}\n"
+                                  "[[controller]]\nname = \"D\"\nreads = {{ slide = \"x\" }}\nproportional = 1\n"
+                                  "period = {}\n[[spring]]\nslide = \"x\"\nstiffness = {}\nfree_length = 0",
+                                  delay, period, k)),
+               {end}, {.places = {{"x", 0.3}}});
+    struct Event {
+      double time;
+      int sample;
+      bool acts;
+    };
+    std::vector<Event> events;
+    for (int n = 0; n * period < end; ++n) {
+      events.push_back({n * period, n, false});
+      if (n * period + delay < end) events.push_back({n * period + delay, n, true});
+    }
+    events.push_back({end, -1, false});
+    std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+    double x = 0.3, v = 0.0, t = 0.0, u = -0.3;
+    std::vector<double> sampled;
+    for (const Event& event : events) {
+      const double h = event.time - t, a = x - u / k, turned = a * std::cos(w * h) + v / w * std::sin(w * h);
+      v = -a * w * std::sin(w * h) + v * std::cos(w * h);
+      x = turned + u / k;
+      t = event.time;
+      if (event.acts)
+        u = sampled[static_cast<std::size_t>(event.sample)];
+      else
+        sampled.push_back(-x);
+    }
+    EXPECT_NEAR(found.place(0), x, 1e-8) << period << " " << delay;
+    EXPECT_NEAR(found.rate(0), v, 1e-8) << period << " " << delay;
+  }
+}
+
+// u(t) = r(t) + 0.9 u(t - T) behind a step of r at 0.25: 10 (1 - 0.9^n) over the n-th delay from there.
+TEST(Delays, WhatControllersBringBackToEachOtherGoesOn) {
+  constexpr double delay = 0.1, step = 0.25, end = 3.0;
+  const Course found = course(
+      blocks(
+          "reads = \"nothing\"\nfollows = \"A\"\nproportional = 1\n[[controller]]\nname = \"A\"\nreads = "
+          "\"nothing\"\nfollows = \"B\"\nproportional = 1\nreference = 1\ntime = { reference = { step = { at = 0.25, "
+          "from = 0, to = 1 } } }\n[[controller]]\nname = \"B\"\nreads = { controller = \"A\" }\nproportional = "
+          "-0.9\ndelay = 0.1"),
+      {end}, {.places = {{"x", 0.3}}});
+  double x = 0.3, v = 0.0, u = 0.0;
+  for (double t = step; t < end; t += delay) {
+    u = 1 + 0.9 * u;
+    const double h = std::min(delay, end - t);
+    x += v * h + u / mass * h * h / 2;
+    v += u / mass * h;
+  }
+  EXPECT_NEAR(found.place(0), x, 1e-8);
+  EXPECT_NEAR(found.rate(0), v, 1e-8);
 }
 
 /// Places and rates of the block, by numbers of controllers, against differences of motions.
