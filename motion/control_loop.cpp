@@ -13,6 +13,7 @@
 
 #include "model/controllers.hpp"
 #include "motion/blades.hpp"
+#include "motion/controller_efforts.hpp"
 #include "motion/reduced_motion.hpp"
 #include "motion/samples.hpp"
 #include "solvers/delayed_system.hpp"
@@ -99,11 +100,12 @@ class LoopAtRest {
   };
 
   void refuse_what_is_not_linear() const {
+    refuse_idle_controllers(model_);
     const auto refuse = [&](int line, std::string_view family, const std::string& name) {
       throw InputError(
           fmt::format("{}:{}: {} \"{}\": the linear system of a mechanism with {} is not known "
                       "with it; expected a scene without it",
-                      scene_.file, line, family, name, controllers_of(scene_).empty() ? "blades" : "controllers"));
+                      scene_.file, line, family, name, what_keeps(scene_)));
     };
     for (std::size_t d = 0; d < scene_.drives.size(); ++d) {
       const Drive& drive = scene_.drives[d];
@@ -123,10 +125,9 @@ class LoopAtRest {
   /// Whether it has a rate or a function of time.
   bool moves_by_itself(int index) const {
     const Drive& drive = scene_.drives[static_cast<std::size_t>(index)];
-    const bool has_function =
-        std::any_of(scene_.time_functions.begin(), scene_.time_functions.end(), [&](const TimeFunction& function) {
-          return function.of == TimeFunction::Of::drive && function.item == index;
-        });
+    const bool has_function = std::any_of(
+        scene_.time_functions.begin(), scene_.time_functions.end(),
+        [&](const TimeFunction& function) { return function.of == TimeFunction::Of::drive && function.item == index; });
     return has_function || drive.moved(0.0, 1) != 0.0 || drive.moved(0.0, 2) != 0.0;
   }
 
@@ -514,14 +515,18 @@ class LoopAtRest {
         reduced_.linearize();
         constexpr double rounding_of_rest = 1e-9;
         if (left <= rounding_of_rest * size) return true;
-        return fail(controllers_of(scene_).empty()
+        const std::string_view kept_by = what_keeps(scene_);
+        return fail(kept_by == "motors"
+                        ? "none is found from where it is assembled: its motors may turn it, as poise running finds; "
+                          "without their torques it has that of statics"
+                    : kept_by == "blades"
                         ? "none is found from where it is assembled, along the edges of its blades"
                         : "no equilibrium of it with its controllers is found from where it is assembled: an integral "
                           "may have no effort that brings its error to zero, or a limit is in the way");
       }
       left = now;
     }
-    return fail("Newton's method for the equilibrium with its controllers does not end");
+    return fail(fmt::format("Newton's method for the equilibrium with its {} does not end", what_keeps(scene_)));
   }
 
   bool touches_nothing() {
@@ -737,6 +742,13 @@ class LoopAtRest {
 };
 
 }  // namespace
+
+std::string_view what_keeps(const Scene& scene) {
+  if (!controllers_of(scene).empty()) return "controllers";
+  if (!scene.blades.empty()) return "blades";
+  const auto drives = [](const Element& element) { return is_motor(element.law); };
+  return std::any_of(scene.elements.begin(), scene.elements.end(), drives) ? "motors" : "";
+}
 
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from) {
   return LoopAtRest(model, from).find();

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,7 +33,7 @@ struct DelayedControl {
   double delay = 0.0;  ///< s
 };
 
-/// A mechanism with its controllers and blades near an equilibrium.
+/// A mechanism with its controllers, motors and blades near an equilibrium.
 struct ControlLoop {
   enum class Stability {
     stable,    ///< all poles have negative real parts, of a loop with samples sizes below 1
@@ -71,6 +72,10 @@ struct ControlLoop {
   std::vector<int> places, rates;
   Stability stability = Stability::unstable;
 };
+
+/// What holds the equilibria of a scene that statics does not find, "controllers", "blades" or "motors"; empty if
+/// nothing does.
+std::string_view what_keeps(const Scene& scene);
 
 /// Finds the equilibrium of a mechanism with controllers that is reached from the scaled coordinates `from` by Newton's
 /// method, and the exact linear system there:

@@ -22,13 +22,12 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
-/// With controllers or blades: about the equilibrium that these keep, near the pose that is assembled.
+/// With controllers, blades or motors: about the equilibrium that these keep, near the pose that is assembled.
 int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
   if (request.seek != ModesRequest{}.seek) {
     throw InputError(
-        "--seek: with a [[controller]] or a [[blade]] the equilibrium is sought from where the scene is assembled; "
-        "leave "
-        "it out");
+        "--seek: with a [[controller]], a [[blade]] or a [[motor]] the equilibrium is sought from where the scene is "
+        "assembled; leave it out");
   }
   const MotionModel model(std::move(scene));
   OutputFiles files(request.common);
@@ -44,13 +43,11 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   Scene scene = load_scene(request.common);
-  if (!controllers_of(scene).empty() || !scene.blades.empty())
-    return run_control_loop(request, std::move(scene), progress, palette);
+  if (!what_keeps(scene).empty()) return run_control_loop(request, std::move(scene), progress, palette);
   if (!request.common.csv.empty()) {
     throw InputError(
-        "--csv: expected a scene with a [[controller]] or a [[blade]], of whose linear system the matrices are; leave "
-        "it "
-        "out");
+        "--csv: expected a scene with a [[controller]], a [[blade]] or a [[motor]], of whose linear system the "
+        "matrices are; leave it out");
   }
   const StaticModel statics(std::move(scene));
   const MotionModel model(statics.scene());

@@ -136,11 +136,18 @@ int run_response(const ResponseRequest& request, const Palette& palette) {
   if (request.amplitude) {
     refuse_controllers(scene, "periodic motions of an amplitude");
     refuse_blades(scene, "periodic motions of an amplitude");
+    for (const Element& element : scene.elements) {
+      if (!is_motor(element.law)) continue;
+      throw InputError(fmt::format(
+          "{}:{}: motor \"{}\": periodic motions of an amplitude are not known here with motors; expected a scene "
+          "without it",
+          scene.file, element.line, element.name));
+    }
   }
 
   progress.now("looking for the equilibrium");
   std::vector<double> x;
-  if (controllers_of(scene).empty() && scene.blades.empty()) {
+  if (what_keeps(scene).empty()) {
     const StaticModel statics(scene);
     answer.equilibrium = solve(statics, options);
     if (answer.equilibrium.found()) {

@@ -17,6 +17,88 @@ namespace {
 
 using nlohmann::json;
 
+/// An arm of 0.1 kg m^2 with a spring of 10 N m/rad and a torque of 1 N m on a DC motor.
+const char* const motor_on_a_spring = R"([ground]
+points = { O = [0, 0] }
+[body.arm]
+points = { O = [0, 0] }
+inertia = 0.1
+[[pin]]
+points = ["ground.O", "arm.O"]
+[[torsion_spring]]
+bodies = ["ground", "arm"]
+stiffness = 10
+[[motor]]
+bodies = ["ground", "arm"]
+stall_torque = 5
+no_load_rate = 20
+[[torque]]
+name = "T"
+on = "arm"
+value = 1
+)";
+
+// 0.1 a + 0.25 w + 10 phi = 5 + T: at rest at 0.6 rad, damping ratio 0.25/(2 sqrt(0.1 10)), 1/(0.25 w) at resonance.
+TEST(ControlCommand, AMotorThatIsHeldDamps) {
+  const TempFolder folder;
+  folder.write("motor.toml", motor_on_a_spring);
+  const std::string scene = folder.path("motor.toml").string();
+  const json modes = run_json(folder, {"modes", scene}, 0);
+  EXPECT_NEAR(modes["poles"]["re"][0], -1.25, 1e-9);
+  EXPECT_NEAR(modes["poles"]["im"][0], std::sqrt(100 - 1.25 * 1.25), 1e-9);
+  EXPECT_NEAR(modes["coordinates"][0]["value"], 0.6, 1e-9);
+  const json response = run_json(folder,
+                                 {"response", scene, "--excite", "load.T", "--of", "angle.arm", "--from",
+                                  "1.5915494309189535", "--to", "2", "--steps", "2"},
+                                 0);
+  EXPECT_NEAR(response["response"]["amplitude"][0], 0.4, 1e-9) << response.dump();
+  // A machine that its motor turns has no equilibrium.
+  const ProgramRun runs = run_poise({"modes", dataset("machines/motor_slider_crank")});
+  EXPECT_EQ(runs.exit_code, 1);
+  EXPECT_TRUE(has(runs.out, "No equilibrium with its motors")) << runs.out;
+}
+
+// A step of the reference throws the effort onto its limit: the standard error of the time of the step by differences
+// of whole motions, made apart.
+TEST(ControlCommand, AStepOntoALimitIsIdentified) {
+  const TempFolder folder;
+  folder.write("scene.toml", R"([ground]
+points = { O = [0, 0] }
+[body.m]
+points = { P = [0, 0] }
+mass = 2
+[[slide]]
+name = "ax"
+points = ["ground.O", "m.P"]
+axis = [1, 0]
+[[controller]]
+name = "c"
+slide = "ax"
+proportional = 20
+derivative = 8
+reference = 1
+max = 4
+time = { reference = { step = { at = 0.5, from = 0, to = 1 } } }
+[start]
+ax = 0.05
+)");
+  folder.write("experiment.toml", R"(scene = "scene.toml"
+[[sensor]]
+name = "x"
+travel = "ax"
+noise = 1e-3
+[[unknown]]
+path = "controller.c.time.reference.at"
+name = "p"
+[[run]]
+start_known = true
+duration = 2
+rate = 20
+)");
+  const json found = run_json(folder, {"identifiability", folder.path("experiment.toml").string()}, 0);
+  EXPECT_NEAR(found["predicted"][0]["standard_error"].get<double>(), 0.00022629, 3e-7) << found["predicted"].dump();
+}
+
 // ../shared/benchmarks.md 4.1 and 4.2.
 TEST(ControlCommand, ModesSaysThePolesAndTheMatrices) {
   const TempFolder folder;

@@ -601,6 +601,18 @@ TEST(Control, PolesOfATransferFunctionAreRootsOfTheLoop) {
   }
 }
 
+// An angle that a slide keeps: nothing of the scene is ignored without a word.
+TEST(Control, AControllerThatCanDoNothingIsNamed) {
+  const MotionModel model(parse_scene(blocks("proportional = 1\n[[controller]]\nname = \"idle\"\nbodies = "
+                                             "[\"ground\", \"block\"]\nproportional = 1"),
+                                      "blocks.toml"));
+  for (const std::string& said :
+       {test::message_of([&] { simulate(model, test::released(model, {}), {.duration = 1.0}); }),
+        test::message_of([&] { control_loop(model, test::released(model, {}).q); })}) {
+    EXPECT_NE(said.find("controller \"idle\": expected a measure that can change"), std::string::npos) << said;
+  }
+}
+
 TEST(Control, BadInputIsNamed) {
   const auto message = [](const std::string& controller) {
     return test::message_of([&] { parse_scene(blocks(controller), "blocks.toml"); });

@@ -26,7 +26,7 @@ Line verdict_on_loop(const Scene& scene, const ControlLoop& loop) {
   if (!loop.known) return bad(no_equilibrium_in_words(scene, loop));
   const bool samples = loop.period > 0.0, is_of_set = !scene.blades.empty();
   const std::string subject = controllers_of(scene).empty() ? "The equilibrium" : "The closed loop";
-  if (loop.poles.size() == scene.blades.size()) {
+  if (!scene.blades.empty() && loop.poles.size() == scene.blades.size()) {
     return doubtful(subject + " is held by its blades: all poles are those of a set of equilibria.");
   }
   // Poles of blades, which decay by nothing, stand before those that decay.
@@ -191,8 +191,8 @@ const char* name_of_stability(const ControlLoop& loop) {
 }
 
 std::string no_equilibrium_in_words(const Scene& scene, const ControlLoop& loop) {
-  return fmt::format("No equilibrium {}: {}.", controllers_of(scene).empty() ? "on its blades" : "with its controllers",
-                     loop.why);
+  const std::string_view kept_by = what_keeps(scene);
+  return fmt::format("No equilibrium {} its {}: {}.", kept_by == "blades" ? "on" : "with", kept_by, loop.why);
 }
 
 Result control_loop_result(const MotionModel& model, const ControlLoop& loop,

@@ -189,16 +189,19 @@ Line verdict(const Scene& scene, const ResponseAnswer& answer, const ResponseUni
   return answer.periodic ? periodic_verdict(answer, units) : linear_verdict(answer, units);
 }
 
-/// `periodic`: smooth friction acts in periodic motions, which are refused where friction sticks.
-std::vector<std::string> left_out(const Scene& scene, bool periodic) {
+/// `periodic`: smooth friction acts in periodic motions, which are refused where friction sticks. With `holds` drives
+/// hold what they move.
+std::vector<std::string> left_out(const Scene& scene, bool periodic, bool holds) {
   std::vector<std::string> out;
-  for (const Drive& drive : scene.drives)
-    out.push_back(fmt::format("drive \"{}\": what it moves is free here", drive.name));
+  for (const Drive& drive : scene.drives) {
+    if (!holds) out.push_back(fmt::format("drive \"{}\": what it moves is free here", drive.name));
+  }
   for (const std::string& joint : joints_with_friction(scene)) {
     out.push_back(fmt::format("friction of joint {}: while it sticks nothing moves there", joint));
   }
   for (const Element& element : scene.elements) {
-    if (periodic || element.feedback || stores_energy(element.law) || damps_small_motion(element.law)) continue;
+    const bool takes_part = element.feedback || is_motor(element.law) || stores_energy(element.law);
+    if (periodic || takes_part || damps_small_motion(element.law)) continue;
     out.push_back(fmt::format("{} \"{}\": dry friction, which is not linear", element.family(), element.name));
   }
   for (const TimeFunction& function : scene.time_functions) {
@@ -240,7 +243,11 @@ std::string frequencies_in_words(const Modes& modes) {
 void add_facts(Group& group, const Scene& scene, const ResponseAnswer& answer, const ResponseUnits& units) {
   if (answer.loop) {
     const bool is_controlled = !answer.loop->controllers.empty();
-    group.fact("equilibrium", fmt::format("{}{}{}", is_controlled ? "that which its controllers keep" : "",
+    const bool is_alone = !is_controlled && answer.loop->blade_force.empty();
+    group.fact("equilibrium", fmt::format("{}{}{}",
+                                          is_controlled ? "that which its controllers keep"
+                                          : is_alone    ? "that in which its motors hold it"
+                                                        : "",
                                           answer.loop->blade_force.empty() ? ""
                                           : is_controlled                  ? ", one of a set with its blades"
                                                                            : "one of a set, which its blades hold",
@@ -261,7 +268,7 @@ void add_facts(Group& group, const Scene& scene, const ResponseAnswer& answer, c
   if (!linear.motions().stops.empty()) {
     group.fact("held by", stops_in_words(scene, linear.motions()) + ", which small motions do not leave");
   }
-  for (const std::string& one : left_out(scene, answer.periodic.has_value()))
+  for (const std::string& one : left_out(scene, answer.periodic.has_value(), static_cast<bool>(answer.loop)))
     group.fact("left out", one, Tone::doubtful);
   for (const SilentMode& mode : linear.silent_modes()) {
     const Vibration& vibration = linear.modes().vibrations[static_cast<std::size_t>(mode.mode)];
@@ -420,7 +427,7 @@ void add_data(Group& group, const Scene& scene, const ResponseAnswer& answer, co
   quantity.data("value", answer.linear ? Value(answer.linear->at_rest() / units.quantity) : Value());
   group.data("unit", units.per_unit_name());
   group.data("stops", answer.linear ? stops_of(scene, answer.linear->motions()) : std::vector<std::string>{});
-  group.data("left_out", left_out(scene, answer.periodic.has_value()));
+  group.data("left_out", left_out(scene, answer.periodic.has_value(), static_cast<bool>(answer.loop)));
 }
 
 void add_silent(Group& group, const ResponseAnswer& answer) {
