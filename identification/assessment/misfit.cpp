@@ -104,8 +104,10 @@ class CauseFit {
     for (const std::vector<double>& start : starts) {
       at_ = {.parameters = start, .nuisances = {}, .number = candidate_.start};
       for (std::size_t r = 0; r < altered.problem->runs(); ++r) {
-        at_.nuisances.push_back(first_guess(altered.problem->run(r), altered.problem->unknowns_of(r, start),
-                                            altered.experiment->records[r]));
+        const RunModel& run = altered.problem->run(r);
+        at_.nuisances.push_back(run.nuisances() == 0 ? std::vector<double>()
+                                                     : first_guess(run, altered.problem->unknowns_of(r, start),
+                                                                   altered.experiment->records[r]));
       }
       go_on(window, steps);
       if (at_.over_noise < best.over_noise) best = at_;
@@ -314,7 +316,7 @@ std::optional<double> forgets_start_after(const FitProblem& problem, const Fit& 
     const RunModel& run = problem.run(r);
     const auto starts = static_cast<std::size_t>(2 * run.freedoms()), width = static_cast<std::size_t>(run.columns());
     Prediction predicted;
-    if (!run.start_is_unknown() || !run.scene().time_functions.empty()) continue;
+    if (run.is_at_rest() || !run.start_is_unknown() || !run.scene().time_functions.empty()) continue;
     run.predict(problem.unknowns_of(r, fitted.parameters).data(), fitted.runs[r].nuisances.data(), INFINITY,
                 problem.accuracy(r), true, predicted);
     if (!predicted.ok) continue;
@@ -348,6 +350,26 @@ void add_pieces(double length, std::vector<CauseCandidate>& to) {
   one.cure = [length](double) { return fmt::format("piece = {:.3g} in the run", length); };
   one.change = [length](Experiment& e, double) { cut_into_pieces(e, length); };
   one.shows_late = true;
+}
+
+/// Where residuals are white in all runs, and no larger than the noise that the readings themselves can have, the noise
+/// alone is stated too small.
+std::optional<MisfitCause> understated_noise(const FitProblem& problem, const Fit& fitted,
+                                             const std::vector<Record>& records) {
+  constexpr double like_noise = 1.5;
+  if (fitted.status != FitStatus::converged && fitted.status != FitStatus::misfit) return std::nullopt;
+  const auto is_white = [](const RunFit& run) { return run.is_white() && !run.is_shifted(); };
+  if (!std::all_of(fitted.runs.begin(), fitted.runs.end(), is_white)) return std::nullopt;
+  const std::vector<Sensor>& sensors = problem.experiment().sensors;
+  MisfitCause out{"the noise is stated too small, residuals are white", "", 1.0, true};
+  for (std::size_t k = 0; k < sensors.size() && k < fitted.rms.size(); ++k) {
+    if (std::isnan(fitted.rms[k]) || fitted.rms[k] <= gross_from * sensors[k].noise) continue;
+    if (!sensors[k].noise_known || !(fitted.rms[k] < like_noise * largest_noise(records, k))) return std::nullopt;
+    out.cure +=
+        fmt::format("{}noise = {:.3g} in the sensor \"{}\"", out.cure.empty() ? "" : ", ",
+                    fitted.rms[k] / sensors[k].dimension().unit(problem.experiment().scene.units), sensors[k].name);
+  }
+  return out.cure.empty() ? std::nullopt : std::optional(out);
 }
 
 }  // namespace
@@ -393,11 +415,11 @@ std::optional<GrossMisfit> gross_misfit(const FitProblem& problem, const Fit& fi
 std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fitted, const std::vector<Record>& records,
                                        const CauseOptions& options) {
   Experiment experiment = problem.experiment();
-  // What is tried is about clocks and columns of measured motion.
-  if (std::any_of(experiment.runs.begin(), experiment.runs.end(),
-                  [](const Run& run) { return run.is_simulated() || run.is_at_rest(); })) {
+  // What is tried is about clocks and columns of what was measured.
+  if (std::any_of(experiment.runs.begin(), experiment.runs.end(), [](const Run& run) { return run.is_simulated(); })) {
     return {};
   }
+  if (std::optional<MisfitCause> small = understated_noise(problem, fitted, records)) return {std::move(*small)};
   experiment.records = records;
   experiment.loss = Loss::squares;
   const std::vector<double> noise = compared_noise(experiment, records);

@@ -42,13 +42,15 @@ struct CauseOptions {
   const std::atomic<bool>* interrupt = nullptr;
 };
 
-/// Causes of a misfit, of measured motion only, the likeliest first: those that cure it, or that lower the residuals to
+/// Causes of a misfit of what was measured, the likeliest first: those that cure it, or that lower the residuals to
 /// less than a third, in the units that the columns were taken to have (with a factor of 1/1000 any readings are
 /// noise). Tried are, one at a time: sign, usual factors, an unknown factor, zero, drift and delay of each sensor; sign
 /// and factors of all sensors of a kind; two columns exchanged; angles counted from another body; sign, factors, zero,
 /// delay and a largest value (a motor that saturates) of each input; other units of time, a clock that is fast or slow;
 /// the beginning or the end of the records, unless they fit without either; a run without which the others fit; and
-/// another minimum.
+/// another minimum. Of runs at rest nothing of times: sign, factors and zero of inputs, which may be exchanged with a
+/// sensor's column. Nothing is tried where residuals are white and no larger than the readings' own noise can be: then
+/// the noise is stated too small.
 ///
 /// Each is judged by a few steps of Levenberg and Marquardt's method from the experiment's starts and from the
 /// estimates of the fit, over the first 12 % of the records. The best 24 go on over 30 %, the best 8 over 60 %, the

@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -360,16 +362,67 @@ class RunFaults {
   std::vector<RecordFault>& out_;
 };
 
+/// Whether values stand on steps of an instrument that are coarser than this: all differences are multiples of the
+/// least.
+bool has_steps(std::vector<double> values, double coarse) {
+  constexpr double whole_within = 0.01;
+  std::sort(values.begin(), values.end());
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] > values[i - 1]) steps.push_back(values[i] - values[i - 1]);
+  }
+  if (steps.empty()) return true;
+  const double least = *std::min_element(steps.begin(), steps.end());
+  return least > coarse && std::all_of(steps.begin(), steps.end(), [&](double step) {
+           return std::abs(step / least - std::round(step / least)) <= whole_within;
+         });
+}
+
+/// Rows of a run at rest that repeat others in all digits, though the readings have more of them than their noise.
+void find_copies(const Experiment& experiment, std::size_t r, std::vector<RecordFault>& out) {
+  constexpr std::size_t least = 3;
+  constexpr double part = 0.25, fine = 0.3, fine_of_range = 1e-4;
+  const Run& run = experiment.runs[r];
+  std::vector<const std::vector<double>*> columns;
+  std::size_t first_sensor = experiment.sensors.size();
+  for (std::size_t k = 0; k < experiment.records[r].sensors.size(); ++k) {
+    const std::vector<double>& y = experiment.records[r].sensors[k].value;
+    if (y.size() != run.rows) continue;
+    const auto [low, high] = std::minmax_element(y.begin(), y.end());
+    const Sensor& sensor = experiment.sensors[k];
+    const double coarse = sensor.noise_known ? fine * sensor.noise : fine_of_range * (*high - *low);
+    if (has_steps(y, coarse)) return;
+    first_sensor = std::min(first_sensor, k);
+    columns.push_back(&y);
+  }
+  if (columns.empty()) return;
+  for (const RowInput& input : run.row_inputs) columns.push_back(&input.values);
+  std::set<std::vector<double>> rows;
+  for (std::size_t i = 0; i < run.rows; ++i) {
+    std::vector<double> row;
+    for (const std::vector<double>* column : columns) row.push_back((*column)[i]);
+    rows.insert(std::move(row));
+  }
+  const std::size_t copies = run.rows - rows.size();
+  if (copies < least || static_cast<double>(copies) < part * static_cast<double>(run.rows)) return;
+  out.push_back(
+      {r, first_sensor,
+       fmt::format("{} of {} rows of run \"{}\" repeat others in all digits: copies are no readings of their own",
+                   copies, run.rows, run.name),
+       "leave the copies out of the file"});
+}
+
 /// A marker in a series: its value as the column has it, the first reading, and how many.
 struct Marker {
   double column = 0.0;
   std::size_t first = 0, count = 0;
 };
 
-std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
+/// Of a column that was read as  zero + unit column.
+std::optional<Marker> marker_in(const Series& series, double zero, double unit) {
   constexpr std::size_t least_readings = 10, often = 3;
   const std::vector<double>& y = series.value;
-  if (y.size() < least_readings || sensor.missing || sensor.reads_impacts()) return std::nullopt;
+  if (y.size() < least_readings) return std::nullopt;
   const double noise = noise_at_most(series);
   std::map<double, std::vector<std::size_t>> places;
   for (std::size_t i = 0; i < y.size(); ++i) places[y[i]].push_back(i);
@@ -384,7 +437,7 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
     for (const std::size_t i : {order[n], order[n] + 1}) {
       const double value = y[i];
       const std::vector<std::size_t>& all = places[value];
-      const double column = (value - sensor.zero) / sensor.unit;
+      const double column = (value - zero) / unit;
       const double rounded = std::round(column);
       const bool is_usual =
           std::abs(column - rounded) < 1e-6 * std::max(1.0, std::abs(column)) && is_usual_marker(rounded);
@@ -410,30 +463,89 @@ std::optional<Marker> marker_in(const Sensor& sensor, const Series& series) {
   return std::nullopt;
 }
 
+/// A usual marker, but 0, that is far from all other values, which are in no order.
+std::optional<Marker> marker_at_rest(const std::vector<double>& values, double zero, double unit) {
+  constexpr double far = 10.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double column = (values[i] - zero) / unit, rounded = std::round(column);
+    const bool is_whole = std::abs(column - rounded) < 1e-6 * std::max(1.0, std::abs(column));
+    if (!is_whole || rounded == 0.0 || !is_usual_marker(rounded)) continue;
+    std::vector<double> others;
+    for (const double one : values) {
+      if (one != values[i]) others.push_back(one);
+    }
+    if (others.size() < 2) return std::nullopt;
+    const auto [low, high] = std::minmax_element(others.begin(), others.end());
+    const double away = std::max(*low - values[i], values[i] - *high);
+    if (away > far * std::max(*high - *low, std::max(std::abs(*low), std::abs(*high)))) {
+      return Marker{rounded, i, values.size() - others.size()};
+    }
+  }
+  return std::nullopt;
+}
+
+/// As `place` has it, if a marker was found there; `when` it is read first.
+void refuse_marker(const std::optional<Marker>& found, const TomlPlace& place, const Run& run, const char* readings,
+                   const std::function<std::string(std::size_t)>& when,
+                   const std::function<std::string(double)>& cure) {
+  if (!found) return;
+  place.fail(fmt::format(
+      "expected readings of {}, found {:.10g} {} in run \"{}\", first {}, as loggers write where they read nothing; {}",
+      readings, found->column, found->count == 1 ? "once" : fmt::format("{} times", found->count), run.name,
+      when(found->first), cure(found->column)));
+}
+
+void expect_no_markers_in(const Experiment& experiment, std::size_t r) {
+  const Run& run = experiment.runs[r];
+  const std::string& file = experiment.file_of(run.part);
+  const auto row = [](std::size_t i) { return fmt::format("in row {}", i + 1); };
+  for (std::size_t k = 0; k < experiment.records[r].sensors.size(); ++k) {
+    const Sensor& sensor = experiment.sensors[k];
+    const Series& series = experiment.records[r].sensors[k];
+    if (sensor.missing || sensor.reads_impacts()) continue;
+    const auto time = [&](std::size_t i) { return fmt::format("at {:.6g} s", run.clock_zero + series.time[i]); };
+    const auto cure = [](double m) {
+      return fmt::format("add missing = [{:.10g}], or missing = [] if it was read", m);
+    };
+    const TomlPlace place{file, sensor.line, "sensor \"" + sensor.name + "\""};
+    if (run.is_at_rest()) {
+      refuse_marker(marker_at_rest(series.value, sensor.zero, sensor.unit), place, run, "positions or forces", row,
+                    cure);
+    } else {
+      refuse_marker(marker_in(series, sensor.zero, sensor.unit), place, run, "a motion", time, cure);
+    }
+  }
+  for (const RunInput& input : run.inputs) {
+    Series series;
+    series.time = input.motion.curve->breaks();
+    for (const double t : series.time) series.value.push_back(input.motion.curve->at(t));
+    const auto time = [&](std::size_t i) { return fmt::format("at {:.6g} s", run.clock_zero + series.time[i]); };
+    const bool drives = input.motion.of == MotionInput::Of::drive;
+    const TomlPlace place{file, input.line, "input \"" + input.path + "\""};
+    if (drives) continue;  // a curve through them, whose values are not those read
+    refuse_marker(marker_in(series, input.zero, input.unit), place, run, "a load", time,
+                  [](double) { return std::string("leave these cells empty and add gaps = true to the input"); });
+  }
+  for (const RowInput& input : run.row_inputs) {
+    refuse_marker(marker_at_rest(input.values, 0.0, 1.0), {file, input.line, "input \"" + input.path + "\""}, run,
+                  "a load", row, [](double) { return std::string("leave these rows out of the file"); });
+  }
+}
+
 }  // namespace
 
 void expect_no_markers(const Experiment& experiment) {
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
-    const Run& run = experiment.runs[r];
-    for (std::size_t k = 0; has_motion(run) && k < experiment.records[r].sensors.size(); ++k) {
-      const Sensor& sensor = experiment.sensors[k];
-      const Series& series = experiment.records[r].sensors[k];
-      const std::optional<Marker> found = marker_in(sensor, series);
-      if (!found) continue;
-      TomlPlace{experiment.file_of(run.part), sensor.line, "sensor \"" + sensor.name + "\""}.fail(
-          fmt::format("expected readings of a motion, found {:.10g} {} in run \"{}\", first at {:.6g} s, as loggers "
-                      "write where they "
-                      "read nothing; add missing = [{:.10g}], or missing = [] if it was read",
-                      found->column, found->count == 1 ? "once" : fmt::format("{} times", found->count), run.name,
-                      run.clock_zero + series.time[found->first], found->column));
-    }
+    if (!experiment.runs[r].is_simulated()) expect_no_markers_in(experiment, r);
   }
 }
 
 std::vector<RecordFault> record_faults(const Experiment& experiment) {
   std::vector<RecordFault> out;
   for (std::size_t r = 0; r < experiment.runs.size(); ++r) {
-    if (has_motion(experiment.runs[r])) RunFaults(experiment, r, out).find();
+    const Run& run = experiment.runs[r];
+    if (has_motion(run)) RunFaults(experiment, r, out).find();
+    if (run.is_at_rest() && !run.is_simulated()) find_copies(experiment, r, out);
   }
   return out;
 }

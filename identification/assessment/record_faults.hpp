@@ -21,7 +21,8 @@ struct RecordFault {
 /// they read nothing. Such a number m was read where the readings before and after it differ from it by more than 3
 /// times the largest step between any two successive others, and by 20 times the noise, and either is made of nines,
 /// 0, or an end of the range of 16 or 32 bits, or was read exactly so at three places at least. A sensor that states
-/// `missing` is believed.
+/// `missing` is believed. So it is with measured loads. Of readings at rest, which are in no order, such a number but 0
+/// is one where it is farther from all others than ten times their range and their sizes.
 void expect_no_markers(const Experiment& experiment);
 
 /// Finds in the records of measured runs
@@ -42,7 +43,9 @@ void expect_no_markers(const Experiment& experiment);
 ///   idle:      a free run stands still for its first readings and moves then. The times T at which it has left its
 ///              place by 8, 32 and 128 times the noise tell when it began: from rest places grow as the square of the
 ///              time since, at 2 T_8 - T_32, which must be 3 (T_32 - T_8) at least; those of an unstable equilibrium
-///              grow exponentially, T_128 - T_32 = T_32 - T_8, and are none.
+///              grow exponentially, T_128 - T_32 = T_32 - T_8, and are none;
+/// and of readings at rest
+///   copied:    a quarter of the rows or more repeat others in all digits, where these are finer than the noise.
 std::vector<RecordFault> record_faults(const Experiment& experiment);
 
 }  // namespace poise

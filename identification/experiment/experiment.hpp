@@ -160,8 +160,9 @@ struct Release {
 struct RunInput {
   std::string path;  ///< "load.motor", "drive.crank"
   MotionInput motion;
-  double noise = 0.0;          ///< of a load: standard deviation of a reading, SI, or as a part where it multiplies
-  std::filesystem::path file;  ///< of its readings
+  double noise = 0.0;             ///< of a load: standard deviation of a reading, SI, or as a part where it multiplies
+  double zero = 0.0, unit = 1.0;  ///< as of a sensor: zero + unit times the column
+  std::filesystem::path file;     ///< of its readings
   int line = 0;
 };
 

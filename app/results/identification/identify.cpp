@@ -96,6 +96,12 @@ Line verdict(const FitProblem& problem, const Identification& answer) {
                    : doubtful(
                          "Converged, with the noise estimated from the residuals; these are no independent noise.");
       }
+      if (std::any_of(fitted.errors.sensors.begin(), fitted.errors.sensors.end(),
+                      [](const NoiseTest& test) { return test.size > test.expected() * (1 + test.reach()); })) {
+        return doubtful(
+            "Converged: residuals are larger than the stated noise makes in 19 of 20 fits; an error of the model or of "
+            "a sensor may hide in it.");
+      }
       return independent ? good("Converged: residuals agree with the stated noise.")
                          : doubtful("Converged: residuals are as large as the stated noise, but no independent noise.");
     case FitStatus::misfit:

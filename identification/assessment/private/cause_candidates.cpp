@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -57,6 +58,7 @@ class Candidates {
         if (!series.time.empty()) span = std::max(span, series.time.back());
       }
       shortest_ = std::min(shortest_, span);
+      moves_ = moves_ && !experiment.runs[r].is_at_rest();
     }
   }
 
@@ -66,10 +68,13 @@ class Candidates {
     add_exchanged();
     add_frames();
     for (const std::string& path : inputs()) add_input(path);
+    for (const std::string& path : row_inputs()) add_row_input(path);
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) add_sensor(k);
     add_all_sensors();
-    add_times();
-    add_parts();
+    if (moves_) {
+      add_times();
+      add_parts();
+    }
     add_lost_runs();
     return std::move(out_);
   }
@@ -93,6 +98,9 @@ class Candidates {
   }
 
   // --- sensors ------------------------------------------------------------------------------------------------------
+
+  /// With more sensors those of one dimension alone are exchanged.
+  static constexpr std::size_t most_to_exchange = 4;
 
   std::string factor_of(std::size_t k, double times) const {
     return fmt::format("factor = {:.9g} in {}", times * sensor(k).unit / unit(k), named(sensor(k)));
@@ -146,9 +154,21 @@ class Candidates {
         },
         0.0, -10 * range, 10 * range, 1e-3 * range);
     add_number(
+        fmt::format("{} has another factor", name),
+        [written = sensor(k).unit / unit(k), name](double x) {
+          return fmt::format("factor = {:.6g} in {}", x * written, name);
+        },
+        [k](Experiment& e, double x) { scale_readings(e, k, x); }, 1.0, 0.01, 100.0, 1e-3);
+    if (moves_) add_sensor_in_time(k, range);
+  }
+
+  void add_sensor_in_time(std::size_t k, double range) {
+    const std::string name = named(sensor(k));
+    add_number(
         fmt::format("the zero of {} drifts", name),
         [unit = unit(k), name](double x) {
-          return fmt::format("{:.6g} per second less in the column of {}, in its quantity's unit", -x / unit, name);
+          return fmt::format("its column {} by {:.6g} per second in its quantity's unit: take that out of the file",
+                             x < 0 ? "grows" : "falls", std::abs(x) / unit);
         },
         [k](Experiment& e, double x) {
           for (Record& record : e.records) {
@@ -158,12 +178,6 @@ class Candidates {
           }
         },
         0.0, -10 * range / shortest_, 10 * range / shortest_, 1e-3 * range / shortest_);
-    add_number(
-        fmt::format("{} has another factor", name),
-        [written = sensor(k).unit / unit(k), name](double x) {
-          return fmt::format("factor = {:.6g} in {}", x * written, name);
-        },
-        [k](Experiment& e, double x) { scale_readings(e, k, x); }, 1.0, 0.01, 100.0, 1e-3);
     if (experiment_.sensors.size() < 2 && inputs().empty()) return;
     const double most = most_delay_part * shortest_;
     add_number(
@@ -206,7 +220,8 @@ class Candidates {
   void add_exchanged() {
     for (std::size_t a = 0; a < experiment_.sensors.size(); ++a) {
       for (std::size_t b = a + 1; b < experiment_.sensors.size(); ++b) {
-        if (!is_scaled(a) || !is_scaled(b) || sensor(a).dimension() != sensor(b).dimension()) continue;
+        if (!is_scaled(a) || !is_scaled(b)) continue;
+        if (sensor(a).dimension() != sensor(b).dimension() && experiment_.sensors.size() > most_to_exchange) continue;
         add_plain(fmt::format("the columns of \"{}\" and \"{}\" are exchanged", sensor(a).name, sensor(b).name),
                   fmt::format("column = \"{}\" in {}, column = \"{}\" in {}", sensor(b).column, named(sensor(a)),
                               sensor(a).column, named(sensor(b))),
@@ -265,6 +280,92 @@ class Candidates {
     };
   }
 
+  std::vector<std::string> row_inputs() const {
+    std::vector<std::string> out;
+    for (const Run& run : experiment_.runs) {
+      for (const RowInput& input : run.row_inputs) {
+        if (std::find(out.begin(), out.end(), input.path) == out.end()) out.push_back(input.path);
+      }
+    }
+    return out;
+  }
+
+  /// A column of runs at rest; or one that a sensor has, and the sensor its.
+  void add_row_input(const std::string& path) {
+    double largest = 0.0;
+    bool is_angle = false;
+    for (const Run& run : experiment_.runs) {
+      for (const RowInput& input : run.row_inputs) {
+        if (input.path != path) continue;
+        const Scene& scene = experiment_.scene_of(run.part);
+        is_angle = input.drive >= 0 && scene.drives[static_cast<std::size_t>(input.drive)].on.is_angle();
+        for (const double value : input.values) largest = std::max(largest, std::abs(value));
+      }
+    }
+    if (!(largest > 0)) return;
+    const std::string name = fmt::format("the input \"{}\"", path);
+    const auto changes = [path](const std::function<double(double, double)>& value) {
+      return [=](Experiment& e, double x) {
+        for (Run& run : e.runs) {
+          for (RowInput& input : run.row_inputs) {
+            if (input.path != path) continue;
+            for (double& one : input.values) one = value(one, x);
+          }
+        }
+      };
+    };
+    const auto times = [&](double by) { return fmt::format("multiply the column of {} by {:.9g}", name, by); };
+    add_plain(name + " counts the other way", times(-1), changes([](double v, double) { return -v; }));
+    for (const UsualFactor& one : usual_factors(is_angle)) {
+      add_plain(fmt::format("{} has another unit, by {}", name, one.words), times(one.factor),
+                changes([f = one.factor](double v, double) { return f * v; }));
+    }
+    add_number(
+        fmt::format("the zero of {} is off", name),
+        [name](double x) {
+          return fmt::format("{:.6g} {} in all rows of {}, in the scene's unit", std::abs(x), x > 0 ? "more" : "less",
+                             name);
+        },
+        changes([](double v, double x) { return v + x; }), 0.0, -10 * largest, 10 * largest, 1e-3 * largest);
+    for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) {
+      if (!is_scaled(k)) continue;
+      add_plain(fmt::format("the columns of \"{}\" and {} are exchanged", sensor(k).name, name),
+                "exchange the names of their columns", [k, path](Experiment& e, double) {
+                  const Sensor& own = e.sensors[k];
+                  for (std::size_t r = 0; r < e.runs.size(); ++r) {
+                    for (RowInput& input : e.runs[r].row_inputs) {
+                      std::vector<double>& read = e.records[r].sensors[k].value;
+                      if (input.path != path || read.size() != input.values.size()) continue;
+                      for (std::size_t i = 0; i < read.size(); ++i) {
+                        const double column = (read[i] - own.zero) / own.unit;
+                        read[i] = own.zero + own.unit * input.values[i];
+                        input.values[i] = column;
+                      }
+                    }
+                  }
+                });
+    }
+  }
+
+  /// In runs in which the readings of the sensor are as long as those of the input.
+  static void exchange_with_input(Experiment& e, std::size_t k, const std::string& path) {
+    const Sensor& own = e.sensors[k];
+    for (std::size_t r = 0; r < e.runs.size(); ++r) {
+      for (RunInput& input : e.runs[r].inputs) {
+        if (input.path != path || k >= e.records[r].sensors.size()) continue;
+        Series& read = e.records[r].sensors[k];
+        const std::vector<double>& breaks = input.motion.curve->breaks();
+        if (read.time.size() < 2 || read.time.front() > breaks.front() || read.time.back() < breaks.back()) continue;
+        std::vector<double> given;
+        for (std::size_t i = 0; i < read.time.size(); ++i) {
+          given.push_back(input.zero + input.unit * (read.value[i] - own.zero) / own.unit);
+          read.value[i] = own.zero + own.unit * (input.motion.curve->at(read.time[i]) - input.zero) / input.unit;
+        }
+        input.motion.curve = std::make_shared<const TimeCurve>(TimeCurve::through(read.time, given));
+      }
+    }
+  }
+
   void add_input(const std::string& path) {
     double largest = 0.0;
     bool is_angle = false, drives = false;
@@ -283,6 +384,12 @@ class Candidates {
     const auto same = [](double v, double) { return v; };
     const auto times = [&](double by) { return fmt::format("{:.6g} times the factor of {}", by, name); };
     add_plain(name + " counts the other way", times(-1), moves(path, same, [](double v, double) { return -v; }));
+    for (std::size_t k = 0; !drives && k < experiment_.sensors.size(); ++k) {
+      if (!is_scaled(k) || experiment_.sensors.size() > most_to_exchange) continue;
+      add_plain(fmt::format("the columns of \"{}\" and {} are exchanged", sensor(k).name, name),
+                "exchange the names of their columns",
+                [k, path](Experiment& e, double) { exchange_with_input(e, k, path); });
+    }
     for (const UsualFactor& one : usual_factors(is_angle)) {
       add_plain(fmt::format("{} has another unit, by {}", name, one.words), times(one.factor),
                 moves(path, same, [f = one.factor](double v, double) { return f * v; }));
@@ -293,12 +400,16 @@ class Candidates {
         moves(path, same, [](double v, double x) { return x * v; }), 1.0, 0.01, 100.0, 1e-3);
     add_number(
         fmt::format("the zero of {} is off", name),
-        [name](double x) { return fmt::format("{:.6g} (SI) more as the zero of {}", x, name); },
+        [name](double x) {
+          return fmt::format("{:.6g} (SI) {} in the column of {}", std::abs(x), x > 0 ? "more" : "less", name);
+        },
         moves(path, same, [](double v, double x) { return v + x; }), 0.0, -10 * largest, 10 * largest, 1e-3 * largest);
     const double most = most_delay_part * shortest_;
     add_number(
         name + " is early or late",
-        [name](double x) { return fmt::format("{:.6g} s more in the times of {}", x, name); },
+        [name](double x) {
+          return fmt::format("shift the times of {} by {:.6g} s {}", name, std::abs(x), x > 0 ? "later" : "earlier");
+        },
         moves(
             path, [](double t, double x) { return t + x; }, same),
         0.0, -most, most, 1e-3 * most);
@@ -400,6 +511,7 @@ class Candidates {
   const Experiment& experiment_;
   const std::vector<std::size_t>& worst_;
   double shortest_ = std::numeric_limits<double>::infinity();
+  bool moves_ = true;  // in all runs
   std::vector<CauseCandidate> out_;
 };
 

@@ -192,6 +192,8 @@ std::vector<InputTable> read_inputs(const TomlTable& run, const fs::path& folder
 
 RunInput input_of(const InputTable& table, Series series, const std::string& run, double end) {
   RunInput input = table.input;
+  input.zero = table.zero;
+  input.unit = table.unit;
   const bool drives = input.motion.of == MotionInput::Of::drive;
   const std::size_t least = drives ? 6 : 2;
   if (series.time.size() < least) {
