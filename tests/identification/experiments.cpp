@@ -31,7 +31,7 @@ Unknown unknown(const std::string& path) {
   return unknown;
 }
 
-Run simulated(double rate, int count, std::vector<Release> release) {
+Run simulated(double rate, int count, std::vector<poise::Release> release) {
   Run run;
   run.name = "run";
   run.sample_rate = rate;
@@ -72,7 +72,7 @@ rail = 0.02
   travel.noise = 1e-5;
   e.sensors = {travel};
   e.unknowns = {unknown("body.block.mass"), unknown("spring.coil.stiffness"), unknown("damper.pot.coefficient")};
-  Release pull;
+  poise::Release pull;
   pull.joint = 0;
   pull.value = 0.02;
   e.runs = {simulated(100, 300, {pull})};

@@ -22,7 +22,7 @@ Sensor angle_of(const Scene& scene, const std::string& body, double noise);
 Unknown unknown(const std::string& path);
 
 /// A simulated run: `count` readings, the first at time 0, from `release` (SI).
-Run simulated(double rate, int count, std::vector<Release> release = {});
+Run simulated(double rate, int count, std::vector<poise::Release> release = {});
 
 /// A sprung mass on a level rail, damped,  m x'' + c x' + k x = 0,  of which m, k and c are unknown; one run of 300
 /// readings of x.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "identification/identifiability/private/structural_nulls_50.hpp"
+#include "model/controllers.hpp"
 
 namespace poise {
 namespace {
@@ -68,6 +69,12 @@ void take_out(const Eigen::VectorXd& rate, Eigen::MatrixXd& rows) {
 NullSpace structural_nulls(const FitProblem& problem, const std::vector<double>& parameters,
                            const std::vector<std::vector<double>>& nuisances) {
   const auto n = static_cast<Eigen::Index>(parameters.size());
+  if (!controllers_of(problem.experiment().scene).empty()) {
+    NullSpace none;
+    none.basis.resize(n, 0);
+    none.error = Eigen::VectorXd::Zero(n);
+    return none;
+  }
   std::vector<Block> blocks;
   std::vector<bool> dropped(parameters.size(), false);
   std::vector<RunModel::Actions> of_runs;
