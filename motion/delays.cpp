@@ -43,7 +43,7 @@ Reading chebyshev_sum(const Coefficients& c, double x) {
   return out;
 }
 
-/// Over the times `from` to `to`.
+/// This is the same over the times `from` to `to`.
 Reading reading_of(const Coefficients& c, double from, double to, double s) {
   const double half = (to - from) / 2;
   Reading out = chebyshev_sum(c, (s - from) / half - 1.0);

@@ -42,8 +42,8 @@ class MotionStep {
   struct Changes {
     std::vector<double> q, v, a;
   };
-  /// Those by column c, of a state like y to which the equations are evaluated; `influence` is the index of that of the
-  /// column, negative without one.
+  /// Finds those by column c, of a state like y to which the equations are evaluated; `influence` is the index of that
+  /// of the column, negative without one.
   void changes_by(int c, const std::vector<double>& state, int influence, Changes& out) const;
   double work() const { return y[static_cast<std::size_t>(2 * reduced_.freedoms())]; }
   /// Whether the motion has independent coordinates that are ill-conditioned: by the loops, or because coordinates that

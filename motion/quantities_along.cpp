@@ -722,7 +722,8 @@ std::vector<QuantityRange> QuantitiesAlong::ranges(const std::vector<SoughtQuant
   return out;
 }
 
-// Around each sample that is least among its neighbours, and beside which the value can be less than all others.
+// It is sought around each sample that is least among its neighbours, and beside which the value can be less than all
+// others.
 ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector<double>& times,
                                      const std::vector<double>& values, double sign) {
   std::size_t best = 0;

@@ -803,7 +803,7 @@ class Simulation {
     }
   }
 
-  /// The same of a number of an element, on which forces need not depend linearly: a limit may be reached by the jump.
+  /// Does the same for a number of an element, on which forces need not depend linearly: the jump may reach a limit.
   /// `by` is the jump of the function times the derivative of the time.
   void follow_jump_of_element(double t, const TimeFunction& function, double by, int column) {
     const double before = std::nextafter(t, -1.0),

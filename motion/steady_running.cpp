@@ -35,7 +35,7 @@ constexpr double near_running = 0.05;
 constexpr int most_newton_steps = 60;
 /// It takes over again where the speed has changed by this part since.
 constexpr double elsewhere = 0.25;
-/// Bound of the difference of a period and the next one, of sizes and speeds, and what grows by more winds up.
+/// This bounds the difference of a period and the next one, of sizes and speeds; what grows by more winds up.
 constexpr double turn_repeated_within = 1e-6;
 /// Periods after which angles are looked for that have made whole turns, and turns that are taken without being asked
 /// for.
@@ -357,8 +357,8 @@ int periods_of_whole_turns(const MotionModel& model, const VectorXd& moved, int 
   return 0;
 }
 
-/// What a whole turn does not bring back: a spring that winds up, a limit that is reached in the end, a place that is
-/// controlled; empty if nothing.
+/// Names what a whole turn does not bring back: a spring that winds up, a limit that is reached in the end, a place
+/// that is controlled; empty if nothing.
 std::string what_winds_up(const MotionModel& model, const VectorXd& q, const VectorXd& moved) {
   const Scene& scene = model.scene();
   const auto poses_at = [&](const VectorXd& at) {
@@ -388,8 +388,9 @@ std::string what_winds_up(const MotionModel& model, const VectorXd& q, const Vec
   return "";
 }
 
-/// Newton's method for  s (P(x) - x) = 0  with the speed s of the angle: without s torques that do not balance would
-/// seem small where it is fast. Steps are shortened until that is less, and change the speed by half of it at most.
+/// Closes a period by Newton's method for  s (P(x) - x) = 0  with the speed s of the angle: without s torques that do
+/// not balance would seem small where it is fast. Steps are shortened until that is less, and change the speed by half
+/// of it at most.
 bool close_by_newton(Runs& runs, VectorXd& at, Turned& shot) {
   const Index speed = runs.place_of_speed();
   const auto open = [&](const VectorXd& x, const Turned& made) {
@@ -437,7 +438,7 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
   Runs runs(model, start, options);
   VectorXd x = runs.start();
   const auto interrupted = [&] { return options.interrupt != nullptr && options.interrupt->load(); };
-  // The running at `at`, closed by the period `shot`.
+  // It gives the running at `at`, closed by the period `shot`.
   const auto finish = [&](const VectorXd& at, Turned& shot) {
     SteadyRunning found = out;
     found.found = true;

@@ -22,7 +22,7 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
-/// With controllers, blades or motors: about the equilibrium that these keep, near the pose that is assembled.
+/// Analyses a scene with controllers, blades or motors about the equilibrium that these keep, near the assembled pose.
 int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
   if (request.seek != ModesRequest{}.seek) {
     throw InputError(

@@ -378,7 +378,8 @@ bool has_steps(std::vector<double> values, double coarse) {
          });
 }
 
-/// Rows of a run at rest that repeat others in all digits, though the readings have more of them than their noise.
+/// Finds rows of a run at rest that repeat others in all digits, though the readings have more of them than their
+/// noise.
 void find_copies(const Experiment& experiment, std::size_t r, std::vector<RecordFault>& out) {
   constexpr std::size_t least = 3;
   constexpr double part = 0.25, fine = 0.3, fine_of_range = 1e-4;
@@ -418,7 +419,7 @@ struct Marker {
   std::size_t first = 0, count = 0;
 };
 
-/// Of a column that was read as  zero + unit column.
+/// Finds one in a column that was read as  zero + unit column.
 std::optional<Marker> marker_in(const Series& series, double zero, double unit) {
   constexpr std::size_t least_readings = 10, often = 3;
   const std::vector<double>& y = series.value;
@@ -463,7 +464,7 @@ std::optional<Marker> marker_in(const Series& series, double zero, double unit) 
   return std::nullopt;
 }
 
-/// A usual marker, but 0, that is far from all other values, which are in no order.
+/// Finds a usual marker, but 0, that is far from all other values, which are in no order.
 std::optional<Marker> marker_at_rest(const std::vector<double>& values, double zero, double unit) {
   constexpr double far = 10.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -484,7 +485,7 @@ std::optional<Marker> marker_at_rest(const std::vector<double>& values, double z
   return std::nullopt;
 }
 
-/// As `place` has it, if a marker was found there; `when` it is read first.
+/// Throws InputError for a marker that was found at `place`; `when` tells where it is read first.
 void refuse_marker(const std::optional<Marker>& found, const TomlPlace& place, const Run& run, const char* readings,
                    const std::function<std::string(std::size_t)>& when,
                    const std::function<std::string(double)>& cure) {

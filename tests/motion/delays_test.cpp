@@ -395,15 +395,15 @@ TEST(Delays, WhatControllersBringBackToEachOtherGoesOn) {
   EXPECT_NEAR(found.rate(0), v, 1e-8);
 }
 
-/// Places and rates of the block, by numbers of controllers, against differences of motions.
+/// Compares derivatives of the block's place and rate, by numbers of controllers, with differences of motions.
 void expect_derivatives(const std::string& tables, const std::vector<std::string>& paths, double duration) {
   const Scene scene = parse_scene(blocks(tables), "blocks.toml");
   const MotionState start = test::released(MotionModel(scene), {.places = {{"x", 0.3}}, .rates = {{"x", -0.2}}});
   test::expect_derivatives(scene, start, paths, {"x"}, duration);
 }
 
-// By the delay itself, too, with which echoes move: of the start, of a reference that steps, of limits that are
-// reached, and behind other delays.
+// They are exact by the delay itself, too, with which echoes move: of the start, of a reference that steps, of limits
+// that are reached, and behind other delays.
 TEST(Delays, DerivativesAreThoseOfMotions) {
   expect_derivatives("proportional = 3\nderivative = 1.5\nintegral = 0.7\ndelay = 0.25",
                      {"controller.C.proportional", "controller.C.derivative", "controller.C.integral",
@@ -433,8 +433,7 @@ TEST(Delays, DerivativesOfSamplesThatActLateAreThoseOfMotions) {
       {"controller.D.proportional", "controller.D.derivative", "controller.D.integral", "controller.C.delay"}, 1.7);
 }
 
-// By numbers that move the geometry, and those of springs, in a loop: a slider crank whose crank a late controller
-// turns.
+// They are exact in a loop, too, by numbers of springs: a slider crank whose crank a late controller turns.
 TEST(Delays, DerivativesOfALoopAreThoseOfMotions) {
   const Scene scene = parse_scene(R"(gravity = [0, -9.81]
 [ground]

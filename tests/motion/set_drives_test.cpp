@@ -134,7 +134,7 @@ TEST(SetDrives, ATrolleyMovesAsItsServoSays) {
   }
   EXPECT_LT(along.imbalance(), 1e-9);
 
-  // In millimetres, and with an acceleration of the drive itself, which adds to that of its controller.
+  // It is the same in millimetres, and an acceleration of the drive itself adds to that of its controller.
   Servo millimetres = servo;
   millimetres.r *= 1e3;
   const MotionModel other(parse_scene(
@@ -206,7 +206,7 @@ bob = 0
 
 const std::string reads_crank = "reads = { bodies = [\"ground\", \"crank\"] }\n";
 
-// A servo of the crank and the same course as a formula of time: all motions, and the forces in a pin.
+// A servo of the crank moves all bodies, and loads a pin, as the same course does as a formula of time.
 TEST(SetDrives, ALoopIsDrivenAsByTheFormulaOfTheCourse) {
   const Servo servo{.r = 2.9, .g0 = 0.4};
   const double f = servo.damped(), decay = servo.z * servo.w;
@@ -237,7 +237,7 @@ TEST(SetDrives, ALoopIsDrivenAsByTheFormulaOfTheCourse) {
   EXPECT_LT(along.imbalance(), 1e-9);
 }
 
-// By numbers of the controller, of the drive, of the spring and of a length, against differences of motions.
+// Derivatives by numbers of the controllers, of the drive and of the spring are those of differences of motions.
 TEST(SetDrives, DerivativesAreThoseOfMotions) {
   const Servo servo{.r = 1.6, .g0 = 0.4};
   const std::string text =
@@ -269,7 +269,7 @@ TEST(SetDrives, AnImpactDoesNotStopTheCourse) {
   }
 }
 
-// With limits of the acceleration, and decided at samples: pieces of parabolas.
+// What is limited and decided at samples is made of pieces of parabolas.
 TEST(SetDrives, SamplesAndLimitsMakeParabolas) {
   const double period = 0.1, limit = 2.0, kp = 9.0, kd = 5.0, r = 0.7;
   const MotionModel model(parse_scene(
@@ -294,8 +294,8 @@ TEST(SetDrives, SamplesAndLimitsMakeParabolas) {
   }
 }
 
-// (p^2 + 2 p + 2)(p^2 + 2 p + 5) of the crane of datasets/, and how far the trolley follows its reference over the
-// frequency: (kp s^2 (l s^2 + g)) / ... / s^2.
+// The crane of datasets/ has the poles of (p^2 + 2 p + 2)(p^2 + 2 p + 5), and its trolley follows the reference by
+// kp (s^2 + g/l) over that.
 TEST(SetDrives, ACraneThatSeesItsLoadHasItsPoles) {
   const Scene scene = read_scene(test::dataset("machines/gantry_crane.toml"));
   const MotionModel model(scene);

@@ -116,7 +116,8 @@ TEST(Motors, WithoutALoadTheSpeedIsThatWithoutLoad) {
   EXPECT_NEAR(found.mean, 20.0, 1e-9);
 }
 
-// A DC motor with friction in its bearing: M0/(M0/w0 + c) and exp(-(M0/w0 + c) T/J), from wherever it starts.
+// A DC motor with friction in its bearing runs at M0/(M0/w0 + c), and a disturbance decays by exp(-(M0/w0 + c) T/J),
+// from wherever it starts.
 TEST(Motors, ItIsFoundFromAnySpeed) {
   constexpr double stall = 10.0, no_load = 100.0, c = 0.05, inertia = 0.05;
   const MotionModel model(parse_scene(wheel("stall_torque = 10\nno_load_rate = 100") +

@@ -290,7 +290,7 @@ class Candidates {
     return out;
   }
 
-  /// A column of runs at rest; or one that a sensor has, and the sensor its.
+  /// Adds what may be wrong with a column of runs at rest, and its exchange with that of a sensor.
   void add_row_input(const std::string& path) {
     double largest = 0.0;
     bool is_angle = false;
@@ -347,7 +347,7 @@ class Candidates {
     }
   }
 
-  /// In runs in which the readings of the sensor are as long as those of the input.
+  /// Exchanges the columns of a sensor and a load in runs in which the readings of both are as long.
   static void exchange_with_input(Experiment& e, std::size_t k, const std::string& path) {
     const Sensor& own = e.sensors[k];
     for (std::size_t r = 0; r < e.runs.size(); ++r) {
