@@ -71,6 +71,7 @@ class RunFaults {
       if (!can_halt()) find_alike(k);
       find_wild(k);
     }
+    for (const RunInput& input : run_.inputs) find_stuck(input);
     find_lost();
     // What is cut off stands still too.
     const bool is_wrong =
@@ -192,6 +193,27 @@ class RunFaults {
                     run_.name, clipped ? "are cut off" : "stand still", column(k, read.value[found.front().first]),
                     readings, clock(read.time[found.front().first])),
         fmt::format("add skip = [{}] to the run", skip));
+  }
+
+  /// Loads may stand still, at 0 and at their limits, before and behind what they do, and again and again.
+  void find_stuck(const RunInput& input) {
+    if (input.motion.of == MotionInput::Of::drive) return;
+    const std::vector<double>& times = input.motion.curve->breaks();
+    std::vector<double> y;
+    for (const double t : times) y.push_back(input.motion.curve->at(t));
+    const std::vector<Stretch> all = alike(y, 2);
+    if (all.size() != 1 || y.size() < 4 * all.front().count()) return;
+    const Stretch& one = all.front();
+    const double value = y[one.first];
+    const auto [low, high] = std::minmax_element(y.begin(), y.end());
+    if (value == 0.0 || value == *low || value == *high || one.first == 0 || one.last + 1 == y.size()) return;
+    std::vector<double> steps = step_sizes(y);
+    std::sort(steps.begin(), steps.end());
+    if (!stops(y, one, steps, resolution_of(y))) return;
+    add(0,
+        fmt::format("the load of input \"{}\" in run \"{}\" stands still at {:.6g}: {} readings, from {} s on",
+                    input.path, run_.name, (value - input.zero) / input.unit, one.count(), clock(times[one.first])),
+        "leave these cells empty and add gaps = true to the input");
   }
 
   void find_wild(std::size_t k) {

@@ -33,6 +33,7 @@ void expect_no_markers(const Experiment& experiment);
 ///   stuck:     readings alike elsewhere, 10 or more of them, with a jump behind or a sudden halt before; these and
 ///   those
 ///              that are clipped where no stop or drive halts the mechanism itself;
+///              So are measured loads, but at 0 and at their limits, that change from each other reading to the next;
 ///   wild:      single readings differ from the median of five around them by more than 20 times the noise and 3 times
 ///              the largest step of those medians, of positions and rates; where the loss does not limit them;
 ///   lost:      between two readings the quantity jumps by what `lost` seconds of motion make, at least 0.7 of the

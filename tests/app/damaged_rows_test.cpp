@@ -149,7 +149,9 @@ struct Driven {
   double inertia = 0.02, damping = 0.05;
 };
 
-ProgramRun identify_driven(const TempFolder& folder, double noise, double stated, bool marker) {
+enum class Damage { none, markers, stuck };  // in the column of the torque
+
+ProgramRun identify_driven(const TempFolder& folder, double noise, double stated, Damage damage) {
   folder.write("rig.toml", R"([ground]
 points = { O = [0, 0] }
 [body.arm]
@@ -190,8 +192,10 @@ inputs = {{ "load.motor" = "tau" }}
   constexpr int within = 100;
   for (int i = 0; i <= 300; ++i) {
     const double t = 0.01 * i;
-    const bool lost = marker && (i == 77 || i == 78 || i == 200);
-    data += fmt::format("{:.9g},{:.9f},{:.9g}\n", t, phi + noise * random.normal(), lost ? -9999.0 : torque(t));
+    const bool is_lost = damage == Damage::markers && (i == 77 || i == 78 || i == 200);
+    const bool is_stuck = damage == Damage::stuck && i >= 120 && i < 135;
+    data += fmt::format("{:.9g},{:.9f},{:.9g}\n", t, phi + noise * random.normal(),
+                        is_lost ? -9999.0 : torque(is_stuck ? 1.2 : t));
     for (int k = 0; k < within; ++k) {  // the torque is straight between readings
       const double h = 0.01 / within, part = (k + 0.5) / within;
       const double now = (1 - part) * torque(t) + part * torque(t + 0.01);
@@ -204,10 +208,18 @@ inputs = {{ "load.motor" = "tau" }}
   return run_poise({"identify", folder.path("exp.toml").string()});
 }
 
+TEST(DamagedRows, ALoadThatStandsStillIsNamed) {
+  const TempFolder folder;
+  const ProgramRun run = identify_driven(folder, 1e-3, 1e-3, Damage::stuck);
+  EXPECT_EQ(run.exit_code, 1) << run.out;
+  EXPECT_TRUE(has(run.out, "the load of input \"load.motor\"") && has(run.out, "15 readings, from 1.2 s on"))
+      << run.out;
+}
+
 TEST(DamagedRows, MarkersInALoadAreRefused) {
   const TempFolder folder;
-  EXPECT_EQ(identify_driven(folder, 1e-3, 1e-3, false).exit_code, 0);
-  const ProgramRun run = identify_driven(folder, 1e-3, 1e-3, true);
+  EXPECT_EQ(identify_driven(folder, 1e-3, 1e-3, Damage::none).exit_code, 0);
+  const ProgramRun run = identify_driven(folder, 1e-3, 1e-3, Damage::markers);
   EXPECT_EQ(run.exit_code, 2) << run.out;
   EXPECT_TRUE(has(run.err, "input \"load.motor\"") && has(run.err, "found -9999 3 times") &&
               has(run.err, "first at 0.77 s") && has(run.err, "gaps = true"))
@@ -216,7 +228,7 @@ TEST(DamagedRows, MarkersInALoadAreRefused) {
 
 TEST(DamagedRows, NoiseThatIsStatedTooSmallIsNamed) {
   const TempFolder folder;
-  const ProgramRun run = identify_driven(folder, 1e-3, 1e-4, false);
+  const ProgramRun run = identify_driven(folder, 1e-3, 1e-4, Damage::none);
   EXPECT_EQ(run.exit_code, 1) << run.out;
   EXPECT_TRUE(has(run.out, "the noise is stated too small, residuals are white (noise = 0.00")) << run.out;
 }
