@@ -64,6 +64,8 @@ class LoopAtRest {
     }
     model_.mechanism().place(reduced_.q(), pose_.data());
     for (const int e : controllers_of(scene_)) add_controller(e);
+    out_.known = is_beside_no_edge();
+    if (!out_.known) return std::move(out_);
     close();
     open();
     note_directions();
@@ -536,6 +538,25 @@ class LoopAtRest {
       if (scene_.stops[s].holds()) continue;
       if (values[s] > m.lower()[s] + touched_within && values[s] < m.upper()[s] - touched_within) continue;
       return fail(fmt::format("it is at or beyond a limit of {} in its equilibrium", scene_.stops[s].title()));
+    }
+    return true;
+  }
+
+  /// Whether no error is at the end of a dead band, where a controller acts on one side and does not on the other.
+  bool is_beside_no_edge() {
+    for (const ControlAtRest& one : out_.controllers) {
+      const Controller& law = law_of(one.element);
+      if (!law.has(Controller::dead_band)) continue;
+      const ControlSignals<double> in = model_.mechanism().signals_of(one.element, pose_.data(), reduced_.v());
+      const double error = law.values[Controller::reference] + in.followed - in.value;
+      const double band = law.values[Controller::dead_band];
+      if (!(std::abs(std::abs(error) - band) <= touched_within * band)) continue;
+      return fail(fmt::format(
+          "controller \"{}\" is at the end of its dead band in the one that is found, where it acts on one side alone; "
+          "{}",
+          name_of(one.element),
+          law.has(Controller::integral) ? "within the dead band all places are equilibria"
+                                        : "no linear system holds on both sides"));
     }
     return true;
   }

@@ -601,6 +601,22 @@ TEST(Control, PolesOfATransferFunctionAreRootsOfTheLoop) {
   }
 }
 
+// An integral comes to rest at the end of its dead band, where rounding alone would decide whether it acts.
+TEST(Control, AtTheEndOfADeadBandNoLinearSystemIsKnown) {
+  for (const double integral : {12.0, 40.0}) {
+    const MotionModel model(
+        parse_scene(blocks(fmt::format(
+                        "proportional = 5\nintegral = {}\nreference = 1\ndead_band = 0.3\n[[spring]]\nslide = \"x\"\n"
+                        "stiffness = 10\nfree_length = 0\n[[spring]]\nslide = \"still\"\nstiffness = 1\n"
+                        "free_length = 0",
+                        integral)),
+                    "blocks.toml"));
+    const ControlLoop loop = control_loop(model, test::released(model, {}).q);
+    EXPECT_FALSE(loop.known);
+    EXPECT_NE(loop.why.find("controller \"C\" is at the end of its dead band"), std::string::npos) << loop.why;
+  }
+}
+
 // An angle that a slide keeps: nothing of the scene is ignored without a word.
 TEST(Control, AControllerThatCanDoNothingIsNamed) {
   const MotionModel model(parse_scene(blocks("proportional = 1\n[[controller]]\nname = \"idle\"\nbodies = "
