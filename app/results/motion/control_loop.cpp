@@ -59,7 +59,7 @@ void add_poles(Group& group, const std::string& key, const std::string& title, c
   table.numbers(
       "", "damping ratio", "",
       each(poles, [&](const auto& p) { return std::abs(p) > no_part * largest ? -p.real() / std::abs(p) : NAN; }),
-      {.style = Format::Style::significant});
+      {.style = Format::Style::significant, .zero_below = no_part});
 }
 
 /// Poles z of samples with a period.
