@@ -199,7 +199,7 @@ void expect_poles(const std::vector<Complex>& found, const std::vector<Complex>&
 std::vector<Eigen::VectorXd> solved(const MatrixXd& a, const Eigen::VectorXd& start, double step, int count) {
   const MatrixXd over = (a * step).exp();
   std::vector<Eigen::VectorXd> out{start};
-  for (int k = 0; k < count; ++k) out.push_back(over * out.back());
+  for (int k = 0; k < count; ++k) out.emplace_back(over * out.back());
   return out;
 }
 
