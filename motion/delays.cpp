@@ -133,6 +133,18 @@ void Delays::refuse_derivatives(bool has_events) const {
   }
 }
 
+void Delays::refuse_meeting(double t, std::size_t column) const {
+  std::size_t of = 0;
+  while (delay_by(of, column) == 0.0) ++of;
+  const Scene& scene = model_.scene();
+  const Element& element = scene.elements[static_cast<std::size_t>(elements_[of])];
+  throw InputError(
+      fmt::format("{}:{}: controller \"{}\".delay: the derivative by it is not known where what comes back by several "
+                  "ways jumps at "
+                  "one time, {:.6g} s; expected a delay that is no multiple of the others, {:.6g} s say",
+                  scene.file, element.line, element.name, t, 1.001 * all_[of].delay));
+}
+
 double Delays::decided(const Delayed& one, const ReducedMotion<double>& motion) {
   const Mechanism<double>& m = model_.mechanism();
   m.place(motion.q(), pose_.data());

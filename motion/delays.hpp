@@ -36,6 +36,9 @@ class Delays : public TorquesOfPast {
   /// the times of events move, and by the time of a step.
   void refuse_derivatives(bool has_events) const;
 
+  /// Throws InputError for a derivative by delays behind which several things come back at t.
+  [[noreturn]] void refuse_meeting(double t, std::size_t column) const;
+
   /// A column of sensitivities, and how places and rates change along it, n values each.
   struct Column {
     std::size_t index = 0;
@@ -46,8 +49,8 @@ class Delays : public TorquesOfPast {
     int coordinate;
     double rate;
   };
-  /// Decides at the start, which `motion` is evaluated at. Where controllers with delays follow each other it takes as
-  /// many rounds as there are delays until all know what the others give.
+  /// Decides at the start, which `motion` is evaluated at. Where controllers with delays follow each other it takes
+  /// more rounds than there are delays until all know what the others give.
   std::vector<Given> begin(const ReducedMotion<double>& motion);
   /// The derivatives of these by a column.
   std::vector<Given> begin_by(const ReducedMotion<double>& motion, const Column& column);

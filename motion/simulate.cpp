@@ -112,21 +112,32 @@ class InputBreaks {
   }
   /// What delays bring back.
   struct Echo {
-    int order = 0;            ///< passes through the mechanism since what jumped, each of which makes it smoother
-    std::vector<int> delays;  ///< how often it has passed each delay; empty if nothing comes back
+    int order = 0;               ///< passes through the mechanism since what jumped, each of which makes it smoother
+    std::vector<int> delays;     ///< how often it has passed each delay; empty if nothing comes back
+    bool is_of_several = false;  ///< it has come by several ways, which move by themselves
   };
-  /// What controllers decide with these delays is not smooth at t: nor is what they give later. With `jumps` it is as
-  /// a new cause, whatever came back at t.
-  void add_echoes(double t, const std::vector<double>& delays, bool jumps) {
+  /// What controllers decide with these delays is not smooth at t: nor is what they give later. It may be a new cause,
+  /// or what comes back may jump as the first did.
+  void add_echoes(double t, const std::vector<double>& delays, bool is_new_cause, bool jumps) {
     Echo behind = echo(t);
-    const int order = jumps || behind.delays.empty() ? 0 : behind.order + 1;
+    const int order = is_new_cause || jumps || behind.delays.empty() ? 0 : behind.order + 1;
     if (order >= most_echoes) return;
+    if (is_new_cause) behind = Echo{0, {}, behind.is_of_several || (jumps && !behind.delays.empty())};
     behind.delays.resize(delays.size(), 0);
     for (std::size_t k = 0; k < delays.size(); ++k) {
-      Echo next{order, behind.delays};
+      Echo next{order, behind.delays, behind.is_of_several};
       ++next.delays[k];
-      const auto [place, is_new] = echoes_.try_emplace(t + delays[k], next);
-      if (!is_new && order < place->second.order) place->second = std::move(next);
+      // Sums of delays that are equal differ by rounding.
+      const auto place = echoes_.lower_bound(t + delays[k] - apart());
+      if (place == echoes_.end() || place->first > t + delays[k] + apart()) {
+        echoes_.emplace(t + delays[k], std::move(next));
+        continue;
+      }
+      Echo& there = place->second;
+      const bool is_smooth = next.order > 0 || there.order > 0;  // accelerations do not jump by both
+      const bool is_of_several = there.is_of_several || (!is_smooth && next.delays != there.delays);
+      if (next.order < there.order) there = std::move(next);
+      there.is_of_several = there.is_of_several || is_of_several;
     }
     echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
   }
@@ -672,18 +683,31 @@ class Simulation {
 
   /// At the start controllers with delays give what they decide there.
   bool begin_delays() {
-    for (int round = 0; round <= delays_.rounds(); ++round) {
+    constexpr int most_rounds = 300;
+    constexpr double agreed_within = 1e-15;
+    for (int round = 0;; ++round) {
       for (const Delays::Column& column : delay_columns(step_.y)) {
         set_rates_by(column.index, delays_.begin_by(reduced_, column));
       }
-      set_rates(delays_.begin(reduced_));
+      double largest = 0.0, change = 0.0;
+      for (const Delays::Given& one : delays_.begin(reduced_)) {
+        double& rate = step_.y[static_cast<std::size_t>(row_of_rate(one.coordinate))];
+        change = std::max(change, std::abs(one.rate - rate));
+        largest = std::max(largest, std::abs(one.rate));
+        rate = one.rate;
+      }
       if (!step_.evaluate(0.0)) {
         give_up(0.0);
         return false;
       }
+      if (round > delays_.rounds() && change <= agreed_within * largest) break;
+      if (round < most_rounds) continue;
+      stop(MotionStatus::stuck,
+           "controllers with delays that follow each other do not agree on what they give at the start");
+      return false;
     }
     if (!go_on_from(0.0)) return false;
-    echo(0.0, true);
+    echo(0.0, true, false);
     return true;
   }
   /// How places and rates of a state, to which the equations are evaluated, change by the columns.
@@ -701,8 +725,8 @@ class Simulation {
       step_.y[step_.sensitivity(row_of_rate(one.coordinate), static_cast<int>(column))] = one.rate;
     }
   }
-  void echo(double t, bool jumps) {
-    breaks_.add_echoes(t, delays_.delays(), jumps);
+  void echo(double t, bool is_new_cause, bool jumps) {
+    breaks_.add_echoes(t, delays_.delays(), is_new_cause, jumps);
     reduced_.set_near((t + breaks_.next(t)) / 2);
   }
 
@@ -743,7 +767,7 @@ class Simulation {
   bool hear_of_it(double t, bool is_event) {
     const InputBreaks::Echo heard = breaks_.echo(t);
     const bool jumps = !heard.delays.empty() && delays_.jump_at(t, breaks_.apart());
-    echo(t, is_event || jumps || breaks_.are_at(t));
+    echo(t, is_event || breaks_.are_at(t), jumps);
     if (t >= options_.duration || heard.delays.empty()) return true;
     set_rates(delays_.just_behind(t, breaks_.apart()));
     if (columns_.count() == 0) return go_on_from(t);
@@ -767,6 +791,7 @@ class Simulation {
         later += heard.delays[k] * delays_.delay_by(k, static_cast<std::size_t>(c));
       }
       if (later == 0.0) continue;
+      if (heard.is_of_several) delays_.refuse_meeting(t, static_cast<std::size_t>(c));
       for (int k = 0; k < f; ++k) {
         const int i = reduced_.independent()[static_cast<std::size_t>(k)];
         if (delays_.gives(i)) continue;

@@ -37,9 +37,8 @@ constexpr int most_newton_steps = 60;
 constexpr double elsewhere = 0.25;
 /// This bounds the difference of a period and the next one, of sizes and speeds; what grows by more winds up.
 constexpr double turn_repeated_within = 1e-6;
-/// Periods after which angles are looked for that have made whole turns, and turns that are taken without being asked
-/// for.
-constexpr int most_periods = 60, most_turns_of_itself = 12;
+/// Periods after which all bodies may be back, and turns that are taken without being asked for.
+constexpr int most_periods = 30, most_turns_of_itself = 12;
 /// A first period that takes longer than this, s, is none.
 constexpr double longest_period = 1e4;
 
@@ -144,6 +143,30 @@ class Runs {
   double relative_off(const VectorXd& x, const Turned& shot) const {
     return off(x, shot.after).cwiseQuotient(sizes(shot.period)).cwiseAbs().maxCoeff();
   }
+  /// The least number of periods from there, up to `most`, after which all bodies are where they were; 0 without one.
+  int periods_until_back(const VectorXd& x, double period, int most) {
+    constexpr double longer = 1.5, back_within = 1e-6;
+    const Motion motion = move(x, longer * most * period, false, running_accuracy);
+    std::vector<int> all(from_.size());
+    std::iota(all.begin(), all.end(), 0);
+    TrajectoryReader begin(motion.trajectory, all), reader(motion.trajectory, all);
+    begin.at(0.0);
+    for (int count = 1; count <= most; ++count) {
+      const std::optional<double> t = crossing(motion.trajectory, count);
+      if (!t) return 0;
+      reader.at(*t);
+      bool is_back = true;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool turns = static_cast<int>(i) < model_.layout().angles;
+        const double moved = reader.q(i) - begin.q(i);
+        const double off = turns ? std::remainder(moved, turn) : moved / model_.scales().length;
+        is_back = is_back && std::abs(off) <= back_within;
+      }
+      if (is_back) return count;
+    }
+    return 0;
+  }
+
   /// P(x) - x, in which angles count modulo whole turns.
   VectorXd off(const VectorXd& x, const VectorXd& after) const {
     VectorXd out = after - x;
@@ -212,10 +235,10 @@ class Runs {
     return out;
   }
 
-  /// The time at which the angle has turned by a period's turns, either way.
-  std::optional<double> crossing(const Trajectory& path) {
+  /// The time at which the angle has turned by the turns of so many periods, either way.
+  std::optional<double> crossing(const Trajectory& path, int periods = 1) {
     const auto n = static_cast<std::size_t>(path.coordinates), i = static_cast<std::size_t>(options_.coordinate);
-    const double whole = turn * options_.turns;
+    const double whole = turn * options_.turns * periods;
     for (std::size_t node = 1; node < path.nodes(); ++node) {
       const double turned = path.q[node * n + i] - angle_;
       if (std::abs(turned) < whole) continue;
@@ -344,22 +367,9 @@ Repeated repeat(const MotionModel& model, const Runs& runs, const VectorXd& x, d
   return out;
 }
 
-/// The least number of such periods, up to `most`, after which all angles have made whole turns; 0 where there is none.
-int periods_of_whole_turns(const MotionModel& model, const VectorXd& moved, int most) {
-  constexpr double whole_within = 1e-7;
-  for (int count = 1; count <= most; ++count) {
-    bool is_whole = true;
-    for (int i = 0; i < model.layout().angles; ++i) {
-      is_whole = is_whole && std::abs(std::remainder(count * moved[i], turn)) <= whole_within;
-    }
-    if (is_whole) return count;
-  }
-  return 0;
-}
-
 /// Names what a whole turn does not bring back: a spring that winds up, a limit that is reached in the end, a place
-/// that is controlled; empty if nothing.
-std::string what_winds_up(const MotionModel& model, const VectorXd& q, const VectorXd& moved) {
+/// that is controlled; empty if nothing. Where bodies are not `back`, of angles alone, which never are.
+std::string what_winds_up(const MotionModel& model, const VectorXd& q, const VectorXd& moved, bool back) {
   const Scene& scene = model.scene();
   const auto poses_at = [&](const VectorXd& at) {
     return model.mechanism().poses(model.from_si({at.data(), at.data() + at.size()}).data());
@@ -367,6 +377,7 @@ std::string what_winds_up(const MotionModel& model, const VectorXd& q, const Vec
   const std::vector<BodyPose<double>> before = poses_at(q), after = poses_at(q + moved);
   const Scene& scaled = model.scaled_scene();
   const auto winds = [&](const Measure& on) {
+    if (!back && on.kind != Measure::Kind::angle) return false;
     return std::abs(value_of(scaled, on, after) - value_of(scaled, on, before)) > turn_repeated_within;
   };
   for (std::size_t e = 0; e < scene.elements.size(); ++e) {
@@ -471,11 +482,13 @@ SteadyRunning steady_running(const MotionModel& model, const MotionState& start,
     const std::size_t n = static_cast<std::size_t>(model.mechanism().coordinates());
     const std::vector<double> q(found.motion.trajectory.q.begin(),
                                 found.motion.trajectory.q.begin() + static_cast<std::ptrdiff_t>(n));
+    const bool repeats = repeated.differs <= turn_repeated_within;
+    const int back = repeats ? 1 : runs.periods_until_back(at, found.period, most_periods);
     const std::string winding =
-        what_winds_up(model, Eigen::Map<const VectorXd>(q.data(), static_cast<Index>(n)), repeated.moved);
+        what_winds_up(model, Eigen::Map<const VectorXd>(q.data(), static_cast<Index>(n)), repeated.moved, back == 1);
     if (!winding.empty()) return fail(winding + ", so that no running repeats itself");
-    if (repeated.differs <= turn_repeated_within) return found;
-    found.whole_turns = options.turns * periods_of_whole_turns(model, repeated.moved, most_periods);
+    if (repeats) return found;
+    found.whole_turns = options.turns * back;
     return fail(fmt::format(
         "after {} its state is that of before, but not where other bodies are: the next period differs by {:.2g}{}",
         options.turns == 1 ? "one turn" : fmt::format("{} turns", options.turns), repeated.differs,

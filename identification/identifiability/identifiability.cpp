@@ -11,6 +11,7 @@
 
 #include "identification/identifiability/private/null_words.hpp"
 #include "identification/identifiability/private/structural_nulls.hpp"
+#include "model/controllers.hpp"
 #include "solvers/linear_algebra.hpp"
 
 namespace poise {
@@ -199,6 +200,13 @@ class Assessment {
                       const Weighting& weighting) {
     A_ = whole_triangle(problem_, triangles, scale_);
     NullSpace structural = structural_nulls(problem_, parameters_, nuisances);
+    // With controllers numbers that change nothing at all are nulls by themselves, however well the others are known.
+    const bool is_controlled = !controllers_of(problem_.experiment().scene).empty();
+    for (Index i = 0; is_controlled && i < n_; ++i) {
+      if (A_.col(i).cwiseAbs().maxCoeff() != 0.0) continue;
+      structural.basis.conservativeResize(n_, structural.basis.cols() + 1);
+      structural.basis.rightCols(1) = VectorXd::Unit(n_, i);
+    }
     structural.basis = scale_.cwiseInverse().asDiagonal() * structural.basis;
     structural.error = scale_.cwiseInverse().asDiagonal() * structural.error;
     const bool scales_known = std::find(known_scale_.begin(), known_scale_.end(), false) == known_scale_.end();

@@ -424,6 +424,56 @@ TEST(Delays, DerivativesAreThoseOfMotions) {
       1.9);
 }
 
+// Two delayed controllers that follow each other begin where both agree, whatever else is in the scene: the solution of
+// a = 0.5 (0.3 - b), b = 0.7 (0.1 - a).
+TEST(Delays, ACircleBeginsWhereAllAgree) {
+  const std::string circle =
+      "reads = \"nothing\"\nfollows = \"A\"\nproportional = 1\n"
+      "[[controller]]\nname = \"A\"\nreads = { controller = \"B\" }\nreference = 0.3\nproportional = 0.5\ndelay = 0.2\n"
+      "[[controller]]\nname = \"B\"\nreads = { controller = \"A\" }\nreference = 0.1\nproportional = 0.7\ndelay = "
+      "0.05\n";
+  const std::string idle = "[[controller]]\nname = \"idle\"\nslide = \"still\"\nproportional = 0\ndelay = 0.3\n";
+  const double a = 0.5 * (0.3 - 0.7 * 0.1) / (1 - 0.35);
+  for (const std::string& text : {circle, circle + idle}) {
+    const Course found = course(blocks(text), {0.04});
+    EXPECT_NEAR(found.rate(0), a / mass * 0.04, 1e-13);
+  }
+  const MotionModel diverging(parse_scene(blocks("reads = \"nothing\"\nfollows = \"A\"\nproportional = "
+                                                 "1\n[[controller]]\nname = \"A\"\nreads = { controller = "
+                                                 "\"B\" }\nreference = 0.3\nproportional = 2\ndelay = "
+                                                 "0.2\n[[controller]]\nname = \"B\"\nreads = { controller = "
+                                                 "\"A\" }\nproportional = 2\ndelay = 0.05"),
+                                          "blocks.toml"));
+  const Motion motion = simulate(diverging, test::released(diverging, {}), {.duration = 1.0});
+  EXPECT_FALSE(motion.completed());
+  EXPECT_NE(motion.why.find("do not agree"), std::string::npos) << motion.why;
+}
+
+// A delay of two periods moves what a sample brings, however often others come back at that time; where two ways meet
+// whose times move by themselves the derivative is refused.
+TEST(Delays, DerivativesByADelayOfSeveralPeriods) {
+  expect_derivatives(
+      "reads = \"nothing\"\nfollows = \"D\"\nproportional = 1\ndelay = 0.2\n[[controller]]\nname = \"D\"\n"
+      "reads = { slide = \"x\" }\nproportional = 3\nderivative = 1.2\nreference = 0.6\nperiod = 0.1",
+      {"controller.C.delay", "controller.D.proportional"}, 1.73);
+  const Scene scene = parse_scene(
+      blocks("reads = \"nothing\"\nfollows = \"A\"\nproportional = 1\n[[controller]]\nname = \"A\"\nreads = { "
+             "controller = "
+             "\"B\" }\nreference = 0.3\nproportional = 0.5\ndelay = 0.2\ntime = { reference = { step = { at = 0.1, to "
+             "= 2 } } }\n"
+             "[[controller]]\nname = \"B\"\nreads = { controller = \"A\" }\nproportional = 0.7\ndelay = 0.05"),
+      "blocks.toml");
+  const MotionModel model(scene);
+  const ParameterRow row = parameter(scene, "controller.A.delay");
+  Influence influence;
+  influence.force = {ForceNumber::Of::element, row.place.item, row.place.number};
+  const std::string said = test::message_of([&] {
+    simulate(model, test::released(model, {}), {.duration = 2.0, .sensitivities = true, .influences = {influence}});
+  });
+  EXPECT_NE(said.find("the derivative by it is not known where what comes back by several ways"), std::string::npos)
+      << said;
+}
+
 // What samples decide acts after a delay.
 TEST(Delays, DerivativesOfSamplesThatActLateAreThoseOfMotions) {
   expect_derivatives(

@@ -180,7 +180,7 @@ points = {{ A = [0, 0], B = [0.4, 0] }}
 points = {{ A = [0, 0] }}
 inertia = 0.05
 [body.wheel]
-points = {{ B = [0, 0] }}
+points = {{ B = [0, 0], P = [0.1, 0] }}
 mass = 2
 center = [0.1, 0]
 inertia = 0.01
@@ -233,6 +233,13 @@ TEST(Motors, APeriodIsThatOfAllBodies) {
   }
   EXPECT_NEAR(found.slowest.speed, slowest, 1e-5);
   EXPECT_NEAR(found.fastest.speed, fastest, 1e-5);
+  // A spring on the wheel's eccentric point is back then, too.
+  const MotionModel sprung(parse_scene(eccentric(0.2) + "[[spring]]\nname = \"S\"\npoints = [\"ground.A\", "
+                                                        "\"wheel.P\"]\nstiffness = 40\nfree_length = 0.2\n",
+                                       "scene.toml"));
+  const SteadyRunning fifth = steady_running(sprung, test::released(sprung, {}), options);
+  ASSERT_TRUE(fifth.found) << fifth.why;
+  EXPECT_EQ(fifth.turns, 5);
   // Where a ratio takes many turns, it says so.
   const MotionModel uneven(parse_scene(eccentric(0.04), "scene.toml"));
   const SteadyRunning many = steady_running(uneven, test::released(uneven, {}), options);
