@@ -15,6 +15,9 @@ namespace {
 // Times that differ by less, over the later one, are one.
 constexpr double one_time = 1e-12;
 
+// Values that differ by less, over the largest u, are one.
+constexpr double value_within = 1e-9;
+
 constexpr int points_of_piece = Delays::points;
 
 /// The angle of a root of the Chebyshev polynomial.
@@ -237,8 +240,21 @@ std::vector<Delays::Given> Delays::just_behind(double t, double apart) const {
   return out;
 }
 
+std::vector<double> Delays::decided(const ReducedMotion<double>& motion) {
+  std::vector<double> out;
+  for (const Delayed& one : all_) out.push_back(decided(one, motion));
+  return out;
+}
+
+bool Delays::differ(const std::vector<double>& one, const std::vector<double>& other) const {
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (std::abs(other[i] - one[i]) > value_within * all_[i].largest) return true;
+  }
+  return false;
+}
+
 bool Delays::jump_at(double t, double apart) const {
-  constexpr double value_within = 1e-9, slope_within = 1e-6;  // of u, over a delay
+  constexpr double slope_within = 1e-6;  // of u, over a delay
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const double s = t - all_[i].delay;
     const auto read = [&](double near) {

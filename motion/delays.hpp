@@ -57,6 +57,9 @@ class Delays : public TorquesOfPast {
   int rounds() const { return static_cast<int>(all_.size()); }
   /// What is given just behind t; times within `apart` of each other are one.
   std::vector<Given> just_behind(double t, double apart) const;
+  /// What each decides where `motion` is evaluated, SI, and whether two of these differ by more than rounding.
+  std::vector<double> decided(const ReducedMotion<double>& motion);
+  bool differ(const std::vector<double>& one, const std::vector<double>& other) const;
   /// Whether what is given, or its slope, jumps at t by more than rounding.
   bool jump_at(double t, double apart) const;
   /// The derivatives of these by a column.
