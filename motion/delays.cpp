@@ -98,6 +98,21 @@ std::vector<double> Delays::delays() const {
   return out;
 }
 
+void Delays::set_columns(std::vector<int> influences) {
+  influence_of_ = std::move(influences);
+  const Scene& scene = model_.scene();
+  for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
+    for (std::size_t c = 0; c < columns(); ++c) {
+      if (delay_by(k, c) == 0.0) continue;
+      const Element& element = scene.elements[static_cast<std::size_t>(elements_[k])];
+      throw InputError(fmt::format(
+          "{}:{}: controller \"{}\".delay: the derivative of a motion by one of several delays is not known; expected "
+          "another number, or no other controller with a delay",
+          scene.file, element.line, element.name));
+    }
+  }
+}
+
 double Delays::delay_by(std::size_t k, std::size_t column) const {
   if (influence_of_[column] < 0) return 0.0;
   const Influence& influence = options_.influences[static_cast<std::size_t>(influence_of_[column])];
@@ -134,18 +149,6 @@ void Delays::refuse_derivatives(bool has_events) const {
     influence.for_each_function(scene, refuse_times);
     influence.for_each_function_of_drives(scene, refuse_times);
   }
-}
-
-void Delays::refuse_meeting(double t, std::size_t column) const {
-  std::size_t of = 0;
-  while (delay_by(of, column) == 0.0) ++of;
-  const Scene& scene = model_.scene();
-  const Element& element = scene.elements[static_cast<std::size_t>(elements_[of])];
-  throw InputError(
-      fmt::format("{}:{}: controller \"{}\".delay: the derivative by it is not known where what comes back by several "
-                  "ways jumps at "
-                  "one time, {:.6g} s; expected a delay that is no multiple of the others, {:.6g} s say",
-                  scene.file, element.line, element.name, t, 1.001 * all_[of].delay));
 }
 
 double Delays::decided(const Delayed& one, const ReducedMotion<double>& motion) {
@@ -238,19 +241,6 @@ std::vector<Delays::Given> Delays::just_behind(double t, double apart) const {
     out.push_back({all_[i].coordinate, u});
   }
   return out;
-}
-
-std::vector<double> Delays::decided(const ReducedMotion<double>& motion) {
-  std::vector<double> out;
-  for (const Delayed& one : all_) out.push_back(decided(one, motion));
-  return out;
-}
-
-bool Delays::differ(const std::vector<double>& one, const std::vector<double>& other) const {
-  for (std::size_t i = 0; i < all_.size(); ++i) {
-    if (std::abs(other[i] - one[i]) > value_within * all_[i].largest) return true;
-  }
-  return false;
 }
 
 bool Delays::jump_at(double t, double apart) const {

@@ -22,22 +22,22 @@ class Delays : public TorquesOfPast {
  public:
   /// Both must outlive this.
   Delays(const MotionModel& model, const MotionOptions& options);
-  /// Sets the index of the influence that each column of sensitivities is of, negative without one.
-  void set_columns(std::vector<int> influences) { influence_of_ = std::move(influences); }
+  /// Sets the index of the influence that each column of sensitivities is of, negative without one. Throws InputError
+  /// for a derivative by one of several delays: what comes back moves with those that it has passed.
+  void set_columns(std::vector<int> influences);
 
   bool act() const { return !all_.empty(); }
   double shortest() const;
   /// Whether the rate of this coordinate is what one gives.
   bool gives(int coordinate) const;
   std::vector<double> delays() const;
-  /// The derivative of the k-th delay by a column.
+  /// The derivative of the only delay by a column; 0 where there are several.
+  double delay_by(std::size_t column) const { return all_.size() == 1 ? delay_by(0, column) : 0.0; }
+  /// That of the k-th.
   double delay_by(std::size_t k, std::size_t column) const;
   /// Throws InputError for derivatives that are not known: of a motion with stops or friction that sticks, where
   /// the times of events move, and by the time of a step.
   void refuse_derivatives(bool has_events) const;
-
-  /// Throws InputError for a derivative by delays behind which several things come back at t.
-  [[noreturn]] void refuse_meeting(double t, std::size_t column) const;
 
   /// A column of sensitivities, and how places and rates change along it, n values each.
   struct Column {
@@ -57,9 +57,6 @@ class Delays : public TorquesOfPast {
   int rounds() const { return static_cast<int>(all_.size()); }
   /// What is given just behind t; times within `apart` of each other are one.
   std::vector<Given> just_behind(double t, double apart) const;
-  /// What each decides where `motion` is evaluated, SI, and whether two of these differ by more than rounding.
-  std::vector<double> decided(const ReducedMotion<double>& motion);
-  bool differ(const std::vector<double>& one, const std::vector<double>& other) const;
   /// Whether what is given, or its slope, jumps at t by more than rounding.
   bool jump_at(double t, double apart) const;
   /// The derivatives of these by a column.

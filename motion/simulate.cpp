@@ -112,43 +112,25 @@ class InputBreaks {
   }
   /// What delays bring back.
   struct Echo {
-    int order = 0;               ///< passes through the mechanism since what jumped, each of which makes it smoother
-    std::vector<int> delays;     ///< how often it has passed each delay; empty if nothing comes back
-    bool jumps = false;          ///< what was decided jumped
-    bool is_of_several = false;  ///< what jumps has come by several ways, which move by themselves
+    int order = 0;   ///< passes through the mechanism since what jumped, each of which makes it smoother
+    int passes = 0;  ///< of delays since its cause; 0 if nothing comes back
   };
-  /// How what controllers decide changes at an instant.
-  struct Change {
-    bool is_new_cause = false;
-    bool by_echo = false;   ///< it jumps by what comes back
-    bool is_rough = false;  ///< what comes back, or its slope, jumps
-  };
-  /// What controllers decide with these delays is not smooth at t: nor is what they give later.
-  void add_echoes(double t, const std::vector<double>& delays, const Change& change) {
-    Echo behind = echo(t);
-    const bool is_first = change.is_new_cause || behind.delays.empty();
-    const int order = is_first || change.is_rough ? 0 : behind.order + 1;
-    if (order >= most_echoes) return;
-    const bool jumps = change.is_new_cause || change.by_echo;
-    const bool is_of_several = change.by_echo && (change.is_new_cause || behind.is_of_several);
-    if (change.is_new_cause) behind.delays.clear();
-    behind.delays.resize(delays.size(), 0);
-    for (std::size_t k = 0; k < delays.size(); ++k) {
-      Echo next{order, behind.delays, jumps, is_of_several};
-      ++next.delays[k];
+  /// What controllers decide with these delays is not smooth at t: nor is what they give later. Behind a new cause, and
+  /// where what comes back `is_rough`, which jumps or has a slope that does, it is as behind the first.
+  void add_echoes(double t, const std::vector<double>& delays, bool is_new_cause, bool is_rough) {
+    const Echo behind = echo(t);
+    const bool is_first = is_new_cause || behind.passes == 0;
+    const Echo next{is_first || is_rough ? 0 : behind.order + 1, is_first ? 1 : behind.passes + 1};
+    if (next.order >= most_echoes) return;
+    for (const double delay : delays) {
       // Sums of delays that are equal differ by rounding.
-      const auto place = echoes_.lower_bound(t + delays[k] - apart());
-      if (place == echoes_.end() || place->first > t + delays[k] + apart()) {
-        echoes_.emplace(t + delays[k], std::move(next));
-        continue;
+      const auto place = echoes_.lower_bound(t + delay - apart());
+      const bool is_new = place == echoes_.end() || place->first > t + delay + apart();
+      if (is_new) {
+        echoes_.emplace(t + delay, next);
+      } else if (next.order < place->second.order) {
+        place->second = next;
       }
-      Echo& there = place->second;
-      const bool meets = next.jumps && there.jumps && next.delays != there.delays;
-      const bool is_mixed = meets || next.is_of_several || there.is_of_several;
-      const int lower = std::min(next.order, there.order);
-      if (next.jumps > there.jumps || (next.jumps == there.jumps && next.order < there.order)) there = std::move(next);
-      there.order = lower;
-      there.is_of_several = is_mixed;
     }
     echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
   }
@@ -718,7 +700,7 @@ class Simulation {
       return false;
     }
     if (!go_on_from(0.0)) return false;
-    echo(0.0, {.is_new_cause = true});
+    echo(0.0, true, false);
     return true;
   }
   /// How places and rates of a state, to which the equations are evaluated, change by the columns.
@@ -736,8 +718,8 @@ class Simulation {
       step_.y[step_.sensitivity(row_of_rate(one.coordinate), static_cast<int>(column))] = one.rate;
     }
   }
-  void echo(double t, const InputBreaks::Change& change) {
-    breaks_.add_echoes(t, delays_.delays(), change);
+  void echo(double t, bool is_new_cause, bool is_rough) {
+    breaks_.add_echoes(t, delays_.delays(), is_new_cause, is_rough);
     reduced_.set_near((t + breaks_.next(t)) / 2);
   }
 
@@ -777,35 +759,28 @@ class Simulation {
   /// Goes on behind an instant t at which what controllers decide or give need not be smooth.
   bool hear_of_it(double t, bool is_event) {
     const InputBreaks::Echo heard = breaks_.echo(t);
-    const bool comes_back = !heard.delays.empty(), is_new_cause = is_event || breaks_.are_at(t);
-    const bool is_rough = comes_back && delays_.jump_at(t, breaks_.apart());
-    const std::vector<double> before = delays_.decided(reduced_);
-    if (comes_back) set_rates(delays_.just_behind(t, breaks_.apart()));
-    if (comes_back && !step_.evaluate(t)) {
-      give_up(t);
-      return false;
-    }
-    const bool by_echo = comes_back && delays_.differ(before, delays_.decided(reduced_));
-    echo(t, {is_new_cause, by_echo, is_rough});
+    const bool comes_back = heard.passes > 0;
+    echo(t, is_event || breaks_.are_at(t), comes_back && delays_.jump_at(t, breaks_.apart()));
     if (t >= options_.duration || !comes_back) return true;
+    set_rates(delays_.just_behind(t, breaks_.apart()));
+    if (columns_.count() == 0) return go_on_from(t);
     for (std::size_t c = 0; c < static_cast<std::size_t>(columns_.count()); ++c) {
       set_rates_by(c, delays_.just_behind_by(t, breaks_.apart(), c));
     }
-    follow_echo(t, heard);
-    return go_on_from(t);
+    return follow_echo(t, heard.passes) && go_on_from(t);
   }
 
-  /// Where an echo moves with the delays behind which its cause is, accelerations that jump there make derivatives of
+  /// Where an echo moves with the delay that it has passed so often, accelerations that jump there make derivatives of
   /// rates jump by  (accelerations before - after) dt/dp.
-  void follow_echo(double t, const InputBreaks::Echo& heard) {
+  bool follow_echo(double t, int passes) {
+    if (!step_.evaluate(t)) {
+      give_up(t);
+      return false;
+    }
     const int f = reduced_.freedoms();
     for (int c = 0; c < columns_.count(); ++c) {
-      double later = 0.0;
-      for (std::size_t k = 0; k < heard.delays.size(); ++k) {
-        later += heard.delays[k] * delays_.delay_by(k, static_cast<std::size_t>(c));
-      }
+      const double later = passes * delays_.delay_by(static_cast<std::size_t>(c));
       if (later == 0.0) continue;
-      if (heard.is_of_several) delays_.refuse_meeting(t, static_cast<std::size_t>(c));
       for (int k = 0; k < f; ++k) {
         const int i = reduced_.independent()[static_cast<std::size_t>(k)];
         if (delays_.gives(i)) continue;
@@ -813,6 +788,7 @@ class Simulation {
         step_.y[step_.sensitivity(f + k, c)] += jump * later;
       }
     }
+    return true;
   }
 
   /// Adds to derivatives by the time at which a load jumps, which is t: rates stay and accelerations jump, so that the

@@ -403,7 +403,7 @@ void expect_derivatives(const std::string& tables, const std::vector<std::string
 }
 
 // They are exact by the delay itself, too, with which echoes move: of the start, of a reference that steps, of limits
-// that are reached, and behind other delays.
+// that are reached.
 TEST(Delays, DerivativesAreThoseOfMotions) {
   expect_derivatives("proportional = 3\nderivative = 1.5\nintegral = 0.7\ndelay = 0.25",
                      {"controller.C.proportional", "controller.C.derivative", "controller.C.integral",
@@ -419,9 +419,7 @@ TEST(Delays, DerivativesAreThoseOfMotions) {
       "reads_rate = true\nproportional = 2\ndelay = 0.1\nfollows = \"D\"\n[[controller]]\nname = \"D\"\n"
       "reads = { slide = \"x\" }\nproportional = 1.5\ndelay = 0.17\nreference = 0.5\n"
       "time = { reference = { step = { at = 0.31, to = 2 } } }",
-      {"controller.C.proportional", "controller.C.delay", "controller.D.proportional", "controller.D.delay",
-       "controller.D.reference"},
-      1.9);
+      {"controller.C.proportional", "controller.D.proportional", "controller.D.reference"}, 1.9);
 }
 
 // Two delayed controllers that follow each other begin where both agree, whatever else is in the scene: the solution of
@@ -449,29 +447,20 @@ TEST(Delays, ACircleBeginsWhereAllAgree) {
   EXPECT_NE(motion.why.find("do not agree"), std::string::npos) << motion.why;
 }
 
-// A delay of two periods moves what a sample brings, however often others come back at that time; where two ways meet
-// whose times move by themselves the derivative is refused.
+// A delay of two periods moves what a sample brings, however often others come back at that time. With several delays
+// derivatives by one of them are refused.
 TEST(Delays, DerivativesByADelayOfSeveralPeriods) {
   expect_derivatives(
       "reads = \"nothing\"\nfollows = \"D\"\nproportional = 1\ndelay = 0.2\n[[controller]]\nname = \"D\"\n"
-      "reads = { slide = \"x\" }\nproportional = 3\nderivative = 1.2\nreference = 0.6\nperiod = 0.1",
+      "reads = { slide = \"x\" }\nproportional = 3\nreference = 0.6\nperiod = 0.1",
       {"controller.C.delay", "controller.D.proportional"}, 1.73);
-  const Scene scene = parse_scene(
-      blocks("reads = \"nothing\"\nfollows = \"A\"\nproportional = 1\n[[controller]]\nname = \"A\"\nreads = { "
-             "controller = "
-             "\"B\" }\nreference = 0.3\nproportional = 0.5\ndelay = 0.2\ntime = { reference = { step = { at = 0.1, to "
-             "= 2 } } }\n"
-             "[[controller]]\nname = \"B\"\nreads = { controller = \"A\" }\nproportional = 0.7\ndelay = 0.05"),
-      "blocks.toml");
-  const MotionModel model(scene);
-  const ParameterRow row = parameter(scene, "controller.A.delay");
-  Influence influence;
-  influence.force = {ForceNumber::Of::element, row.place.item, row.place.number};
-  const std::string said = test::message_of([&] {
-    simulate(model, test::released(model, {}), {.duration = 2.0, .sensitivities = true, .influences = {influence}});
+  const std::string said = test::message_of([] {
+    expect_derivatives(
+        "proportional = 1\ndelay = 0.2\n[[controller]]\nname = \"D\"\nslide = \"x\"\nproportional = "
+        "2\ndelay = 0.1",
+        {"controller.C.delay"}, 1.0);
   });
-  EXPECT_NE(said.find("the derivative by it is not known where what comes back by several ways"), std::string::npos)
-      << said;
+  EXPECT_NE(said.find("the derivative of a motion by one of several delays is not known"), std::string::npos) << said;
 }
 
 // What samples decide acts after a delay.
