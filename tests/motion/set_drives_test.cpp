@@ -371,7 +371,11 @@ TEST(SetDrives, RandomMechanismsFollowTheirServos) {
       if (scene.bodies[b].mass == 0.0) scene.bodies[b].mass = random.uniform(0.5, 2.0);
       if (scene.bodies[b].inertia == 0.0) scene.bodies[b].inertia = random.uniform(0.02, 0.1);
     }
-    const std::vector<test::NamedMeasure> measures = test::measures_of(scene, random, true);
+    std::vector<test::NamedMeasure> measures = test::measures_of(scene, random, true);
+    // At the corners of outlines rates jump, by impulses of the drive that are in no energy.
+    std::erase_if(measures, [](const test::NamedMeasure& one) {
+      return one.name.find("along") != std::string::npos || one.name.find("clearance") != std::string::npos;
+    });
     const Measure on = measures[static_cast<std::size_t>(random.index(measures.size()))].measure;
     scene.drives = {{.name = "D", .on = on, .start = {}}};
     Servo servo{.w = random.uniform(3.0, 8.0), .z = random.uniform(0.2, 0.9)};
