@@ -518,9 +518,7 @@ class LoopAtRest {
         constexpr double rounding_of_rest = 1e-9;
         if (left <= rounding_of_rest * size) return true;
         const std::string_view kept_by = what_keeps(scene_);
-        return fail(kept_by == "motors"
-                        ? "none is found from where it is assembled: its motors may turn it, as poise running finds; "
-                          "without their torques it has that of statics"
+        return fail(kept_by == "motors" ? "none is found from where it is assembled: its motors may turn it"
                     : kept_by == "blades"
                         ? "none is found from where it is assembled, along the edges of its blades"
                         : "no equilibrium of it with its controllers is found from where it is assembled: an integral "

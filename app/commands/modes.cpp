@@ -22,12 +22,12 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
-/// Analyses a scene with controllers, blades or motors about the equilibrium that these keep, near the assembled pose.
+/// With controllers or blades the equilibrium is the one that these keep, near the pose that is assembled.
 int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
   if (request.seek != ModesRequest{}.seek) {
     throw InputError(
-        "--seek: with a [[controller]], a [[blade]] or a [[motor]] the equilibrium is sought from where the scene is "
-        "assembled; leave it out");
+        "--seek: with a [[controller]] or a [[blade]] the equilibrium is sought from where the scene is assembled; "
+        "leave it out");
   }
   const MotionModel model(std::move(scene));
   OutputFiles files(request.common);
@@ -37,13 +37,26 @@ int run_control_loop(const ModesRequest& request, Scene scene, Progress& progres
   return finish(request.common, result, &files, {}, loop.known, progress, palette);
 }
 
+/// Whether motors hold the scene somewhere, and nothing else of it asks for the equilibrium of statics.
+bool is_held_by_motors(const ModesRequest& request, const Scene& scene) {
+  if (what_keeps(scene) != "motors" || request.seek != ModesRequest{}.seek) return false;
+  const MotionModel model(scene);
+  try {
+    return control_loop(model, model.from_si(start_motion(model, {}).q)).known;
+  } catch (const InputError&) {
+    return false;  // what the linear system does not know, as dry friction
+  }
+}
+
 int run_modes(const ModesRequest& request, const Palette& palette) {
   SolveOptions options;
   options.seek = read_seek(request.seek);
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   Scene scene = load_scene(request.common);
-  if (!what_keeps(scene).empty()) return run_control_loop(request, std::move(scene), progress, palette);
+  if (!controllers_of(scene).empty() || !scene.blades.empty() || is_held_by_motors(request, scene)) {
+    return run_control_loop(request, std::move(scene), progress, palette);
+  }
   if (!request.common.csv.empty()) {
     throw InputError(
         "--csv: expected a scene with a [[controller]], a [[blade]] or a [[motor]], of whose linear system the "

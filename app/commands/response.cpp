@@ -147,18 +147,24 @@ int run_response(const ResponseRequest& request, const Palette& palette) {
 
   progress.now("looking for the equilibrium");
   std::vector<double> x;
-  if (what_keeps(scene).empty()) {
+  const bool by_motors = what_keeps(scene) == "motors";
+  if (!what_keeps(scene).empty()) {
+    try {
+      answer.loop = control_loop(model, model.from_si(start_motion(model, {}).q));
+    } catch (const InputError&) {
+      if (!by_motors) throw;  // what the linear system does not know; without motors there is that of statics
+    }
+    if (by_motors && answer.loop && !answer.loop->known) answer.loop.reset();
+  }
+  if (!answer.loop) {
     const StaticModel statics(scene);
     answer.equilibrium = solve(statics, options);
     if (answer.equilibrium.found()) {
       x = motion_coordinates(model, statics, answer.equilibrium.x);
       answer.linear = std::make_unique<const FrequencyResponse>(model, x, answer.excitation, answer.of);
     }
-  } else {
-    answer.loop = control_loop(model, model.from_si(start_motion(model, {}).q));
-    if (answer.loop->known) {
-      answer.linear = std::make_unique<const FrequencyResponse>(model, *answer.loop, answer.excitation, answer.of);
-    }
+  } else if (answer.loop->known) {
+    answer.linear = std::make_unique<const FrequencyResponse>(model, *answer.loop, answer.excitation, answer.of);
   }
   if (answer.linear) {
     if (request.amplitude) refuse_without_periodic_response(scene, *answer.linear, answer.excitation);

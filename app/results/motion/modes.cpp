@@ -223,6 +223,10 @@ Result modes_result(const MotionModel& model, const ModesAnswer& answer, const s
     out.warnings.push_back(
         doubtful("Dry friction is left out, which is not linear: it damps small oscillations more than shown here."));
   }
+  if (std::any_of(elements.begin(), elements.end(), [](const Element& e) { return is_motor(e.law); })) {
+    out.warnings.push_back(
+        doubtful("Motors are left out: with them no equilibrium is known; poise running finds how they turn it."));
+  }
   out.content.group("", "Numerics", Verbosity::verbose)
       .fact("statics", fmt::format("{}; {}", to_string(answer.equilibrium.status), answer.equilibrium.why));
   return out;

@@ -200,6 +200,9 @@ std::vector<std::string> left_out(const Scene& scene, bool periodic, bool holds)
     out.push_back(fmt::format("friction of joint {}: while it sticks nothing moves there", joint));
   }
   for (const Element& element : scene.elements) {
+    if (is_motor(element.law) && !holds) {
+      out.push_back(fmt::format("motor \"{}\": with it no equilibrium is known", element.name));
+    }
     const bool takes_part = element.feedback || is_motor(element.law) || stores_energy(element.law);
     if (periodic || takes_part || damps_small_motion(element.law)) continue;
     out.push_back(fmt::format("{} \"{}\": dry friction, which is not linear", element.family(), element.name));
