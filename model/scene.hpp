@@ -94,8 +94,8 @@ inline constexpr std::array<Number, 4> Body::numbers{
 
 /// What a controller reads and gives, and where its states are: the rate of a body is its integral, that of another the
 /// state of its filter or transfer function, those of three more what it holds between samples or gives after a delay
-/// (ControlSignals), and the angle of another how far it has moved the drive that it sets; -1 without one. These bodies turn for themselves alone, with an inertia of which no energy is seen
-/// (Body::inertia_of_states).
+/// (ControlSignals), and the angle of another how far it has moved the drive that it sets; -1 without one. These bodies
+/// turn for themselves alone, with an inertia of which no energy is seen (Body::inertia_of_states).
 struct Feedback {
   enum class Source { measure, force, controller, nothing };
   /// A number to which u is added: of the law of an element, the size of a force, a torque, or the acceleration of a
@@ -117,7 +117,7 @@ struct Feedback {
   Dimension signal{}, output{};  ///< of y and u
   int integral = -1, filter = -1;
   std::array<int, 3> held{-1, -1, -1};  ///< u, s', and the input of the filter or transfer function
-  int course = -1;                      ///< its angle is by what u has moved the drive that it sets, SI, its rate how fast
+  int course = -1;  ///< its angle is by what u has moved the drive that it sets, SI, its rate how fast
 
   bool sets_number_of(int element) const {
     return sets && sets->of == TimeFunction::Of::element && sets->item == element;
