@@ -84,12 +84,11 @@ std::string_view what_keeps(const Scene& scene);
 /// error zero. Loads, springs and references have the values of the scene, none of its functions of time.
 /// Of controllers with a period what is held between samples takes no part in x; the zero-order hold is exact. Delays
 /// are exact, too (solvers/delayed_system.hpp).
-/// Not known with limits of stops that are touched, at ends of dead bands, and where controllers with delays follow each
-/// other in a circle.
-/// Drives that stand still hold their measures; how far one has moved whose acceleration a controller sets is a
-/// coordinate of the mechanism, and so is its rate.
-/// Throws InputError for scenes with dry friction or drives that move by themselves, for drives that controllers set
-/// beside blades, for periods that differ, and for periods beside delays.
+/// Not known with limits of stops that are touched, at ends of dead bands, and where controllers with delays follow
+/// each other in a circle. Drives that stand still hold their measures; how far one has moved whose acceleration a
+/// controller sets is a coordinate of the mechanism, and so is its rate. Throws InputError for scenes with dry friction
+/// or drives that move by themselves, for drives that controllers set beside blades, for periods that differ, and for
+/// periods beside delays.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
 }  // namespace poise

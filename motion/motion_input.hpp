@@ -22,7 +22,7 @@ struct MotionInput {
   double unit = 1.0;  ///< of the curve, in the units of the scene that the motion is computed in
   bool multiplies = false;
   std::shared_ptr<const TimeFunction> function{};  ///< of the scene, SI, in place of a curve
-  int part = 0;  ///< of an element that follows a curve: which of the numbers of its law does
+  int part = 0;                      ///< of an element that follows a curve: which of the numbers of its law does
   std::optional<double> own_near{};  ///< its own `near`, whatever that of the others is
 
   /// The value or a derivative by time, times the unit; `near` as of TimeFunction.

@@ -92,8 +92,8 @@ struct MotionVariations;
 /// Complete pivoting removes redundant closures and chooses z. Units are those of the scene given.
 ///
 /// States s of controllers are independent, and no force acts on them but what their controllers give, so that their
-/// rows of these equations are  M_s s'' = -G_s. A drive whose acceleration a controller sets moves by its course, such a
-/// state; with its columns of B the other rows are
+/// rows of these equations are  M_s s'' = -G_s. A drive whose acceleration a controller sets moves by its course, such
+/// a state; with its columns of B the other rows are
 ///   (B^T M B) alpha = -B^T G(a0) - B^T M B_s s''.
 ///
 /// A number p of the scene that closures or drives depend on moves dependent coordinates at fixed z and w. With |p for
@@ -350,8 +350,8 @@ class ReducedMotion {
   void reduced_inertia(int body, const BodyInertia<T>& part, T* f) const;
 
  private:
-  // g(q) = start + moved(t), or the input's curve. Where a controller sets the drive, g is its measure less led_by times
-  // the coordinate `led` of the course.
+  // g(q) = start + moved(t), or the input's curve. Where a controller sets the drive, g is its measure less led_by
+  // times the coordinate `led` of the course.
   struct DriveRow {
     Drive drive;
     CompiledMeasure<T> on;
@@ -475,10 +475,10 @@ class ReducedMotion {
   std::vector<MotionInput> inputs_;
   InputForces<T> input_forces_;
   std::vector<int> states_, courses_;  // of controllers; those of them by which drives move
-  std::vector<int> moving_;  // the other coordinates
+  std::vector<int> moving_;            // the other coordinates
   int first_rank_ = -1;
   std::vector<int> independent_, dependent_, used_rows_;
-  int heavy_ = 0;    // of the independent coordinates: those before the states of controllers
+  int heavy_ = 0;     // of the independent coordinates: those before the states of controllers
   int carrying_ = 0;  // those before the states by which no drive moves
   T singular_limit_{};
   T pivot_{1};

@@ -300,8 +300,7 @@ typename ReducedMotion<T>::Status ReducedMotion<T>::choose(const T& t, const T* 
   const auto is_fixed = [&](int j) {
     return is_course(j) || (fixed != nullptr && std::find(fixed->begin(), fixed->end(), j) != fixed->end());
   };
-  const auto first_fixed =
-      std::stable_partition(columns.begin(), columns.end(), [&](int j) { return !is_fixed(j); });
+  const auto first_fixed = std::stable_partition(columns.begin(), columns.end(), [&](int j) { return !is_fixed(j); });
   const int searched = static_cast<int>(first_fixed - columns.begin());
   // Coordinates without names, which only cut joints make, depend on the others where that is well-conditioned.
   int unnamed = 0;

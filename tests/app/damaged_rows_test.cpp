@@ -212,8 +212,7 @@ TEST(DamagedRows, ALoadThatStandsStillIsNamed) {
   const TempFolder folder;
   const ProgramRun run = identify_driven(folder, 1e-3, 1e-3, Damage::stuck);
   EXPECT_EQ(run.exit_code, 1) << run.out;
-  EXPECT_TRUE(has(run.out, "he load of input \"load.motor\"") && has(run.out, "15 readings, from 1.2 s on"))
-      << run.out;
+  EXPECT_TRUE(has(run.out, "he load of input \"load.motor\"") && has(run.out, "15 readings, from 1.2 s on")) << run.out;
 }
 
 TEST(DamagedRows, MarkersInALoadAreRefused) {
