@@ -12,7 +12,7 @@
 
 namespace poise {
 
-/// How what controllers decide changes (ControllerOf::decide). Private to simulate() and control_loop().
+/// How what controllers decide changes (ControllerOf::decide). Private to simulate().
 class Decisions {
  public:
   /// The model must outlive this.
@@ -40,7 +40,7 @@ class Decisions {
   std::vector<Planar<double>> pose_;
 };
 
-/// The same three of what is decided, in SI.
+/// Returns u, s' and the input of what is decided, in SI, as Decisions::Decided has them.
 template <class T>
 std::array<T, 3> in_si(const ControlOutputs<T>& decided, double effort_unit) {
   return {decided.effort * (1.0 / effort_unit), decided.integral, decided.input};

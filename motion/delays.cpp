@@ -15,9 +15,6 @@ namespace {
 // Times that differ by less, over the later one, are one.
 constexpr double one_time = 1e-12;
 
-// Values that differ by less, over the largest u, are one.
-constexpr double value_within = 1e-9;
-
 constexpr int points_of_piece = Delays::points;
 
 /// The angle of a root of the Chebyshev polynomial.
@@ -244,7 +241,7 @@ std::vector<Delays::Given> Delays::just_behind(double t, double apart) const {
 }
 
 bool Delays::jump_at(double t, double apart) const {
-  constexpr double slope_within = 1e-6;  // of u, over a delay
+  constexpr double value_within = 1e-9, slope_within = 1e-6;  // of u, over a delay
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const double s = t - all_[i].delay;
     const auto read = [&](double near) {

@@ -33,7 +33,7 @@ class Delays : public TorquesOfPast {
   std::vector<double> delays() const;
   /// The derivative of the only delay by a column; 0 where there are several.
   double delay_by(std::size_t column) const { return all_.size() == 1 ? delay_by(0, column) : 0.0; }
-  /// That of the k-th.
+  /// The derivative of the k-th delay by a column.
   double delay_by(std::size_t k, std::size_t column) const;
   /// Throws InputError for derivatives that are not known: of a motion with stops or friction that sticks, where
   /// the times of events move, and by the time of a step.
@@ -67,7 +67,7 @@ class Delays : public TorquesOfPast {
   static std::array<double, points> times_within(double from, double to);
   /// Keeps what is decided at the k-th of these times, which `motion` is evaluated at.
   void keep(double from, double to, int k, const ReducedMotion<double>& motion);
-  /// The same for the derivatives by a column, after keep().
+  /// Keeps the derivatives of these by a column, after keep().
   void keep_by(int k, const ReducedMotion<double>& motion, const Column& column);
 
   const std::vector<One>& at(double t, double near) const override;

@@ -55,7 +55,7 @@ std::vector<Outlier> outliers(const FitProblem& problem, const std::vector<Linea
   std::vector<std::size_t> next(sensors, 0);
   std::vector<double> scale, jump_scale;
   for (std::size_t k = 0; k < sensors; ++k) {
-    // Of a few readings the median size may be small by chance.
+    // The median size of a few readings may be small by chance.
     const bool is_stated = problem.experiment().sensors[k].noise_known;
     scale.push_back(is_stated ? std::max(1.0, robust_scale(all[k])) : robust_scale(all[k]));
     jump_scale.push_back(robust_scale(all_jumps[k]));
