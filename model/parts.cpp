@@ -305,7 +305,7 @@ const PartUse* PartedDocument::use_of(const toml::node& node) const {
 }
 
 std::string_view PartedDocument::key_in_file(const toml::node& number, std::string_view key) const {
-  const auto found = moved_.find(&number);
+  const auto found = moved_.find(spot_of(number));
   return found != moved_.end() ? std::string_view(found->second) : key;
 }
 

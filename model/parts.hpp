@@ -11,10 +11,11 @@
 
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <toml++/toml.h>
@@ -62,10 +63,7 @@ class PartedDocument {
   /// The use that a node comes from; null of the scene's own file and of what no file has.
   const PartUse* use_of(const toml::node& node) const;
   /// Whether mirroring has changed the sign of a number.
-  bool is_negated(const toml::node& number) const {
-    const auto found = negated_.find(&number);
-    return found != negated_.end() && found->second;
-  }
+  bool is_negated(const toml::node& number) const { return negated_.contains(spot_of(number)); }
   /// The key under which the file has a number that mirroring has moved; else `key`.
   std::string_view key_in_file(const toml::node& number, std::string_view key) const;
   /// Numbers that tables [[part]] give in the place of others than those of [numbers].
@@ -91,13 +89,24 @@ class PartedDocument {
   friend class parts::Expander;
   friend class parts::Placing;
 
+  /// Where a use of a file has a node. It stays with the node where that is moved, and what is placed makes new nodes
+  /// at addresses of old ones.
+  struct Spot {
+    const std::string* use;
+    toml::source_position begin;
+    bool operator<(const Spot& other) const {
+      return use != other.use ? std::less<>{}(use, other.use) : begin < other.begin;
+    }
+  };
+  static Spot spot_of(const toml::node& node) { return {node.source().path.get(), node.source().begin}; }
+
   toml::table document_;
   PartUse own_;  // the scene's own file
   TomlParts files_;
   std::deque<PartUse> uses_;
   std::vector<toml::source_path_ptr> paths_;  // kept, so that each use has an address of its own
-  std::unordered_map<const toml::node*, bool> negated_;
-  std::unordered_map<const toml::node*, std::string> moved_;
+  std::set<Spot> negated_;
+  std::map<Spot, std::string> moved_;
   std::vector<PartNumber> replacements_;
   std::map<std::string, Given> given_;
 };

@@ -73,19 +73,16 @@ std::string Placing::carrier_of_gears() {
 }
 
 void Placing::note_negated(const toml::node& node) {
-  bool& is_negated = shared_.out.negated_[&node];
-  is_negated = !is_negated;
+  const auto [at, is_new] = shared_.out.negated_.insert(PartedDocument::spot_of(node));
+  if (!is_new) shared_.out.negated_.erase(at);
 }
 
 void Placing::take_value(toml::node& from, toml::table& to, const toml::key& key, std::string_view before) {
-  const std::string in_file(before == key.str() ? std::string_view() : shared_.out.key_in_file(from, before));
-  auto negated = shared_.out.negated_.extract(&from);
-  auto of_key = shared_.out.moved_.extract(&from);
+  if (before != key.str()) {
+    std::string in_file(shared_.out.key_in_file(from, before));
+    shared_.out.moved_[PartedDocument::spot_of(from)] = std::move(in_file);
+  }
   MovedItems::take_value(from, to, key, before);
-  const toml::node* const node = to.get(key.str());
-  if (negated) shared_.out.negated_[node] = negated.mapped();
-  if (of_key) shared_.out.moved_[node] = of_key.mapped();
-  if (!in_file.empty()) shared_.out.moved_[node] = in_file;
 }
 
 void Placing::place_item(std::string_view key, toml::table& table, const TomlTable& place) {

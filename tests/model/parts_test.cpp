@@ -465,6 +465,28 @@ TEST_F(PartsOfAFrame, RepeatedPartsAreAStepAndATurnApart) {
   EXPECT_NEAR(get_value(scene, "weld.r_4.angle"), 270, 1e-9);
 }
 
+// Placing makes and removes numbers, and what is made later must not take the sign of one removed.
+TEST(Parts, MirroredPartsHaveTheSameNumbersEach) {
+  TempFolder folder;
+  std::string stage = read_text_file(test::dataset("parts/scissor_stage.toml"));
+  const std::string right = "right = [0.9, 0]";
+  folder.write("stage.toml",
+               stage.replace(stage.find(right), right.size(), right + ", q = [1, 2], r = [2, 1], s = [3, 3]"));
+  for (int count = 2; count <= 30; ++count) {
+    const Scene scene = parse_scene(
+        fmt::format("[ground]\npoints = {{ O = [0, 0] }}\n[[part]]\nname = \"p\"\nfile = \"stage.toml\"\n"
+                    "mirror = true\nrepeat = {}\nstep = [5, 0.5]\njoin_next = {{ left = \"fall.b\" }}\n"
+                    "join = {{ left = \"ground.O\", q = \"ground.O\", r = \"ground.O\", s = \"ground.O\" }}\n"
+                    "numbers = {{ \"point.ground.right.x\" = 1.1, \"point.fall.a.x\" = 0.25 }}\n",
+                    count),
+        folder.path("row.toml").string());
+    for (int k = 1; k <= count; ++k) {
+      EXPECT_EQ(get_value(scene, fmt::format("point.p_{}.ground.right.x", k)), 1.1) << k << " of " << count;
+      EXPECT_EQ(get_value(scene, fmt::format("point.p_{}.fall.a.x", k)), 0.25) << k << " of " << count;
+    }
+  }
+}
+
 // --- places that are expressions -------------------------------------------------------------------------------------
 
 const std::string fan = R"(gravity = [0, -10]
