@@ -236,9 +236,11 @@ void CopiedItems::name_point(std::string& name) {
     name = uses_frame_ ? frame() + "." + point : ground_ + "." + ground_point(point);
 }
 
-void CopiedItems::name_joint(std::string& name) { name = joint_names_.at(name); }
-
-// One that is not copied before stays.
+// Those that are not copied before stay.
+void CopiedItems::name_joint(std::string& name) {
+  const auto known = joint_names_.find(name);
+  if (known != joint_names_.end()) name = known->second;
+}
 void CopiedItems::name_element(std::string& name) {
   const auto known = element_names_.find(name);
   if (known != element_names_.end()) name = known->second;

@@ -183,23 +183,29 @@ class Builder {
     return forward ? Arm{coordinate, axis, turn, vector} : Arm{coordinate, -axis, turn, -vector};
   }
 
-  // In motion the force in a joint has to be known where its friction depends on it: such joints close loops, so that
-  // their forces are multipliers of closures. The couple in a slide is that of a second closure, at an end of its
-  // carriage.
+  // In motion the force in a joint has to be known where its friction depends on it, or a controller reads it: such
+  // joints close loops, so that their forces are multipliers of closures. The couple in a slide is that of a second
+  // closure, at an end of its carriage.
   void find_cuts() {
     cut_.assign(scene_.joints.size(), false);
     carriage_.assign(scene_.joints.size(), -1);
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
       const int index = static_cast<int>(j);
       const bool may_grip = varying().has_friction(scene_, index) && friction_element(scene_, index) >= 0;
-      cut_[j] = purpose_ == Purpose::dynamics && (grips(scene_, index) || may_grip);
+      cut_[j] = purpose_ == Purpose::dynamics && (grips(scene_, index) || may_grip || is_read(index));
       any_cut_ = any_cut_ || cut_[j];
     }
   }
 
+  /// Whether a controller reads its force.
+  bool is_read(int joint) const {
+    return std::any_of(scene_.elements.begin(), scene_.elements.end(),
+                       [&](const Element& one) { return one.feedback && one.feedback->reads_joint == joint; });
+  }
+
   bool has_carriage(std::size_t joint) const {
     const Joint& of = scene_.joints[joint];
-    return cut_[joint] && of.keeps_angle() && of.friction->length > 0;
+    return cut_[joint] && of.keeps_angle() && of.friction && of.friction->length > 0;
   }
 
   void connect_links() {

@@ -62,6 +62,7 @@ inline ForceNumber force_number(TimeFunction::Of of, int item, int part, int tim
 template <class T>
 struct ForcesInTime {
   const LawIn<T>* const* laws = nullptr;
+  const T* reactions = nullptr;  ///< by element what controllers read of forces that follow from accelerations, or null
 };
 
 /// The law that an element has there.
@@ -79,7 +80,8 @@ struct ControlChange {
   const T* dv = nullptr;
   int element = -1;  ///< or none
   int number = 0;
-  T by{};  ///< of the number
+  T by{};                        ///< of the number
+  const T* reactions = nullptr;  ///< of those of ForcesInTime, or null
 };
 
 /// A scene compiled to a short sum of phasors, to be evaluated in the scalar T; in lanes (model/pack.hpp) of several
@@ -232,6 +234,9 @@ class Mechanism {
   /// which is_of_control(), and of the controllers behind it.
   void add_control_derivative(const ControlChange<T>& change, Planar<T>* pose, const T* v,
                               const ForcesInTime<T>& in_time, T* g) const;
+  /// g += the change of -Q where what controllers read of forces that follow from accelerations changes by `reactions`,
+  /// one of each element: of their states alone.
+  void add_change_of_read(const T* reactions, Planar<T>* pose, const T* v, const ForcesInTime<T>& in_time, T* g) const;
   /// g -= what the scene's generalized forces change by where the output of a controller does by one.
   void add_output_derivative(int element, Planar<T>* pose, const T* v, T* g) const {
     add_push(control_of(element), T(1), at(pose), v, {}, g);
@@ -285,7 +290,8 @@ class Mechanism {
     int reads_force = -1;               // an element
     int force_set_by = -1;              // the controller that sets a number of that
 
-    bool is_behind_others() const { return follows >= 0 || reads_from >= 0 || reads_force >= 0; }
+    bool reads_reaction = false;
+    bool is_behind_others() const { return follows >= 0 || reads_from >= 0 || reads_force >= 0 || reads_reaction; }
   };
   struct LoadAt {  // a unit force at a point, for derivatives; its frame as of a follower, or -1
     PhasorSum<T> path;

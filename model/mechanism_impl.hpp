@@ -249,6 +249,7 @@ typename Mechanism<T>::Control Mechanism<T>::compiled_control(const Scene& scene
   out.follows = feedback.follows;
   out.reads_from = feedback.reads_from;
   out.reads_force = feedback.reads_force;
+  out.reads_reaction = feedback.reads_reaction();
   if (out.reads_force >= 0) out.force_set_by = controller_that_sets(scene, out.reads_force);
   out.reads = {scene, layout_, phasors_, feedback.reads};
   const auto angle_of = [&](int body) -> CompiledMeasure<T> {

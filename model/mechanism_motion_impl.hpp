@@ -108,6 +108,7 @@ ControlSignals<T> Mechanism<T>::signals(const Control& control, const Configurat
   if (control.follows >= 0) out.followed = effort_of(control.follows);
   if (control.reads_from >= 0) out.value = effort_of(control.reads_from);
   if (control.reads_force >= 0) out.value = read_force(control, here, v, in_time).value;
+  if (control.reads_reaction && in_time.reactions != nullptr) out.value = in_time.reactions[control.element];
   return out;
 }
 
@@ -130,6 +131,7 @@ ControlSignals<T> Mechanism<T>::signals_along(const Control& control, const Conf
   };
   if (control.follows >= 0) out.followed = change_of(control.follows);
   if (control.reads_from >= 0) out.value = change_of(control.reads_from);
+  if (control.reads_reaction && change.reactions != nullptr) out.value = change.reactions[control.element];
   if (control.reads_force >= 0) {
     const ForceElement& e = elements_[control.reads_force];
     const LawForce<T> force = read_force(control, here, v, in_time);
@@ -274,6 +276,16 @@ template <class T>
 void Mechanism<T>::add_states(const Control& control, const T& integral, const T& filtered, T* g) {
   for (const int i : control.integral.support()) g[i] -= control.inertia * integral;
   for (const int i : control.filter.support()) g[i] -= control.inertia * filtered;
+}
+
+template <class T>
+void Mechanism<T>::add_change_of_read(const T* reactions, Planar<T>* pose, const T* v, const ForcesInTime<T>& in_time,
+                                      T* g) const {
+  for (const Control& control : controls_) {
+    if (!control.reads_reaction) continue;
+    const ControlOutputs<T> out = outputs_along(control, at(pose), v, {.reactions = reactions}, in_time, true);
+    add_states(control, out.integral, out.filtered, g);
+  }
 }
 
 template <class T>

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "model/controllers.hpp"
+#include "model/nearest_name.hpp"
 #include "model/parameters.hpp"
 #include "model/read_curve.hpp"
 #include "model/read_elements.hpp"
@@ -160,6 +161,7 @@ void ControllerReader::read() {
   refuse_idle();
   find_dimensions();
   for (const One& one : all_) read_law(one);
+  for (const One& one : all_) refuse_at_once(one);
   refuse_loops();
   for (const One& one : all_) add_states(one);
 }
@@ -200,9 +202,9 @@ void ControllerReader::read_sources(const One& one) {
       feedback.source = Feedback::Source::controller;
       feedback.reads_from = other(one, reads.text("controller"));
     } else if (reads.has("force")) {
-      reads.allow_keys({"force"});
+      reads.allow_keys({"force", "along"});
       feedback.source = Feedback::Source::force;
-      feedback.reads_force = element_with_force(reads.text("force"));
+      read_force(reads, feedback);
     } else {
       MeasureKeys measures = all_measures();
       std::erase(measures, "sum");
@@ -221,27 +223,61 @@ void ControllerReader::read_sources(const One& one) {
   }
 }
 
-/// The element of this name whose force follows from places and rates.
-int ControllerReader::element_with_force(const TomlText& name) const {
-  std::vector<std::string> names;
-  int found = -1;
+/// The element, joint or drive whose force is read.
+void ControllerReader::read_force(const TomlTable& reads, Feedback& feedback) const {
+  const TomlText name = reads.text("force");
+  std::vector<std::string> names, families;
+  const auto find = [&](const std::string& candidate, const std::string& family, int& index, std::size_t k) {
+    names.push_back(candidate);
+    if (candidate != name.value) return;
+    families.push_back(family);
+    index = static_cast<int>(k);
+  };
   for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
     const Element& candidate = scene_.elements[e];
-    if (candidate.feedback || sticks(candidate.law)) continue;
-    names.push_back(candidate.name);
-    if (candidate.name != name.value) continue;
-    if (found >= 0) {
-      name.place.fail(
-          fmt::format("expected a name that one element has, found \"{}\", that of a {} and a {}; rename one",
-                      name.value, scene_.elements[static_cast<std::size_t>(found)].family(), candidate.family()));
-    }
-    found = static_cast<int>(e);
+    if (!candidate.feedback && !sticks(candidate.law))
+      find(candidate.name, candidate.family(), feedback.reads_force, e);
   }
-  if (found >= 0) return found;
-  name.place.fail(fmt::format(
-      "expected the name of a spring, a damper or another element whose force follows from places and rates, found "
-      "\"{}\"; they are {}",
-      name.value, names.empty() ? "none" : fmt::format("\"{}\"", fmt::join(names, "\", \""))));
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const Joint& joint = scene_.joints[j];
+    if (!joint.keeps_length()) find(joint.name, std::string(joint.traits().key), feedback.reads_joint, j);
+  }
+  for (std::size_t d = 0; d < scene_.drives.size(); ++d) find(scene_.drives[d].name, "drive", feedback.reads_drive, d);
+  if (families.size() > 1) {
+    name.place.fail(fmt::format("expected a name that one of them has, found \"{}\", that of a {} and a {}; rename one",
+                                name.value, families[0], families[1]));
+  }
+  if (families.empty()) {
+    name.place.fail(fmt::format(
+        "expected the name of a joint but a bar, a drive, or an element whose force follows from places and rates, "
+        "found \"{}\"{}",
+        name.value, did_you_mean_or_list(name.value, names)));
+  }
+  if (feedback.reads_joint < 0) return reads.allow_keys({"force"});
+  const TomlText along = reads.text("along");
+  if (along.value != "x" && along.value != "y")
+    along.place.fail("expected \"x\" or \"y\", found \"" + along.value + "\"");
+  feedback.along = along.value == "x" ? 0 : 1;
+}
+
+/// Throws InputError where what a controller gives depends at once on a force that depends on what it gives.
+void ControllerReader::refuse_at_once(const One& one) const {
+  const Element& own = scene_.elements[static_cast<std::size_t>(one.element)];
+  if (!own.feedback->reads_reaction()) return;
+  const Controller& law = *controller_of(own.law);
+  if (law.is_direct()) {
+    one.table.place_of("reads").fail(
+        "expected a force that follows from places and rates: that in a joint or of a drive depends at once on what "
+        "controllers give; give this one a period, only an integral, or a transfer function with fewer coefficients "
+        "above than below");
+  }
+  for (const std::string_view key : {"delay", "dead_band", "table"}) {
+    if (law.has(Controller::period) || !one.table.has(key)) continue;
+    one.table.place_of(key).fail(fmt::format(
+        "expected {} at a controller that follows or reads this one: beside the force in a joint or of a drive it is "
+        "known with a period alone",
+        key));
+  }
 }
 
 /// The number that it adds to.
@@ -330,7 +366,11 @@ void ControllerReader::find_dimensions() {
       signal[e] = feedback.reads.dimension() * dimension::time.power(one.table.flag("reads_rate", false) ? -1 : 0);
     }
     if (feedback.source == Feedback::Source::force) {
-      signal[e] = scene_.elements[static_cast<std::size_t>(feedback.reads_force)].on.effort_dimension();
+      signal[e] = feedback.reads_drive >= 0
+                      ? scene_.drives[static_cast<std::size_t>(feedback.reads_drive)].on.effort_dimension()
+                  : feedback.reads_joint >= 0
+                      ? dimension::force
+                      : scene_.elements[static_cast<std::size_t>(feedback.reads_force)].on.effort_dimension();
     }
     if (feedback.acts) output[e] = scene_.elements[e].on.effort_dimension();
     if (feedback.sets) output[e] = parameter(scene_, feedback.sets->path).dimension;

@@ -111,14 +111,19 @@ struct Feedback {
   Source source = Source::measure;  ///< of y
   int reads_from = -1;              ///< the element whose output it reads, where that is its source
   int reads_force = -1;             ///< the element whose force it reads, where that is its source
-  int follows = -1;                 ///< the element whose output is added to its reference, or -1
-  bool acts = true;                 ///< on the measure of its element; else it gives a signal, or sets a number
+  /// The joint whose force it reads, the one on the body of its second point, and along which axis of the world: 0 for
+  /// x, 1 for y; or the drive.
+  int reads_joint = -1, along = 0, reads_drive = -1;
+  int follows = -1;  ///< the element whose output is added to its reference, or -1
+  bool acts = true;  ///< on the measure of its element; else it gives a signal, or sets a number
   std::optional<Sets> sets{};
   Dimension signal{}, output{};  ///< of y and u
   int integral = -1, filter = -1;
   std::array<int, 3> held{-1, -1, -1};  ///< u, s', and the input of the filter or transfer function
   int course = -1;  ///< its angle is by what u has moved the drive that it sets, SI, its rate how fast
 
+  /// Whether what it reads follows from accelerations.
+  bool reads_reaction() const { return reads_joint >= 0 || reads_drive >= 0; }
   bool sets_number_of(int element) const {
     return sets && sets->of == TimeFunction::Of::element && sets->item == element;
   }

@@ -253,6 +253,12 @@ class LoopAtRest {
       const Element& one = scene_.elements[static_cast<std::size_t>(e)];
       const Controller& law = *controller_of(one.law);
       if (!law.has(Controller::period)) continue;
+      if (one.feedback->reads_reaction()) {
+        throw InputError(fmt::format(
+            "{}:{}: controller \"{}\".reads: the linear system of samples of a force in a joint or of a drive is not "
+            "known; expected a controller that reads it without a period",
+            scene_.file, one.line, one.name));
+      }
       if (first == nullptr) first = &one;
       if (law.values[Controller::period] == controller_of(first->law)->values[Controller::period]) continue;
       throw InputError(fmt::format(
@@ -545,7 +551,8 @@ class LoopAtRest {
     for (const ControlAtRest& one : out_.controllers) {
       const Controller& law = law_of(one.element);
       if (!law.has(Controller::dead_band)) continue;
-      const ControlSignals<double> in = model_.mechanism().signals_of(one.element, pose_.data(), reduced_.v());
+      const ControlSignals<double> in =
+          model_.mechanism().signals_of(one.element, pose_.data(), reduced_.v(), reduced_.forces_in_time());
       const double error = law.values[Controller::reference] + in.followed - in.value;
       const double band = law.values[Controller::dead_band];
       if (!(std::abs(std::abs(error) - band) <= touched_within * band)) continue;
@@ -579,9 +586,9 @@ class LoopAtRest {
   double effort_along(int element, const ControlChange<double>& change) {
     return model_.mechanism().outputs_along(element, pose_.data(), reduced_.v(), change).effort;
   }
-  VectorXd accelerations_by(const std::vector<double>& slope) const {
+  VectorXd accelerations_by(const std::vector<double>& slope) {
     VectorXd out(reduced_.freedoms());
-    reduced_.respond(slope.data(), out.data());
+    reduced_.push(slope.data(), out.data());
     return out;
   }
   /// The derivatives of the accelerations by the reference of a controller, and by its effort.
@@ -598,7 +605,8 @@ class LoopAtRest {
 
   void add_controller(int element) {
     const Controller& law = law_of(element);
-    const ControlSignals<double> in = model_.mechanism().signals_of(element, pose_.data(), reduced_.v());
+    const ControlSignals<double> in =
+        model_.mechanism().signals_of(element, pose_.data(), reduced_.v(), reduced_.forces_in_time());
     const ControlOutputs<double> out = law.decide(in);
     const double error = law.values[Controller::reference] + in.followed - in.value;
     out_.controllers.push_back({element, in.value * reading_unit(element), out.effort * effort_unit(element),
@@ -698,6 +706,13 @@ class LoopAtRest {
   }
 
   double reading_along(int element, const ControlChange<double>& change) {
+    if (feedback_of(element).reads_reaction() && change.element >= 0) {
+      by_reference(change.element);
+      return reduced_.reaction_change(element);
+    }
+    if (feedback_of(element).reads_reaction()) {
+      return reduced_.reactions_along(change.dq, change.dv, nullptr)[static_cast<std::size_t>(element)];
+    }
     return model_.mechanism().signals_along(element, pose_.data(), reduced_.v(), change).value;
   }
 

@@ -13,12 +13,14 @@ Decisions::Decisions(const MotionModel& model, const std::vector<Variation>& var
       influences_(influences),
       pose_(static_cast<std::size_t>(model.mechanism().pose_size())) {}
 
-void Decisions::change(const ReducedMotion<double>& motion, double t, std::span<const int> elements,
+void Decisions::change(ReducedMotion<double>& motion, double t, std::span<const int> elements,
                        const std::vector<double>& dq, const std::vector<double>& dv, int influence, const Use& use) {
   const Influence* const by = influence < 0 ? nullptr : &influences_[static_cast<std::size_t>(influence)];
   const VariedModel* const varied =
       by != nullptr && by->variation >= 0 ? &variations_[static_cast<std::size_t>(by->variation)].compiled() : nullptr;
   std::vector<double> v(motion.v(), motion.v() + motion.coordinates()), change = dv;
+  std::vector<double> reactions_by;
+  if (motion.reads_reactions()) reactions_by = motion.reactions_along(dq.data(), dv.data(), by);
   if (varied != nullptr) {
     const Mechanism<Dual>& m = varied->mechanism();
     InputForces<Dual> forces(m);
@@ -28,6 +30,11 @@ void Decisions::change(const ReducedMotion<double>& motion, double t, std::span<
     for (std::size_t i = 0; i < dq.size(); ++i) q.emplace_back(motion.q()[i], dq[i]);
     std::vector<Planar<Dual>> pose(static_cast<std::size_t>(m.pose_size()));
     m.place(q.data(), pose.data());
+    std::vector<Dual> reactions;
+    for (std::size_t e = 0; e < reactions_by.size(); ++e) {
+      reactions.emplace_back(motion.forces_in_time().reactions[e], reactions_by[e]);
+    }
+    if (!reactions.empty()) forces.set_reactions(reactions.data());
     const ForcesInTime<Dual> in_time = forces.in_time();
     for (std::size_t k = 0; k < elements.size(); ++k) {
       rates.clear();
@@ -48,6 +55,7 @@ void Decisions::change(const ReducedMotion<double>& motion, double t, std::span<
   for (std::size_t k = 0; k < elements.size(); ++k) {
     const int element = elements[k];
     ControlChange<double> along{.dq = dq.data(), .dv = change.data()};
+    if (!reactions_by.empty()) along.reactions = reactions_by.data();
     if (is_of_controller) {
       along.element = by->force.item;
       along.number = by->force.number;

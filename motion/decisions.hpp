@@ -27,9 +27,10 @@ class Decisions {
   using Use = std::function<void(std::size_t k, const Decided&, std::vector<double>& v, std::vector<double>& dv)>;
 
   /// Gives to `use` what these elements decide, one after the other, at t, to which `motion` is evaluated, where places
-  /// and rates change by dq and dv, n values each, and by an influence if its index is not negative.
-  void change(const ReducedMotion<double>& motion, double t, std::span<const int> elements,
-              const std::vector<double>& dq, const std::vector<double>& dv, int influence, const Use& use);
+  /// and rates change by dq and dv, n values each, and by an influence if its index is not negative. Where controllers
+  /// read forces that follow from accelerations, `motion` is linearized.
+  void change(ReducedMotion<double>& motion, double t, std::span<const int> elements, const std::vector<double>& dq,
+              const std::vector<double>& dv, int influence, const Use& use);
 
  private:
   using Dual = VariedModel::Dual;

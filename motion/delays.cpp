@@ -156,7 +156,7 @@ double Delays::decided(const Delayed& one, const ReducedMotion<double>& motion) 
   return law.decide(m.signals_of(one.element, pose_.data(), motion.v(), in_time)).effort / law.effort_unit;
 }
 
-std::vector<double> Delays::decided_by(const ReducedMotion<double>& motion, double t, const Column& column) {
+std::vector<double> Delays::decided_by(ReducedMotion<double>& motion, double t, const Column& column) {
   std::vector<double> out(all_.size());
   decisions_.change(motion, t, elements_, column.dq, column.dv, influence_of_[column.index],
                     [&](std::size_t k, const Decisions::Decided& decided, std::vector<double>&, std::vector<double>&) {
@@ -174,7 +174,7 @@ std::vector<Delays::Given> Delays::begin(const ReducedMotion<double>& motion) {
   return out;
 }
 
-std::vector<Delays::Given> Delays::begin_by(const ReducedMotion<double>& motion, const Column& column) {
+std::vector<Delays::Given> Delays::begin_by(ReducedMotion<double>& motion, const Column& column) {
   const std::vector<double> decided = decided_by(motion, 0.0, column);
   std::vector<Given> out;
   for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -205,7 +205,7 @@ void Delays::keep(double from, double to, int k, const ReducedMotion<double>& mo
   }
 }
 
-void Delays::keep_by(int k, const ReducedMotion<double>& motion, const Column& column) {
+void Delays::keep_by(int k, ReducedMotion<double>& motion, const Column& column) {
   Piece& piece = pieces_.back();
   const double t = times_within(piece.from, piece.to)[static_cast<std::size_t>(k)];
   const std::vector<double> decided = decided_by(motion, t, column);

@@ -53,7 +53,7 @@ class Delays : public TorquesOfPast {
   /// more rounds than there are delays until all know what the others give.
   std::vector<Given> begin(const ReducedMotion<double>& motion);
   /// The derivatives of these by a column.
-  std::vector<Given> begin_by(const ReducedMotion<double>& motion, const Column& column);
+  std::vector<Given> begin_by(ReducedMotion<double>& motion, const Column& column);
   int rounds() const { return static_cast<int>(all_.size()); }
   /// What is given just behind t; times within `apart` of each other are one.
   std::vector<Given> just_behind(double t, double apart) const;
@@ -68,7 +68,7 @@ class Delays : public TorquesOfPast {
   /// Keeps what is decided at the k-th of these times, which `motion` is evaluated at.
   void keep(double from, double to, int k, const ReducedMotion<double>& motion);
   /// Keeps the derivatives of these by a column, after keep().
-  void keep_by(int k, const ReducedMotion<double>& motion, const Column& column);
+  void keep_by(int k, ReducedMotion<double>& motion, const Column& column);
 
   const std::vector<One>& at(double t, double near) const override;
   const std::vector<Change>& changes_at(double t, double near) const override;
@@ -89,7 +89,7 @@ class Delays : public TorquesOfPast {
     std::vector<std::array<double, points>> by;  // their derivatives, of each controller by each column
   };
   double decided(const Delayed& one, const ReducedMotion<double>& motion);
-  std::vector<double> decided_by(const ReducedMotion<double>& motion, double t, const Column& column);
+  std::vector<double> decided_by(ReducedMotion<double>& motion, double t, const Column& column);
   std::size_t columns() const { return influence_of_.size(); }
   std::size_t place_of(std::size_t controller, std::size_t column) const { return controller * columns() + column; }
   const Piece* piece_at(double s, double near) const;

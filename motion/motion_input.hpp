@@ -172,6 +172,8 @@ class InputForces {
   /// Adds torques of the past, or none; they must outlive this.
   void set_past(const TorquesOfPast* past) { past_ = past; }
   const TorquesOfPast* past() const { return past_; }
+  /// What controllers read of forces that follow from accelerations, by element; it must outlive this.
+  void set_reactions(const T* reactions) { reactions_ = reactions; }
 
   void set(double t, double near);
   /// g += generalized forces less those that the mechanism has in their place, and their change along dq.
@@ -194,6 +196,7 @@ class InputForces {
   mutable std::vector<const LawIn<T>*> laws_;  // by element, empty if none varies that resists
   Planar<T> frame_{};
   const TorquesOfPast* past_ = nullptr;
+  const T* reactions_ = nullptr;
   double t_ = 0.0, near_ = 0.0;
 };
 

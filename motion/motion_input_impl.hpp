@@ -184,7 +184,7 @@ ForcesInTime<T> InputForces<T>::in_time() const {
   for (const InputSpring<T>& one : springs_) {
     if (!laws_.empty()) laws_[static_cast<std::size_t>(one.element())] = &one.law();
   }
-  return {laws_.empty() ? nullptr : laws_.data()};
+  return {laws_.empty() ? nullptr : laws_.data(), reactions_};
 }
 
 template <class T>

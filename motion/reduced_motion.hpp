@@ -102,6 +102,10 @@ struct MotionVariations;
 ///   J a_p + D3c[v, v, q_p] + 2 D2c[v, v_p] + D2c[a, q_p] + (J a + D2c[v, v] - accelerations of the drives)|p = 0,
 /// and alpha_p follows from  B^T (change of G + J^T multipliers along q_p, v_p, a_p, and its |p) = 0.
 ///
+/// What a controller reads of a force that follows from accelerations, y = +-(a multiplier), tells its states alone: it
+/// is found with the accelerations of the mechanism, and theirs after it. Its derivatives are those of the multipliers,
+///   J^T multipliers' = -(change of G + J^T multipliers at constant multipliers).
+///
 /// Blades are conditions of rates alone, A v = 0 (BladeRow), with multipliers mu and the forces -mu across their edges.
 /// All f rates w stay; those that satisfy the conditions at the start do so forever, because with the reduced mass
 /// M' = B^T M B, C = A B and h = A a + DA[v] v
@@ -131,7 +135,7 @@ class ReducedMotion {
     no_inertia,    ///< B^T M B is not positive definite: some degree of freedom has no inertia
     locked,        ///< friction of joints grows with the forces that it makes: they may be several, or none; or a cam
                    ///< could drive its follower by no finite force
-    undetermined,  ///< closures that repeat each other leave the force in a joint with friction open
+    undetermined,  ///< closures that repeat each other leave the force in a joint open that has friction or is read
     blades         ///< a blade's condition repeats those of others, or what joints, drives and stops hold
   };
 
@@ -253,6 +257,16 @@ class ReducedMotion {
   /// After influence() of one that moves(): of the rows that repeat others the largest change  J q_p + c|p  of a gap,
   /// over the sum of its terms. Unless it is rounding the loops close for this value of the number alone.
   T gap_by() const;
+
+  /// Whether controllers read forces in joints or of drives.
+  bool reads_reactions() const { return !readings_.empty(); }
+  /// After linearize(): the changes of these by element of the scene, where places and rates change by dq and dv, n
+  /// values each, and by an influence unless null.
+  std::vector<T> reactions_along(const T* dq, const T* dv, const Influence* influence);
+  /// After evaluate(), f values: the derivative of alpha by a generalized force along the slope (n values); and the
+  /// change of what a controller reads of forces that follow from accelerations, of the last such call or influence().
+  void push(const T* slope, T* dalpha);
+  T reaction_change(int element) const { return reaction_changes_[element]; }
 
   /// Blades of the scene, in its order.
   int blades() const { return static_cast<int>(blades_.size()); }
@@ -399,6 +413,17 @@ class ReducedMotion {
   };
   template <class S>
   friend class ReducedMotion;
+  /// A controller that reads `sign` times the multiplier of a row of J, of a joint or of a drive.
+  struct Reading {
+    int element, joint, row;
+    T sign;
+  };
+  static std::vector<Reading> readings_of(const Scene& scene, const Mechanism<T>& mechanism);
+  T multiplier_of(int row) const;
+  bool leaves_reading_open();
+  void read_reactions();
+  void let_states_follow(const T* force, bool has_friction, T* dalpha);
+  void keep_reaction_changes(std::vector<T>& to, int k);
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
   static DriveRow row_of(const Scene& scene, int drive, const Mechanism<T>& mechanism);
   bool is_course(int coordinate) const {
@@ -500,6 +525,12 @@ class ReducedMotion {
   mutable std::vector<Planar<T>> pose_, work_, work2_, drive_scratch_;
   mutable std::vector<T> full_, rows_work_, small_, small_rows_;
   SmallLu<T> lu_;
+
+  std::vector<Reading> readings_;
+  std::vector<T> reactions_, reaction_changes_;  // of each element
+  std::vector<T> reading_work_;
+  std::vector<T> reactions_z_, reactions_w_;  // the derivatives of each reading by all z and w
+  bool reading_open_ = false, reading_open_known_ = false;
 
   std::vector<BladeRow<T>> blades_;
   std::vector<T> blade_rows_;       // of each A, n values

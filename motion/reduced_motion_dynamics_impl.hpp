@@ -157,12 +157,116 @@ void ReducedMotion<T>::place_accelerations() {
 template <class T>
 typename ReducedMotion<T>::Status ReducedMotion<T>::accelerate(const std::vector<double>* sizes) {
   place_accelerations();
+  if (!readings_.empty()) {
+    std::fill(reactions_.begin(), reactions_.end(), T(0));
+    input_forces_.set_reactions(reactions_.data());
+  }
   find_forces();
   const Status solved = solve_accelerations();
   if (solved != Status::ok) return solved;
   const Status added = gripping_ ? add_gripping_friction(sizes) : Status::ok;
-  if (drives() > 0) find_multipliers();
+  if (drives() > 0 || !readings_.empty()) find_multipliers();
+  if (!readings_.empty()) {
+    if (leaves_reading_open()) return Status::undetermined;
+    read_reactions();
+  }
   return added;
+}
+
+template <class T>
+T ReducedMotion<T>::multiplier_of(int row) const {
+  const int equalities = mechanism_.equalities();
+  return row < equalities ? multipliers_[row] : drive_multipliers_[row - equalities];
+}
+
+// Whether a row that is read is one of those that repeat each other.
+template <class T>
+bool ReducedMotion<T>::leaves_reading_open() {
+  using std::abs;
+  if (reading_open_known_) return reading_open_;
+  reading_open_known_ = true;
+  reading_open_ = false;
+  for (int row = 0; row < rows_; ++row) {
+    if (place_of_row_[row] >= 0) continue;
+    for (std::size_t j = 0; j < dependent_.size(); ++j) small_rows_[j] = jacobian(row, dependent_[j]);
+    lu_.solve_transposed(small_rows_.data());
+    for (const Reading& one : readings_) {
+      const int place = place_of_row_[one.row];
+      if (place >= 0 && !(abs(small_rows_[place]) > static_cast<T>(1e-7))) continue;
+      reading_open_ = true;
+      undetermined_ = one.joint;
+    }
+  }
+  return reading_open_;
+}
+
+// Takes what is read, and gives the states of the controllers that read it the accelerations that they have with it.
+template <class T>
+void ReducedMotion<T>::read_reactions() {
+  std::fill(full_.begin(), full_.end(), T(0));
+  mechanism_.add_resistance(resistances_.data(), full_.data());
+  for (const Reading& one : readings_) reactions_[one.element] = one.sign * multiplier_of(one.row);
+  mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data(), input_forces_.in_time());
+  for (T& x : full_) x = -x;
+  mechanism_.add_resistance(resistances_.data(), full_.data());
+  for (int k = carrying_; k < freedoms(); ++k) {
+    const int i = independent_[k];
+    const T change = -full_[i] / inertia_.moment(i);
+    alpha_[k] += change;
+    a_[i] += change;
+  }
+}
+
+// The changes of what is read, and of the states behind it: `force` is the change of G at alpha' = 0, and dalpha that
+// of the mechanism.
+template <class T>
+void ReducedMotion<T>::let_states_follow(const T* force, bool has_friction, T* dalpha) {
+  const std::size_t n = static_cast<std::size_t>(n_), all = static_cast<std::size_t>(freedoms());
+  for (std::size_t i = 0; i < dependent_.size(); ++i) {
+    const auto at = static_cast<std::size_t>(dependent_[i]);
+    T sum = force[at];
+    for (std::size_t l = 0; l < static_cast<std::size_t>(carrying_); ++l) sum += dalpha[l] * mass_columns_[l * n + at];
+    for (std::size_t b = 0; b < blades_.size(); ++b) sum += blade_work_[b] * blade_rows_[b * n + at];
+    for (std::size_t j = 0; j < grips_.size() && has_friction; ++j) sum += grip_work_[j] * grip_slopes_[j * n + at];
+    small_rows_[i] = -sum;
+  }
+  lu_.solve_transposed(small_rows_.data());
+  for (const Reading& one : readings_) {
+    const int place = place_of_row_[one.row];
+    reaction_changes_[one.element] = place < 0 ? T(0) : one.sign * small_rows_[place];
+  }
+  std::fill(reading_work_.begin(), reading_work_.end(), T(0));
+  mechanism_.add_change_of_read(reaction_changes_.data(), pose_.data(), v_.data(), input_forces_.in_time(),
+                                reading_work_.data());
+  for (std::size_t k = static_cast<std::size_t>(carrying_); k < all; ++k) {
+    dalpha[k] -= reading_work_[independent_[k]] / inertia_.moment(independent_[k]);
+  }
+}
+
+template <class T>
+void ReducedMotion<T>::keep_reaction_changes(std::vector<T>& to, int k) {
+  for (std::size_t r = 0; r < readings_.size(); ++r) {
+    to[r * independent_.size() + static_cast<std::size_t>(k)] = reaction_changes_[readings_[r].element];
+  }
+}
+
+template <class T>
+std::vector<T> ReducedMotion<T>::reactions_along(const T* dq, const T* dv, const Influence* influence) {
+  std::vector<T> out(reactions_.size(), T(0));
+  if (readings_.empty()) return out;
+  if (influence != nullptr) {
+    std::vector<T> alpha(independent_.size());
+    this->influence(*influence, alpha.data());
+    out = reaction_changes_;
+  }
+  for (std::size_t r = 0; r < readings_.size(); ++r) {
+    T& change = out[readings_[r].element];
+    for (std::size_t k = 0; k < independent_.size(); ++k) {
+      const std::size_t at = r * independent_.size() + k;
+      change += reactions_z_[at] * dq[independent_[k]] + reactions_w_[at] * dv[independent_[k]];
+    }
+  }
+  return out;
 }
 
 // G at the accelerations a0; of a jump only its part of inertia.
@@ -271,6 +375,14 @@ void ReducedMotion<T>::respond(const T* slope, T* dw) const {
   project(slope, dw);
   divide_by_mass(dw);
   if (!blades_.empty()) hold_by_blades(dw);
+}
+
+template <class T>
+void ReducedMotion<T>::push(const T* slope, T* dalpha) {
+  respond(slope, dalpha);
+  if (readings_.empty()) return;
+  for (int i = 0; i < n_; ++i) full_[i] = -slope[i];
+  let_states_follow(full_.data(), false, dalpha);
 }
 
 // B alpha to the accelerations, and what belongs to it to forces.
@@ -390,6 +502,7 @@ void ReducedMotion<T>::answer_change(const T* dq, const T* dv, const Direct* dir
     press_blades(blade_work_.data(), dalpha);
   }
   if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
+  if (!readings_.empty() && !jumps_) let_states_follow(force_.data(), gripping_, dalpha);
   for (int k = 0; k < carrying_; ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
@@ -413,7 +526,9 @@ void ReducedMotion<T>::linearize_state(int k) {
   };
   std::fill(&v_z_[at], &v_z_[at] + n_, T(0));
   change_by(along, zero_.data(), &a_z_[at], &alpha_z_[at_small]);
+  keep_reaction_changes(reactions_z_, k);
   change_by(zero_.data(), along, &a_w_[at], &alpha_w_[at_small]);
+  keep_reaction_changes(reactions_w_, k);
 }
 
 // Along q' = B_k, or q' = q_p with the direct derivatives by p:  J v' = -D2c[v, q'] - (J v)|p.
@@ -464,11 +579,13 @@ void ReducedMotion<T>::linearize() {
     const std::size_t at_small = static_cast<std::size_t>(k) * freedoms();
     const T* dq = B(k);
     linearize_pose(dq, nullptr, &v_z_[at], &a_z_[at], &alpha_z_[at_small]);
+    keep_reaction_changes(reactions_z_, k);
     // Along w_k: v' = B_k.
     mechanism_.phasors().second(pose_.data(), v_.data(), dq, work_.data());
     for (int t = 0; t < n_; ++t) work_[t] = T(2) * work_[t];
     for (int d = 0; d < drives(); ++d) drive_rows_[d] = 2 * drives_[d].on.second(here(), v_.data(), dq);
     linearize_direction(nullptr, dq, nullptr, &a_w_[at], &alpha_w_[at_small]);
+    keep_reaction_changes(reactions_w_, k);
   }
 }
 
@@ -524,6 +641,7 @@ void ReducedMotion<T>::state_for_variations() {
   take(state.contact_efforts, contact_efforts_);
   take(state.grip_efforts, efforts_);
   take(state.blade_multipliers, blade_multipliers_);
+  take(state.reactions, reactions_);
   state.second.resize(second_.size());
   take_vectors(state.second, second_, second_.size());
   take_vectors(state.pose, pose_, static_cast<std::size_t>(mechanism_.phasors().pose_size()));
@@ -573,6 +691,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     divide_change_by_mass(alpha);
     if (!blades_.empty()) hold_by_blades(alpha);
     if (gripping_) let_friction_follow(nullptr, nullptr, full_.data(), alpha);
+    if (!readings_.empty()) let_states_follow(full_.data(), gripping_, alpha);
     return;
   }
   for (auto* part : direct_.parts()) std::fill(part->begin(), part->end(), T(0));

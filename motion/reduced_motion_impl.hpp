@@ -21,11 +21,15 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
       n_(mechanism.coordinates()),
       input_forces_(mechanism),
       singular_limit_(1e-9),
+      readings_(readings_of(scene, mechanism)),
       blades_(blades_of(scene, mechanism)),
       grips_(grips_of(scene, mechanism)),
       first_teeth_(grips_.size()),
       bearing_loads_(scene, mechanism, growing(grips_)),
       first_stop_(scene.drives.size()) {
+  if (!readings_.empty()) {
+    for (auto* each : {&reactions_, &reaction_changes_}) each->assign(scene.elements.size(), T(0));
+  }
   drives_ = rows_of(scene, mechanism);
   states_ = states_of_controllers(scene, mechanism.layout());
   for (int i = 0; i < n_; ++i) {
@@ -48,8 +52,8 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
   contact_efforts_.assign(contacts, T(0));
   contact_holds_.resize(first_teeth_ * contacts);
   const std::size_t n = static_cast<std::size_t>(n_);
-  for (auto* full :
-       {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &direct_.force, &q_p_, &v_p_, &a_p_}) {
+  for (auto* full : {&q_, &v_, &a_, &drift_, &force_, &full_force_, &full_, &zero_, &reading_work_, &direct_.force,
+                     &q_p_, &v_p_, &a_p_}) {
     full->assign(n, T(0));
   }
   blade_rows_.assign(blades_.size() * n, T(0));
@@ -116,6 +120,23 @@ typename ReducedMotion<T>::DriveRow ReducedMotion<T>::row_of(const Scene& scene,
   }
   row.on = {scene, mechanism.layout(), mechanism.phasors(), on};
   return row;
+}
+
+template <class T>
+std::vector<typename ReducedMotion<T>::Reading> ReducedMotion<T>::readings_of(const Scene& scene,
+                                                                              const Mechanism<T>& mechanism) {
+  std::vector<Reading> out;
+  for (const int e : controllers_of(scene)) {
+    const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
+    if (feedback.reads_drive >= 0) out.push_back({e, -1, mechanism.equalities() + feedback.reads_drive, T(-1)});
+    for (const ConstraintBlock& block : mechanism.blocks()) {
+      const bool is_read = mechanism.layout().closures[block.closure].joint == feedback.reads_joint;
+      if (feedback.reads_joint < 0 || !is_read) continue;
+      out.push_back({e, feedback.reads_joint, block.first_row + feedback.along, T(-1)});
+      break;
+    }
+  }
+  return out;
 }
 
 template <class T>
@@ -376,7 +397,8 @@ void ReducedMotion<T>::take_over(const ReducedMotion<S>& other) {
 template <class T>
 void ReducedMotion<T>::make_room() {
   lu_.resize(rank());
-  open_known_ = false;
+  open_known_ = reading_open_known_ = false;
+  for (auto* each : {&reactions_z_, &reactions_w_}) each->assign(readings_.size() * independent_.size(), T(0));
   place_of_row_.assign(static_cast<std::size_t>(rows_), -1);
   for (std::size_t i = 0; i < used_rows_.size(); ++i) place_of_row_[used_rows_[i]] = static_cast<int>(i);
   grip_alpha_.assign(grips_.size() * independent_.size(), T(0));

@@ -75,7 +75,7 @@ std::vector<Samples::Held> Samples::take(const ReducedMotion<double>& motion, do
   return out;
 }
 
-std::vector<Samples::Held> Samples::take_by(const ReducedMotion<double>& motion, double t, double apart,
+std::vector<Samples::Held> Samples::take_by(ReducedMotion<double>& motion, double t, double apart,
                                             const std::vector<double>& dq, const std::vector<double>& dv,
                                             int influence) {
   std::vector<const One*> deciding;

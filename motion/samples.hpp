@@ -29,7 +29,7 @@ class Samples {
   std::vector<Held> take(const ReducedMotion<double>& motion, double t, double apart);
   /// The derivatives of these rates where places and rates change by dq and dv, n values each, and by an influence if
   /// its index is not negative.
-  std::vector<Held> take_by(const ReducedMotion<double>& motion, double t, double apart, const std::vector<double>& dq,
+  std::vector<Held> take_by(ReducedMotion<double>& motion, double t, double apart, const std::vector<double>& dq,
                             const std::vector<double>& dv, int influence);
 
  private:

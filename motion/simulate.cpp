@@ -216,6 +216,7 @@ class Simulation {
   std::vector<int> first_choice() {
     reduced_.set_inputs(model_.scaled_scene(), scaled(inputs_, model_.scene(), model_.scales()));
     if (delays_.act()) reduced_.set_past(&delays_);
+    refuse_reading_of_impacts();
     refuse_unknown_derivatives();
     refuse_idle_controllers(model_);
     contacts_.refuse_start(q_start_.data());
@@ -230,6 +231,19 @@ class Simulation {
     for (const int i : reduced_.independent()) z.push_back(q_start_[static_cast<std::size_t>(i)]);
     if (reduced_.place(0.0, z.data()) == Reduced::Status::ok) poise::refuse_idle_blades(model_, reduced_);
     reduced_.expect(q_start_.data());
+  }
+
+  /// Throws InputError where a controller integrates a force that impacts make infinite.
+  void refuse_reading_of_impacts() const {
+    const Scene& scene = model_.scene();
+    if (std::all_of(scene.stops.begin(), scene.stops.end(), [](const Stop& one) { return one.holds(); })) return;
+    for (const Element& one : scene.elements) {
+      if (!one.feedback || !one.feedback->reads_reaction() || controller_of(one.law)->has(Controller::period)) continue;
+      throw InputError(fmt::format(
+          "{}:{}: controller \"{}\".reads: an impact makes the force in a joint or of a drive infinite for an instant; "
+          "expected a period beside it, with which it is read at samples, or a scene without stops and contacts",
+          scene.file, one.line, one.name));
+    }
   }
 
   /// Throws InputError for derivatives that are not known.

@@ -88,6 +88,13 @@ void refuse_contradicting_drives(const MotionModel& model, ReducedMotion<double>
 
 void refuse_undetermined_joint(const Scene& scene, int joint) {
   const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
+  for (const Element& one : scene.elements) {
+    if (!one.feedback || one.feedback->reads_joint != joint) continue;
+    throw InputError(fmt::format(
+        "{}:{}: controller \"{}\".reads: the mechanism is statically indeterminate, so that the force in {} \"{}\" "
+        "cannot be known; expected joints of which none repeats others",
+        scene.file, one.line, one.name, of.traits().key, of.name));
+  }
   throw InputError(fmt::format(
       "{}:{}: {} \"{}\".friction: the mechanism is statically indeterminate, so that the force in this joint, on "
       "which its friction depends, cannot be known; expected joints of which none repeats others, or friction of a "

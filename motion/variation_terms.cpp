@@ -94,6 +94,7 @@ void VariationTerms::add_forces(VariedState& state) {
   } else {
     m.negative_force(state.q.data(), pose, g);
     input_forces_.set(state.t, state.near);
+    input_forces_.set_reactions(state.reactions.empty() ? nullptr : state.reactions.data());
     m.resist(pose, state.v.data(), state.sliding, resistances_.data(), input_forces_.in_time());
     m.add_resistance(resistances_.data(), g);
     input_forces_.add(pose, g);

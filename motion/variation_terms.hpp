@@ -33,6 +33,7 @@ struct VariedState {
   std::vector<Dual> contact_efforts;       ///< of BearingLoads::contacts()
   std::vector<Dual> grip_efforts;          ///< of the grips, as far as they are across stops
   std::vector<Dual> blade_multipliers;
+  std::vector<Dual> reactions;
 };
 
 /// What changes with a number of a scene at fixed coordinates, rates, accelerations, multipliers and efforts: the gaps
