@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,19 @@ Reading reading_of(const Coefficients& c, double from, double to, double s) {
   return out;
 }
 
+/// Whether what a controller decides depends on what one with a delay gives.
+bool is_behind_delay(const Scene& scene, int controller, std::set<int>& seen) {
+  if (!seen.insert(controller).second) return false;
+  const Feedback& feedback = *scene.elements[static_cast<std::size_t>(controller)].feedback;
+  const int setting = feedback.reads_force < 0 ? -1 : controller_that_sets(scene, feedback.reads_force);
+  const std::array<int, 3> all{feedback.follows, feedback.reads_from, setting};
+  return std::any_of(all.begin(), all.end(), [&](int before) {
+    return before >= 0 &&
+           (controller_of(scene.elements[static_cast<std::size_t>(before)].law)->has(Controller::delay) ||
+            is_behind_delay(scene, before, seen));
+  });
+}
+
 /// Adds the value at the k-th root.
 void add_value(Coefficients& c, int k, double value) {
   for (int m = 0; m < points_of_piece; ++m) {
@@ -75,6 +89,8 @@ Delays::Delays(const MotionModel& model, const MotionOptions& options)
                     .delay = law.values[Controller::delay],
                     .inertia = model.scaled_scene().bodies[body].inertia});
     elements_.push_back(e);
+    std::set<int> seen;
+    are_chained_ = are_chained_ || is_behind_delay(scene, e, seen);
   }
   pose_.resize(static_cast<std::size_t>(model.mechanism().pose_size()));
 }
@@ -95,19 +111,13 @@ std::vector<double> Delays::delays() const {
   return out;
 }
 
-void Delays::set_columns(std::vector<int> influences) {
-  influence_of_ = std::move(influences);
+void Delays::refuse_mixed(std::size_t k) const {
   const Scene& scene = model_.scene();
-  for (std::size_t k = 0; all_.size() > 1 && k < all_.size(); ++k) {
-    for (std::size_t c = 0; c < columns(); ++c) {
-      if (delay_by(k, c) == 0.0) continue;
-      const Element& element = scene.elements[static_cast<std::size_t>(elements_[k])];
-      throw InputError(fmt::format(
-          "{}:{}: controller \"{}\".delay: the derivative of a motion by one of several delays is not known; expected "
-          "another number, or no other controller with a delay",
-          scene.file, element.line, element.name));
-    }
-  }
+  const Element& element = scene.elements[static_cast<std::size_t>(elements_[k])];
+  throw InputError(fmt::format(
+      "{}:{}: controller \"{}\".delay: the derivative of a motion by delays is not known where what comes back behind "
+      "several of them meets; expected another number, or another delay",
+      scene.file, element.line, element.name));
 }
 
 double Delays::delay_by(std::size_t k, std::size_t column) const {

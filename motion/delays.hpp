@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "motion/decisions.hpp"
@@ -22,22 +23,24 @@ class Delays : public TorquesOfPast {
  public:
   /// Both must outlive this.
   Delays(const MotionModel& model, const MotionOptions& options);
-  /// Sets the index of the influence that each column of sensitivities is of, negative without one. Throws InputError
-  /// for a derivative by one of several delays: what comes back moves with those that it has passed.
-  void set_columns(std::vector<int> influences);
+  /// Sets the index of the influence that each column of sensitivities is of, negative without one.
+  void set_columns(std::vector<int> influences) { influence_of_ = std::move(influences); }
 
   bool act() const { return !all_.empty(); }
   double shortest() const;
   /// Whether the rate of this coordinate is what one gives.
   bool gives(int coordinate) const;
   std::vector<double> delays() const;
-  /// The derivative of the only delay by a column; 0 where there are several.
-  double delay_by(std::size_t column) const { return all_.size() == 1 ? delay_by(0, column) : 0.0; }
+  /// Whether what one decides depends at once on what another one, or itself, gives.
+  bool are_chained() const { return are_chained_; }
   /// The derivative of the k-th delay by a column.
   double delay_by(std::size_t k, std::size_t column) const;
   /// Throws InputError for derivatives that are not known: of a motion with stops or friction that sticks, where
   /// the times of events move, and by the time of a step.
   void refuse_derivatives(bool has_events) const;
+  /// Throws InputError for the derivative by a delay where what the k-th controller gives jumps at once for several
+  /// reasons, which move in different ways with the delay.
+  [[noreturn]] void refuse_mixed(std::size_t k) const;
 
   /// A column of sensitivities, and how places and rates change along it, n values each.
   struct Column {
@@ -100,6 +103,7 @@ class Delays : public TorquesOfPast {
   std::vector<int> influence_of_;
   std::vector<Delayed> all_;
   std::vector<int> elements_;
+  bool are_chained_ = false;
   std::vector<Piece> pieces_;
   std::vector<Planar<double>> pose_;
   mutable std::vector<One> torques_;

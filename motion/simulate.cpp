@@ -112,25 +112,38 @@ class InputBreaks {
   }
   /// What delays bring back.
   struct Echo {
-    int order = 0;   ///< passes through the mechanism since what jumped, each of which makes it smoother
-    int passes = 0;  ///< of delays since its cause; 0 if nothing comes back
+    int order = 0;  ///< passes through the mechanism since what jumped, each of which makes it smoother
+    /// By the delay behind which it comes back, an index: how often it has passed each delay since its cause.
+    std::map<std::size_t, std::vector<int>> passes{};
+    /// Whether what jumps there has passed delays in several ways.
+    bool is_mixed = false;
+
+    bool comes_back() const { return !passes.empty(); }
   };
   /// What controllers decide with these delays is not smooth at t: nor is what they give later. Behind a new cause, and
-  /// where what comes back `is_rough`, which jumps or has a slope that does, it is as behind the first.
-  void add_echoes(double t, const std::vector<double>& delays, bool is_new_cause, bool is_rough) {
+  /// where what comes back `is_rough`, which jumps or has a slope that does, it is as behind the first. Where they
+  /// `are_chained` what comes back makes what is decided jump at once.
+  void add_echoes(double t, const std::vector<double>& delays, bool is_new_cause, bool is_rough, bool are_chained) {
     const Echo behind = echo(t);
-    const bool is_first = is_new_cause || behind.passes == 0;
-    const Echo next{is_first || is_rough ? 0 : behind.order + 1, is_first ? 1 : behind.passes + 1};
-    if (next.order >= most_echoes) return;
-    for (const double delay : delays) {
+    const bool is_first = is_new_cause || !behind.comes_back();
+    const int order = is_first || is_rough ? 0 : behind.order + 1;
+    if (order >= most_echoes) return;
+    const std::vector<int> before = is_first ? std::vector<int>(delays.size()) : behind.passes.begin()->second;
+    const bool differ = std::any_of(behind.passes.begin(), behind.passes.end(),
+                                    [&](const auto& other) { return other.second != before; });
+    const bool is_mixed = are_chained && is_rough && behind.comes_back() && (is_new_cause || behind.is_mixed || differ);
+    for (std::size_t d = 0; d < delays.size(); ++d) {
       // Sums of delays that are equal differ by rounding.
-      const auto place = echoes_.lower_bound(t + delay - apart());
-      const bool is_new = place == echoes_.end() || place->first > t + delay + apart();
-      if (is_new) {
-        echoes_.emplace(t + delay, next);
-      } else if (next.order < place->second.order) {
-        place->second = next;
-      }
+      const double later = t + delays[d];
+      auto place = echoes_.lower_bound(later - apart());
+      const bool is_new = place == echoes_.end() || place->first > later + apart();
+      if (is_new) place = echoes_.emplace(later, Echo{order}).first;
+      if (order < place->second.order) place->second = Echo{order};
+      if (order > place->second.order) continue;
+      std::vector<int>& passes = place->second.passes[d];
+      passes = before;
+      ++passes[d];
+      place->second.is_mixed = place->second.is_mixed || is_mixed;
     }
     echoes_.erase(echoes_.begin(), echoes_.lower_bound(t - apart()));
   }
@@ -733,7 +746,7 @@ class Simulation {
     }
   }
   void echo(double t, bool is_new_cause, bool is_rough) {
-    breaks_.add_echoes(t, delays_.delays(), is_new_cause, is_rough);
+    breaks_.add_echoes(t, delays_.delays(), is_new_cause, is_rough, delays_.are_chained());
     reduced_.set_near((t + breaks_.next(t)) / 2);
   }
 
@@ -773,33 +786,49 @@ class Simulation {
   /// Goes on behind an instant t at which what controllers decide or give need not be smooth.
   bool hear_of_it(double t, bool is_event) {
     const InputBreaks::Echo heard = breaks_.echo(t);
-    const bool comes_back = heard.passes > 0;
+    const bool comes_back = heard.comes_back();
     echo(t, is_event || breaks_.are_at(t), comes_back && delays_.jump_at(t, breaks_.apart()));
     if (t >= options_.duration || !comes_back) return true;
-    set_rates(delays_.just_behind(t, breaks_.apart()));
-    if (columns_.count() == 0) return go_on_from(t);
+    const std::vector<Delays::Given> given = delays_.just_behind(t, breaks_.apart());
+    if (columns_.count() == 0) {
+      set_rates(given);
+      return go_on_from(t);
+    }
     for (std::size_t c = 0; c < static_cast<std::size_t>(columns_.count()); ++c) {
       set_rates_by(c, delays_.just_behind_by(t, breaks_.apart(), c));
     }
-    return follow_echo(t, heard.passes) && go_on_from(t);
+    return follow_echo(t, heard, given) && go_on_from(t);
   }
 
-  /// Where an echo moves with the delay that it has passed so often, accelerations that jump there make derivatives of
-  /// rates jump by  (accelerations before - after) dt/dp.
-  bool follow_echo(double t, int passes) {
-    if (!step_.evaluate(t)) {
+  /// Sets what controllers with delays give behind t, one after the other. Where an echo moves with the delays that it
+  /// has passed, accelerations that jump by one of them make derivatives of rates jump by
+  /// (accelerations before - after) dt/dp.
+  bool follow_echo(double t, const InputBreaks::Echo& heard, const std::vector<Delays::Given>& given) {
+    const int f = reduced_.freedoms();
+    const auto evaluate = [&] {
+      if (step_.evaluate(t)) return true;
       give_up(t);
       return false;
-    }
-    const int f = reduced_.freedoms();
-    for (int c = 0; c < columns_.count(); ++c) {
-      const double later = passes * delays_.delay_by(static_cast<std::size_t>(c));
-      if (later == 0.0) continue;
-      for (int k = 0; k < f; ++k) {
-        const int i = reduced_.independent()[static_cast<std::size_t>(k)];
-        if (delays_.gives(i)) continue;
-        const double jump = nodes_.acceleration(static_cast<std::size_t>(i)) - reduced_.a()[i];
-        step_.y[step_.sensitivity(f + k, c)] += jump * later;
+    };
+    for (std::size_t d = 0; d < given.size(); ++d) {
+      if (!evaluate()) return false;
+      const std::vector<double> before(reduced_.a(), reduced_.a() + reduced_.coordinates());
+      set_rates(std::vector{given[d]});
+      if (!evaluate()) return false;
+      const auto passes = heard.passes.find(d);
+      if (passes == heard.passes.end()) continue;
+      for (int c = 0; c < columns_.count(); ++c) {
+        double later = 0.0;
+        for (std::size_t e = 0; e < given.size(); ++e) {
+          later += passes->second[e] * delays_.delay_by(e, static_cast<std::size_t>(c));
+        }
+        for (int k = 0; k < f && later != 0.0; ++k) {
+          const int i = reduced_.independent()[static_cast<std::size_t>(k)];
+          if (delays_.gives(i)) continue;
+          const double jump = before[static_cast<std::size_t>(i)] - reduced_.a()[i];
+          if (heard.is_mixed) delays_.refuse_mixed(d);
+          step_.y[step_.sensitivity(f + k, c)] += jump * later;
+        }
       }
     }
     return true;
