@@ -244,7 +244,9 @@ class Planner {
       const Experiment experiment = parse_experiment(text_.with({run}, false, folder_), own_.experiment().file);
       const FitProblem problem(experiment);
       Eigen::MatrixXd out = information(problem, 0, triangle_of(problem, 0, nuisances_of(problem).front()));
-      if (out.size() == 0) why = "its motion could not be computed";
+      if (out.size() > 0) return out;
+      why = problem.why_no_motion(problem.truths(), nuisances_of(problem));
+      if (why.empty()) why = "some derivatives of its motion are no finite numbers";
       return out;
     } catch (const std::runtime_error& error) {
       why = error.what();

@@ -429,11 +429,10 @@ Identifiability assess(const FitProblem& problem, const std::vector<double>& par
     out.why = "the experiment has no unknowns";
     return out;
   }
-  for (std::size_t r = 0; r < problem.runs(); ++r) {
-    if (triangles[r].size() > 0) continue;
-    const std::string why = problem.why_no_motion(r, parameters, nuisances[r]);
-    out.why = fmt::format("{} of run \"{}\" could not be computed{}{}", problem.run(r).computed(),
-                          problem.run(r).run().name, why.empty() ? "" : ": ", why);
+  const auto fails = [](const MatrixXd& triangle) { return triangle.size() == 0; };
+  if (std::any_of(triangles.begin(), triangles.end(), fails)) {
+    out.why = problem.why_no_motion(parameters, nuisances);
+    if (out.why.empty()) out.why = "some derivatives of a motion are no finite numbers";
     return out;
   }
   return Assessment(problem, parameters).run(nuisances, triangles, weighting);

@@ -360,9 +360,18 @@ Eigen::MatrixXd FitProblem::triangle_of(Eigen::MatrixXd rows, const Weighting& w
   return triangle.allFinite() ? triangle : Eigen::MatrixXd();  // squares may overflow
 }
 
-std::string FitProblem::why_no_motion(std::size_t r, const std::vector<double>& parameters,
-                                      const std::vector<double>& nuisances) const {
-  return predict(models_[r], unknowns_of(r, parameters), nuisances, INFINITY, accuracy_[r], false).why;
+std::string FitProblem::why_no_motion(const std::vector<double>& parameters,
+                                      const std::vector<std::vector<double>>& nuisances) const {
+  for (std::size_t r = 0; r < runs(); ++r) {
+    for (const bool derivatives : {false, true}) {
+      const Prediction found =
+          predict(models_[r], unknowns_of(r, parameters), nuisances[r], INFINITY, accuracy_[r], derivatives);
+      if (found.ok) continue;
+      return fmt::format("{} of run \"{}\" could not be computed{}{}", models_[r].computed(), models_[r].run().name,
+                         found.why.empty() ? "" : ": ", found.why);
+    }
+  }
+  return "";
 }
 
 Residuals FitProblem::residuals(std::size_t r, const std::vector<double>& parameters,

@@ -117,9 +117,9 @@ class FitProblem {
                            const std::atomic<bool>* interrupt = nullptr) const;
   /// The same of the rows of a run linearized there.
   static Eigen::MatrixXd triangle_of(Eigen::MatrixXd rows, const Weighting& weighting);
-  /// Why the motion of run r with these values fails; empty where it does not.
-  std::string why_no_motion(std::size_t r, const std::vector<double>& parameters,
-                            const std::vector<double>& nuisances) const;
+  /// A sentence on the first run whose motion, or the derivatives of which, fail with these values; empty without any.
+  std::string why_no_motion(const std::vector<double>& parameters,
+                            const std::vector<std::vector<double>>& nuisances) const;
   /// e itself over the whole record at the stated noise, without derivatives; empty where the motion fails.
   Residuals residuals(std::size_t r, const std::vector<double>& parameters, const std::vector<double>& nuisances,
                       const Record& record) const;

@@ -348,8 +348,8 @@ TEST(FitProblem, AnArmWithoutMassHasNoMotion) {
   e.unknowns[0].min = 0.0;
   e.runs = {test::simulated(100, 100)};
   const FitProblem problem(e);
-  EXPECT_EQ(problem.why_no_motion(0, {1.0}, problem.run(0).released()), "");
-  EXPECT_NE(problem.why_no_motion(0, {0.0}, problem.run(0).released()), "");
+  EXPECT_EQ(problem.why_no_motion({1.0}, {problem.run(0).released()}), "");
+  EXPECT_NE(problem.why_no_motion({0.0}, {problem.run(0).released()}), "");
   EXPECT_EQ(
       problem.linearized(0, {0.0}, problem.run(0).released(), nullptr, INFINITY, 1e-8, problem.weighting()).rows.size(),
       0);

@@ -357,14 +357,8 @@ class Descent : ceres::IterationCallback {
 };
 
 std::string why_failed(const FitProblem& problem, const FitPoint& start) {
-  for (std::size_t r = 0; r < problem.runs(); ++r) {
-    const std::string why = problem.why_no_motion(r, start.parameters, start.nuisances[r]);
-    if (!why.empty()) {
-      return fmt::format("{} of run \"{}\" could not be computed at the start: {}", problem.run(r).computed(),
-                         problem.run(r).run().name, why);
-    }
-  }
-  return "no step from the start reduced the cost";
+  const std::string why = problem.why_no_motion(start.parameters, start.nuisances);
+  return why.empty() ? "no step from the start reduced the cost" : why;
 }
 
 }  // namespace

@@ -89,8 +89,8 @@ class StartSearch {
     for (const RunFit& run : options.from->runs) point.nuisances.push_back(run.nuisances);
     for (const auto& [p, value] : options.held) point.parameters[static_cast<std::size_t>(p)] = value;
     if (options.holds_starts || task_.sought == 0) {
-      failure_ = "the motion could not be computed";
       const double cost = cost_of(point);
+      if (!std::isfinite(cost)) failure_ = task_.problem.why_no_motion(point.parameters, point.nuisances);
       out_.best = {.cost = cost, .point = std::move(point)};
     } else if (options.held.size() == task_.problem.parameters().size() && !options.values_only) {
       attempt(std::move(point), {0.1, 0.35, 1.0});  // other records: the starts are guesses
