@@ -274,13 +274,7 @@ class LoopAtRest {
       const Element& one = scene_.elements[static_cast<std::size_t>(e)];
       const Controller& law = *controller_of(one.law);
       if (!law.has(Controller::delay)) continue;
-      if (out_.period > 0.0) {
-        throw InputError(fmt::format(
-            "{}:{}: controller \"{}\".delay: the linear system of samples with delays is not known; expected a scene "
-            "without periods, or without delays",
-            scene_.file, one.line, one.name));
-      }
-      out_.delayed.push_back({e, law.values[Controller::delay]});
+      (out_.period > 0.0 ? late_ : out_.delayed).push_back({e, law.values[Controller::delay]});
     }
   }
 
@@ -302,9 +296,11 @@ class LoopAtRest {
     reduced_.evaluate(0.0, z_.data(), w_.data());
     Samples samples(model_, {}, {});
     for (const Samples::Held& held : samples.take(reduced_, 0.0, 0.0)) w_[place_of(held.coordinate)] = held.rate;
-    for (const DelayedControl& one : out_.delayed) {
-      w_[place_of(held_coordinate(one.element))] =
-          at_all_times.effort_of(one.element) / law_of(one.element).effort_unit;
+    for (const std::vector<DelayedControl>* all : {&out_.delayed, &late_}) {
+      for (const DelayedControl& one : *all) {
+        w_[place_of(held_coordinate(one.element))] =
+            at_all_times.effort_of(one.element) / law_of(one.element).effort_unit;
+      }
     }
     if (reduced_.evaluate(0.0, z_.data(), w_.data()) != ReducedMotion<double>::Status::ok) {
       return fail("its equations of motion have no solution in its equilibrium");
@@ -327,8 +323,10 @@ class LoopAtRest {
     return static_cast<std::size_t>(std::find(all.begin(), all.end(), coordinate) - all.begin());
   }
 
-  /// With e^(A T) of the states x, what is held, h, and the references r between samples, and at a sample h = H x + K
-  /// r: from one sample to the next  x <- (E_xx + E_xh H) x + (E_xr + E_xh K) r.
+  /// With e^(A T) of the states x, what is held, h, what delays give, g, and the references r between samples, and at a
+  /// sample  h = H x + H_g g + K r.  What is delayed is  d = D h + D_r r,  constant between samples: with
+  /// T = (n + p) periods, 0 <= p < 1, g is d(k - n - 1) up to p of the period and d(k - n) from there on. So x and the
+  /// last n + 1 of d are the states of the samples.
   void discretize() {
     StateSpace& loop = out_.closed;
     std::vector<Influence> references;
@@ -339,9 +337,18 @@ class LoopAtRest {
       reference.by = 1.0;
     }
     Samples samples(model_, {}, references);
-    std::vector<Index> free, held;
+    std::vector<Index> free, held, given(late_.size());
     for (std::size_t i = 0; i < states_.size(); ++i) {
-      (is_held(states_[i]) ? held : free).push_back(static_cast<Index>(i));
+      const auto is_of = [&](const DelayedControl& one) {
+        return held_coordinate(one.element) == reduced_.independent()[states_[i].k];
+      };
+      const auto late = std::find_if(late_.begin(), late_.end(), is_of);
+      const auto at = static_cast<Index>(i);
+      if (late != late_.end()) {
+        given[static_cast<std::size_t>(late - late_.begin())] = at;
+      } else {
+        (is_held(states_[i]) ? held : free).push_back(at);
+      }
     }
     const auto decided_by = [&](const ControlChange<double>& change, int influence) {
       const auto n = static_cast<std::size_t>(reduced_.coordinates());
@@ -357,27 +364,104 @@ class LoopAtRest {
     };
     const auto n = static_cast<Index>(states_.size()), m = static_cast<Index>(references.size());
     const auto f = static_cast<Index>(free.size()), k = static_cast<Index>(held.size());
-    MatrixXd by_states(k, f), by_references(k, m), rates = MatrixXd::Zero(n + m, n + m);
-    for (Index j = 0; j < f; ++j) {
-      const State& column = states_[static_cast<std::size_t>(free[static_cast<std::size_t>(j)])];
+    const auto q = static_cast<Index>(late_.size());
+    MatrixXd by_states(k, n), by_references(k, m), late_by_states(q, n), late_by_references(q, m);
+    for (Index j = 0; j < n; ++j) {
+      const State& column = states_[static_cast<std::size_t>(j)];
       by_states.col(j) = decided_by(along(column), -1) / column.unit;
+      for (Index i = 0; i < q; ++i) {
+        const int element = late_[static_cast<std::size_t>(i)].element;
+        late_by_states(i, j) = decided_along(element, along(column)) / column.unit;
+      }
     }
     for (Index r = 0; r < m; ++r) {
-      by_references.col(r) = decided_by({.dq = still_.data(), .dv = still_.data()}, static_cast<int>(r)) /
-                             reading_unit(out_.controllers[static_cast<std::size_t>(r)].element);
+      const int by = out_.controllers[static_cast<std::size_t>(r)].element;
+      by_references.col(r) =
+          decided_by({.dq = still_.data(), .dv = still_.data()}, static_cast<int>(r)) / reading_unit(by);
+      for (Index i = 0; i < q; ++i) {
+        const int element = late_[static_cast<std::size_t>(i)].element;
+        late_by_references(i, r) = decided_along(element, along_reference(by)) / reading_unit(by);
+      }
     }
+    refuse_late_unless_sampled(late_by_states(Eigen::all, free), late_by_states(Eigen::all, given));
+
+    // All is linear in the states of the samples and the references.
+    struct Late {
+      Index first, passed;  // of its states; n
+      double part;          // p
+    };
+    std::vector<Late> late;
+    Index count = f;
+    for (const DelayedControl& one : late_) {
+      constexpr double whole_within = 1e-9;  // of a period
+      const double periods = one.delay / out_.period;
+      const double passed = std::floor(periods + whole_within);
+      late.push_back({count, static_cast<Index>(passed), periods - passed > whole_within ? periods - passed : 0.0});
+      count += static_cast<Index>(passed) + 1;
+    }
+    const MatrixXd all = MatrixXd::Identity(count + m, count + m);
+    const auto of_references = all.bottomRows(m);
+    MatrixXd x = all.topRows(f), before(q, count + m);
+    for (Index i = 0; i < q; ++i)
+      before.row(i) = all.row(late[static_cast<std::size_t>(i)].first + late[static_cast<std::size_t>(i)].passed);
+    const MatrixXd decided =
+        by_states(Eigen::all, free) * x + by_states(Eigen::all, given) * before + by_references * of_references;
+    const MatrixXd delayed = late_by_states(Eigen::all, held) * decided + late_by_references * of_references;
+    const auto given_at = [&](double part) {
+      MatrixXd out = before;
+      for (Index i = 0; i < q; ++i) {
+        const Late& one = late[static_cast<std::size_t>(i)];
+        if (part < one.part) continue;
+        out.row(i) = one.passed == 0 ? delayed.row(i) : all.row(one.first + one.passed - 1);
+      }
+      return out;
+    };
+    const MatrixXd outputs = loop.c(Eigen::all, free) * x + loop.c(Eigen::all, held) * decided +
+                             loop.c(Eigen::all, given) * given_at(0.0) + loop.d * of_references;
+    std::vector<double> parts{0.0, 1.0};
+    for (const Late& one : late) parts.push_back(one.part);
+    std::sort(parts.begin(), parts.end());
+    MatrixXd rates = MatrixXd::Zero(n + m, n + m);
     rates.topLeftCorner(n, n) = loop.a;
     rates.topRightCorner(n, m) = loop.b;
-    const MatrixXd step = (rates * out_.period).exp();
     const auto last = Eigen::seqN(n, m);
-    const MatrixXd from_held = step(free, held), c_held = loop.c(Eigen::all, held);
-    loop.a = step(free, free) + from_held * by_states;
-    loop.b = step(free, last) + from_held * by_references;
-    loop.c = (loop.c(Eigen::all, free) + c_held * by_states).eval();
-    loop.d += c_held * by_references;
+    for (std::size_t p = 0; p + 1 < parts.size(); ++p) {
+      if (parts[p] == parts[p + 1]) continue;
+      const MatrixXd step = (rates * (out_.period * (parts[p + 1] - parts[p]))).exp();
+      x = (step(free, free) * x + step(free, held) * decided + step(free, given) * given_at(parts[p]) +
+           step(free, last) * of_references)
+              .eval();
+    }
+    MatrixXd next(count, count + m);
+    next.topRows(f) = x;
     std::vector<std::string> names;
     for (const Index i : free) names.push_back(loop.states[static_cast<std::size_t>(i)]);
+    for (Index i = 0; i < q; ++i) {
+      const Late& one = late[static_cast<std::size_t>(i)];
+      next.row(one.first) = delayed.row(i);
+      next.middleRows(one.first + 1, one.passed) = all.middleRows(one.first, one.passed);
+      for (Index s = 0; s <= one.passed; ++s) {
+        names.push_back(fmt::format("{} {} before", name_of(late_[static_cast<std::size_t>(i)].element), s + 1));
+      }
+    }
+    loop.a = next.leftCols(count);
+    loop.b = next.rightCols(m);
+    loop.c = outputs.leftCols(count);
+    loop.d = outputs.rightCols(m);
     loop.states = std::move(names);
+  }
+
+  /// Throws InputError where what is delayed changes between samples, by states or by what delays give.
+  void refuse_late_unless_sampled(const MatrixXd& by_states, const MatrixXd& by_given) const {
+    for (std::size_t i = 0; i < late_.size(); ++i) {
+      const auto row = static_cast<Index>(i);
+      if (by_states.row(row).isZero(0.0) && by_given.row(row).isZero(0.0)) continue;
+      const Element& one = scene_.elements[static_cast<std::size_t>(late_[i].element)];
+      throw InputError(fmt::format(
+          "{}:{}: controller \"{}\".delay: the linear system of samples beside a delay of what changes between them is "
+          "not known; expected one that follows a controller with a period, or a scene without periods",
+          scene_.file, one.line, one.name));
+    }
   }
 
   /// What a controller decides along a change, SI.
@@ -770,8 +854,9 @@ class LoopAtRest {
   std::size_t of_mechanism_ = 0;
   std::vector<char> unknown_is_rate_;  // of each independent coordinate: at rest its rate is looked for, not its place
   std::vector<double> z_, w_;
-  MatrixXd free_rates_, rates_;  // N of the rates w = N u, and of all coordinates B N
-  std::vector<double> still_;    // a direction in which no coordinate moves
+  MatrixXd free_rates_, rates_;       // N of the rates w = N u, and of all coordinates B N
+  std::vector<double> still_;         // a direction in which no coordinate moves
+  std::vector<DelayedControl> late_;  // beside samples
   ControlLoop out_;
 };
 

@@ -50,8 +50,9 @@ struct ControlLoop {
   /// coordinates, each with its rate, less their values at the equilibrium, then the states of controllers. Of the
   /// rates blades leave fewer, w = N u, of which the others are no states. With samples it is  x(k+1) = A x(k) + B
   /// u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision of the controllers: exact for references
-  /// that are constant in between. With delays what controllers give by them is an input each behind the references, d,
-  /// and what they decide an output each behind the others, e: the loop is closed by  d(t) = e(t - T).
+  /// that are constant in between; behind delays x has what was decided so many samples before, too. Without samples,
+  /// with delays what controllers give by them is an input each behind the references, d, and what they decide an output
+  /// each behind the others, e: the loop is closed by  d(t) = e(t - T).
   StateSpace closed;
   /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
@@ -88,7 +89,7 @@ std::string_view what_keeps(const Scene& scene);
 /// each other in a circle. Drives that stand still hold their measures; how far one has moved whose acceleration a
 /// controller sets is a coordinate of the mechanism, and so is its rate. Throws InputError for scenes with dry friction
 /// or drives that move by themselves, for drives that controllers set beside blades, for periods that differ, and for
-/// periods beside delays.
+/// periods beside delays of what is not sampled.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
 }  // namespace poise

@@ -483,6 +483,44 @@ TEST(Delays, DerivativesBySeveralDelays) {
   EXPECT_NE(said.find("where what comes back behind several of them meets"), std::string::npos) << said;
 }
 
+// A computer decides at samples and acts later: places at samples satisfy the polynomial of the poles z.
+TEST(Delays, PolesOfSamplesThatActLateAreThoseOfTheMotion) {
+  const double period = 0.1;
+  for (const double delay : {0.03, 0.1, 0.17, 0.2, 0.25}) {
+    const std::string text = blocks(
+        fmt::format("reads = \"nothing\"\nfollows = \"D\"\nproportional = 0.9\ndelay = {}\n[[controller]]\n"
+                    "name = \"D\"\nreads = {{ slide = \"x\" }}\nproportional = 3\nderivative = 4\nintegral = 0.5\n"
+                    "period = {}\n[[damper]]\nname = \"R\"\nslide = \"x\"\ncoefficient = 0.7\n",
+                    delay, period));
+    const ControlLoop loop = loop_of(parse_scene(text, "blocks.toml"));
+    ASSERT_TRUE(loop.known) << loop.why;
+    // Of x, its rate and the integral; of the other block; and of what is on the way.
+    ASSERT_EQ(loop.poles.size(), 5 + static_cast<std::size_t>(std::floor(delay / period + 1e-9)) + 1) << delay;
+    std::vector<Complex> polynomial{1.0};
+    for (const Complex& z : loop.poles) {
+      polynomial.push_back(0.0);
+      for (std::size_t i = polynomial.size() - 1; i > 0; --i) polynomial[i] -= z * polynomial[i - 1];
+    }
+    const std::size_t degree = polynomial.size() - 1;
+    std::vector<double> times;
+    for (std::size_t k = 1; k <= degree + 6; ++k) times.push_back(period * static_cast<double>(k));
+    const Course found = course(text, times, {.places = {{"x", 0.3}}, .rates = {{"x", -0.4}}});
+    for (std::size_t k = 0; k < 6; ++k) {
+      Complex sum = 0.0;
+      double terms = 0.0;
+      for (std::size_t i = 0; i <= degree; ++i) {
+        sum += polynomial[degree - i] * found.place(k + i);
+        terms += std::abs(polynomial[degree - i] * found.place(k + i));
+      }
+      EXPECT_LT(std::abs(sum), 1e-9 * terms) << delay << " " << k;
+    }
+  }
+  const std::string late = blocks(
+      "proportional = 1\ndelay = 0.1\n[[controller]]\nname = \"D\"\nslide = \"x\"\nproportional = 1\nperiod = 0.1");
+  EXPECT_NE(test::message_of([&] { loop_of(parse_scene(late, "blocks.toml")); }).find("of what changes between them"),
+            std::string::npos);
+}
+
 // What samples decide acts after a delay.
 TEST(Delays, DerivativesOfSamplesThatActLateAreThoseOfMotions) {
   expect_derivatives(
