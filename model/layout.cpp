@@ -762,10 +762,13 @@ class Builder {
     }
   }
 
-  // Coordinates of which the scene says nothing, because joints are cut, as the scene starts without their friction.
+  // Coordinates of which the scene says nothing, because joints are cut, as the scene starts without that.
   void guess_what_is_cut() {
     Scene whole = scene_;
     for (Joint& joint : whole.joints) joint.friction.reset();
+    for (Element& element : whole.elements) {
+      if (element.feedback) element.feedback->reads_joint = -1;
+    }
     const Layout of_whole = Builder(whole, purpose_, {}).build();
     const auto start_of = [](const Layout& layout, int coordinate) {
       return coordinate < 0 ? 0.0 : layout.coordinates[static_cast<std::size_t>(coordinate)].start;

@@ -178,8 +178,9 @@ void MovedItems::transform(std::string_view key, toml::table& table, const TomlT
       if (toml::table* const reads = table_in(table, "reads")) {
         transform_measure(*reads);
         name_in(*reads, "controller", &MovedItems::name_element);
+        name_in(*reads, "force", &MovedItems::name_element);
+        name_in(*reads, "reaction", &MovedItems::name_joint);
         const std::string* const along = text_in(*reads, "along");
-        name_in(*reads, "force", along != nullptr ? &MovedItems::name_joint : &MovedItems::name_element);
         if (along != nullptr && ((mirrored_ && *along == "y") || !angle_.is(0.0))) {
           place.find_table("reads")->place_of("along").fail(
               "expected what is neither turned nor mirrored: the controller reads a force along an axis of the world");

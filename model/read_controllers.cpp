@@ -194,7 +194,7 @@ void ControllerReader::read_sources(const One& one) {
       if (!word || word->value != "nothing") {
         table.place_of("reads").fail(
             "expected the table of a measure, say reads = { bodies = [\"ground\", \"arm\"] }, one with the key "
-            "controller or force, or \"nothing\"");
+            "controller, force or reaction, or \"nothing\"");
       }
       feedback.source = Feedback::Source::nothing;
     } else if (const TomlTable reads = *table.find_table("reads"); reads.has("controller")) {
@@ -202,9 +202,13 @@ void ControllerReader::read_sources(const One& one) {
       feedback.source = Feedback::Source::controller;
       feedback.reads_from = other(one, reads.text("controller"));
     } else if (reads.has("force")) {
-      reads.allow_keys({"force", "along"});
+      reads.allow_keys({"force"});
       feedback.source = Feedback::Source::force;
-      read_force(reads, feedback);
+      read_force(reads.text("force"), feedback);
+    } else if (reads.has("reaction")) {
+      reads.allow_keys({"reaction", "along"});
+      feedback.source = Feedback::Source::force;
+      read_reaction(reads, feedback);
     } else {
       MeasureKeys measures = all_measures();
       std::erase(measures, "sum");
@@ -223,9 +227,8 @@ void ControllerReader::read_sources(const One& one) {
   }
 }
 
-/// The element, joint or drive whose force is read.
-void ControllerReader::read_force(const TomlTable& reads, Feedback& feedback) const {
-  const TomlText name = reads.text("force");
+/// The element or drive whose force is read.
+void ControllerReader::read_force(const TomlText& name, Feedback& feedback) const {
   std::vector<std::string> names, families;
   const auto find = [&](const std::string& candidate, const std::string& family, int& index, std::size_t k) {
     names.push_back(candidate);
@@ -235,28 +238,38 @@ void ControllerReader::read_force(const TomlTable& reads, Feedback& feedback) co
   };
   for (std::size_t e = 0; e < scene_.elements.size(); ++e) {
     const Element& candidate = scene_.elements[e];
-    if (!candidate.feedback && !sticks(candidate.law))
-      find(candidate.name, candidate.family(), feedback.reads_force, e);
-  }
-  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
-    const Joint& joint = scene_.joints[j];
-    if (!joint.keeps_length()) find(joint.name, std::string(joint.traits().key), feedback.reads_joint, j);
+    if (candidate.feedback || sticks(candidate.law)) continue;
+    find(candidate.name, candidate.family(), feedback.reads_force, e);
   }
   for (std::size_t d = 0; d < scene_.drives.size(); ++d) find(scene_.drives[d].name, "drive", feedback.reads_drive, d);
   if (families.size() > 1) {
-    name.place.fail(fmt::format("expected a name that one of them has, found \"{}\", that of a {} and a {}; rename one",
+    name.place.fail(fmt::format("expected a name that one element has, found \"{}\", that of a {} and a {}; rename one",
                                 name.value, families[0], families[1]));
   }
   if (families.empty()) {
     name.place.fail(fmt::format(
-        "expected the name of a joint but a bar, a drive, or an element whose force follows from places and rates, "
-        "found \"{}\"{}",
-        name.value, did_you_mean_or_list(name.value, names)));
+        "expected the name of a spring, a damper or another element whose force follows from places and rates, or of a "
+        "drive, found \"{}\"; they are {}",
+        name.value, names.empty() ? "none" : fmt::format("\"{}\"", fmt::join(names, "\", \""))));
   }
-  if (feedback.reads_joint < 0) return reads.allow_keys({"force"});
-  const TomlText along = reads.text("along");
-  if (along.value != "x" && along.value != "y")
-    along.place.fail("expected \"x\" or \"y\", found \"" + along.value + "\"");
+}
+
+/// The joint whose reaction is read, and along which axis.
+void ControllerReader::read_reaction(const TomlTable& reads, Feedback& feedback) const {
+  const TomlText name = reads.text("reaction"), along = reads.text("along");
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    if (scene_.joints[j].keeps_length()) continue;
+    names.push_back(scene_.joints[j].name);
+    if (scene_.joints[j].name == name.value) feedback.reads_joint = static_cast<int>(j);
+  }
+  if (feedback.reads_joint < 0) {
+    name.place.fail(fmt::format("expected the name of a pin, a slide, a pin in a slot or a weld, found \"{}\"{}",
+                                name.value, did_you_mean_or_list(name.value, names)));
+  }
+  if (along.value != "x" && along.value != "y") {
+    along.place.fail(fmt::format("expected \"x\" or \"y\", found \"{}\"", along.value));
+  }
   feedback.along = along.value == "x" ? 0 : 1;
 }
 

@@ -30,7 +30,8 @@ class ControllerReader {
   Element& element(const One& one) { return scene_.elements[static_cast<std::size_t>(one.element)]; }
   int other(const One& one, const TomlText& name) const;
   void read_sources(const One& one);
-  void read_force(const TomlTable& reads, Feedback& feedback) const;
+  void read_force(const TomlText& name, Feedback& feedback) const;
+  void read_reaction(const TomlTable& reads, Feedback& feedback) const;
   void refuse_at_once(const One& one) const;
   void read_set_number(const One& one);
   void refuse_loops() const;

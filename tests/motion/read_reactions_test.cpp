@@ -84,7 +84,7 @@ TEST(ReadReactions, AnIntegralOfTheForceOfAJointIsTheMomentum) {
            {"", "friction = { torque = 0.05 }\n", "friction = { coefficient = 0.3, radius = 0.02 }\n"}) {
         const std::string law = fmt::format("reference = {}\nintegral = {}\n", r, k);
         const Scene scene = parse_scene(
-            pendulums(cell(fmt::format("force = \"hook\", along = \"{}\"", is_x ? "x" : "y"), law, on), friction),
+            pendulums(cell(fmt::format("reaction = \"hook\", along = \"{}\"", is_x ? "x" : "y"), law, on), friction),
             "cell.toml");
         const MotionModel model(scene);
         for (const double t : {0.4, 1.3}) {
@@ -119,17 +119,17 @@ acceleration = 0.8
   EXPECT_NEAR(-value_at_end(scene, model, motion, "force.cell"), -2 * (gained - begun), 1e-8);
 }
 
-// What is read has the sign of force.hook.x, the force on the body of the joint's second point.
+// What is read has the sign of reaction.hook.x, the force on the body of the joint's second point.
 TEST(ReadReactions, SamplesAreThoseOfTheForce) {
   const double period = 0.1, kp = 0.4, r = 1.0;
   const Scene scene =
-      parse_scene(pendulums(cell("force = \"hook\", along = \"x\"",
+      parse_scene(pendulums(cell("reaction = \"hook\", along = \"x\"",
                                  fmt::format("reference = {}\nproportional = {}\nperiod = {}\n", r, kp, period))),
                   "cell.toml");
   const MotionModel model(scene);
   const Motion motion = test::moved(model, test::released(model, swung), 1.05, 1e-12);
   QuantitiesAlong along(scene, model, motion);
-  const SoughtQuantity hook = find_quantity(scene, "force.hook.x", AskedOf::motion);
+  const SoughtQuantity hook = find_quantity(scene, "reaction.hook.x", AskedOf::motion);
   const SoughtQuantity effort = find_quantity(scene, "force.cell", AskedOf::motion);
   for (int k = 0; k <= 10; ++k) {
     const double read = along.value(hook, k * period);
@@ -150,10 +150,10 @@ TEST(ReadReactions, DerivativesAreThoseOfMotions) {
     if (law.find("integral") != std::string::npos) all.emplace_back("controller.cell.integral");
     if (law.find("proportional") != std::string::npos) all.emplace_back("controller.cell.proportional");
     if (law.find("transfer") != std::string::npos) all.emplace_back("controller.cell.transfer.denominator.1");
-    const Scene scene =
-        parse_scene(pendulums(spring + cell("force = \"hook\", along = \"x\"", law, "bodies = [\"ground\", \"upper\"]"),
-                              "friction = { coefficient = 0.2, radius = 0.05 }\n"),
-                    "cell.toml");
+    const Scene scene = parse_scene(
+        pendulums(spring + cell("reaction = \"hook\", along = \"x\"", law, "bodies = [\"ground\", \"upper\"]"),
+                  "friction = { coefficient = 0.2, radius = 0.05 }\n"),
+        "cell.toml");
     SCOPED_TRACE(law);
     test::expect_derivatives(scene, test::released(MotionModel(scene), swung), all, {"upper", "lower"}, 0.8);
   }
@@ -193,7 +193,7 @@ coefficient = {}
 [[controller]]
 name = "cell"
 slide = "x"
-reads = {{ force = "hook", along = "x" }}
+reads = {{ reaction = "hook", along = "x" }}
 integral = {}
 )",
                                               M, m, -l, k, c, ki),
@@ -229,18 +229,18 @@ TEST(ReadReactions, BadInputIsNamed) {
   const auto has = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
-  has(said("force = \"hook\"", "integral = 1\n"), "along");
-  has(said("force = \"hook\", along = \"z\"", "integral = 1\n"), "expected \"x\" or \"y\"");
-  has(said("force = \"hok\", along = \"x\"", "integral = 1\n"), "did you mean \"hook\"");
-  has(said("force = \"hook\", along = \"x\"", "proportional = 1\n"), "give this one a period");
-  has(said("force = \"hook\", along = \"x\"", "integral = 1\ndead_band = 1\n"), "dead_band");
-  has(said("force = \"hook\", along = \"x\"", "integral = 1\ndelay = 1\n"), "delay");
+  has(said("reaction = \"hook\"", "integral = 1\n"), "along");
+  has(said("reaction = \"hook\", along = \"z\"", "integral = 1\n"), "expected \"x\" or \"y\"");
+  has(said("reaction = \"hok\", along = \"x\"", "integral = 1\n"), "did you mean \"hook\"");
+  has(said("reaction = \"hook\", along = \"x\"", "proportional = 1\n"), "give this one a period");
+  has(said("reaction = \"hook\", along = \"x\"", "integral = 1\ndead_band = 1\n"), "dead_band");
+  has(said("reaction = \"hook\", along = \"x\"", "integral = 1\ndelay = 1\n"), "delay");
   const std::string stop = "[[stop]]\nname = \"wall\"\nslide = \"rail\"\nmax = 1\n";
   const Scene scene =
-      parse_scene(pendulums(cell("force = \"hook\", along = \"x\"", "integral = 1\n") + stop), "cell.toml");
+      parse_scene(pendulums(cell("reaction = \"hook\", along = \"x\"", "integral = 1\n") + stop), "cell.toml");
   const MotionModel model(scene);
   has(test::message_of([&] { test::moved(model, test::released(model, swung), 0.1); }), "an impact makes the force");
-  const Scene twice = parse_scene(pendulums(cell("force = \"hook\", along = \"x\"", "integral = 1\n") +
+  const Scene twice = parse_scene(pendulums(cell("reaction = \"hook\", along = \"x\"", "integral = 1\n") +
                                             "[[pin]]\nname = \"again\"\npoints = [\"ground.O\", \"upper.a\"]\n"),
                                   "cell.toml");
   const MotionModel redundant(twice);
@@ -280,7 +280,8 @@ TEST(ReadReactions, RandomChainsHaveTheirMomentum) {
     const bool is_x = random() % 2 == 0;
     const double k = 2 * one(random);
     more += fmt::format(
-        "[[controller]]\nname = \"cell\"\nbodies = [\"ground\", \"b0\"]\nreads = {{ force = \"p0\", along = \"{}\" }}\n"
+        "[[controller]]\nname = \"cell\"\nbodies = [\"ground\", \"b0\"]\nreads = {{ reaction = \"p0\", along = \"{}\" "
+        "}}\n"
         "integral = {}\n",
         is_x ? "x" : "y", k);
     const Scene scene = parse_scene(text + joints + more, "chain.toml");
