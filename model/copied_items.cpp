@@ -436,9 +436,17 @@ void CopiedItems::write_start(const CopiedSelection& selection) {
     guessed.insert(scene_.bodies[static_cast<std::size_t>(joint.a.body)].name);
     guessed.insert(scene_.bodies[static_cast<std::size_t>(joint.b.body)].name);
   }
-  for (const std::string& body : selection.bodies) {
-    if (is_turned() && !guessed.contains(body))
-      start.emplace_back(body_names_[body], text_of(toml::value(angle_.value), nullptr));
+  const auto turn_with_others = [&](const std::string& body) {
+    const auto copied = body_names_.find(body);
+    if (copied == body_names_.end() || !is_turned() || guessed.contains(body)) return;
+    start.emplace_back(copied->second, text_of(toml::value(angle_.value), nullptr));
+  };
+  for (const std::string& body : selection.bodies) turn_with_others(body);
+  for (const CopiedSelection::Item& item : selection.items) {
+    for (const std::string& derived : item.derived) {
+      const auto is_it = [&](const Body& body) { return body.name == derived; };
+      if (std::any_of(scene_.bodies.begin(), scene_.bodies.end(), is_it)) turn_with_others(derived);
+    }
   }
   const toml::table* const places = written != nullptr ? (*written)["position"].as_table() : nullptr;
   if (places == nullptr) return;

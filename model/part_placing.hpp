@@ -140,6 +140,7 @@ class Placing : private MovedItems {
   // Bodies, under their names in the scene, that no slides and welds keep at an angle to a guess or to the ground:
   // their guess is 0 in the part.
   std::vector<std::string> free_bodies(const std::set<std::string>& guessed);
+  std::vector<std::string> lines_of_centres();
 
   // The ground of the part as a body of the scene, where anything is fixed in it.
   void add_ground(const TomlTable& root);

@@ -202,7 +202,27 @@ void Placing::add_start(const TomlTable& root) {
     }
   }
   if (angle.is(0.0)) return;
+  for (const std::string& line : lines_of_centres()) {
+    if (std::none_of(guessed.begin(), guessed.end(), [&](const std::string& key) { return named(key) == line; }))
+      guess(toml::key(line), angle);
+  }
   for (const std::string& body : free_bodies(guessed)) guess(toml::key(body), angle);
+}
+
+/// The bodies that couplings add, which turn as lines between centres do.
+std::vector<std::string> Placing::lines_of_centres() {
+  std::vector<std::string> out;
+  for (const auto& [kind, behind] :
+       {std::pair("circular_slot", ""), std::pair("rolling_on_circle", ""),
+        std::pair("rolling_profile_on_circle", " radius"), std::pair("curve_contact", " line")}) {
+    for (toml::table* const table : tables_in(part_.document, kind)) {
+      const std::string* const name = text_in(*table, "name");
+      const bool has_line =
+          std::string_view(kind) != "circular_slot" || table->contains("from") || table->contains("to");
+      if (name != nullptr && has_line) out.push_back(*name + behind);
+    }
+  }
+  return out;
 }
 
 Amount Placing::unit_of_length() const {

@@ -28,7 +28,7 @@ void Placing::rename_below(toml::node& node, std::string_view key) const {
                          "y",     "pin",   "center", "carrier", "pinion",        "wheel",
                          "line",  "a",     "b",      "pulley",  "turn",          "roller",
                          "acts",  "law",   "file",   "profile", "interpolation", "as",
-                         "point", "reads", "sets"})) {
+                         "point", "reads", "sets",   "against", "stribeck"})) {
       rename(*text, key == FormulaInTime::key ? FormulaInTime::time_name : std::string_view());
     }
   } else if (toml::array* const list = node.as_array()) {

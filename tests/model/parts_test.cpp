@@ -23,6 +23,7 @@
 #include "motion/equilibrium_pose.hpp"
 #include "motion/modes.hpp"
 #include "motion/motion_model.hpp"
+#include "motion/simulate.hpp"
 #include "statics/equilibrium/equilibrium.hpp"
 #include "statics/sensitivity/sensitivity.hpp"
 #include "tests/app/run_poise.hpp"
@@ -485,6 +486,75 @@ TEST(Parts, MirroredPartsHaveTheSameNumbersEach) {
       EXPECT_EQ(get_value(scene, fmt::format("point.p_{}.fall.a.x", k)), 0.25) << k << " of " << count;
     }
   }
+}
+
+// What couplings add to a scene begins where the part has it, too: lines between centres.
+TEST(Parts, LinesOfCentresAreTurnedWithThePart) {
+  TempFolder folder;
+  folder.write("roll.toml", R"(
+[ground]
+points = { O = [0, 0] }
+[body.wheel]
+points = { C = [0, 0], P = [1, 0] }
+mass = 1
+inertia = 0.5
+[[rolling_on_circle]]
+name = "rl"
+wheel = "wheel.C"
+center = "ground.O"
+radius = 1
+circle_radius = 2
+[start]
+position = { wheel = [3, 0] }
+)");
+  for (const bool mirrored : {false, true}) {
+    const Scene scene =
+        parse_scene(fmt::format("[[part]]\nname = \"q\"\nfile = \"roll.toml\"\nangle = 3\nmirror = {}\n", mirrored),
+                    folder.path("turned.toml").string());
+    const MotionModel model(scene);
+    const std::vector<double> q = start_motion(model, {}).q;
+    const Vec2 at = model.poses(model.from_si(q))[static_cast<std::size_t>(body_named(scene, "q.wheel"))].origin;
+    EXPECT_NEAR(at.x * model.scales().length, 3 * std::cos(3.0), 1e-9) << mirrored;
+    EXPECT_NEAR(at.y * model.scales().length, 3 * std::sin(3.0), 1e-9) << mirrored;
+  }
+}
+
+// A contact of curves names points and not numbers of the file, as does the word of a law.
+TEST(Parts, NamesOfAPartAreNoExpressions) {
+  TempFolder folder;
+  folder.write("egg.toml", R"(
+[ground]
+points = { O = [0, 0] }
+[body.ball]
+points = { C = [0, 0] }
+mass = 1
+inertia = 0.1
+[body.egg]
+points = { C = [0, 0] }
+mass = 1
+inertia = 0.1
+[[pin]]
+points = ["ground.O", "egg.C"]
+[[curve_contact]]
+name = "cc"
+at = "ball.C"
+curve = [[0.8, 0], [0, 0.8], [-0.8, 0], [0, -0.8]]
+against = "egg.C"
+against_curve = [[1.4, 0], [0, 1.0], [-1.4, 0], [0, -1.0]]
+[[friction]]
+name = "rub"
+bodies = ["ground", "egg"]
+force = 1
+static = 2
+stribeck_rate = 0.1
+stribeck = "hyperbolic"
+[start]
+position = { ball = [0.1, 2] }
+)");
+  const Scene scene = parse_scene("[[part]]\nname = \"p\"\nfile = \"egg.toml\"\n", folder.path("scene.toml").string());
+  EXPECT_EQ(scene.elements.size(), 1U);
+  EXPECT_TRUE(std::any_of(scene.stops.begin(), scene.stops.end(),
+                          [](const Stop& one) { return one.table.starts_with("curve_contact"); }));
 }
 
 // --- places that are expressions -------------------------------------------------------------------------------------
