@@ -5,6 +5,15 @@
 #include "motion/motion_input_impl.hpp"
 
 namespace poise {
+namespace {
+
+VariedModel::Dual dual(double value, double by) {
+  VariedModel::Dual out(value);
+  out.v[0] = by;
+  return out;
+}
+
+}  // namespace
 
 Decisions::Decisions(const MotionModel& model, const std::vector<Variation>& variations,
                      const std::vector<Influence>& influences)
@@ -27,18 +36,18 @@ void Decisions::change(ReducedMotion<double>& motion, double t, std::span<const 
     forces.set_inputs(varied->numbers(), motion.inputs());
     forces.set(t, std::isnan(motion.near()) ? t : motion.near());
     std::vector<Dual> q, rates;
-    for (std::size_t i = 0; i < dq.size(); ++i) q.emplace_back(motion.q()[i], dq[i]);
+    for (std::size_t i = 0; i < dq.size(); ++i) q.push_back(dual(motion.q()[i], dq[i]));
     std::vector<Planar<Dual>> pose(static_cast<std::size_t>(m.pose_size()));
     m.place(q.data(), pose.data());
     std::vector<Dual> reactions;
     for (std::size_t e = 0; e < reactions_by.size(); ++e) {
-      reactions.emplace_back(motion.forces_in_time().reactions[e], reactions_by[e]);
+      reactions.push_back(dual(motion.forces_in_time().reactions[e], reactions_by[e]));
     }
     if (!reactions.empty()) forces.set_reactions(reactions.data());
     const ForcesInTime<Dual> in_time = forces.in_time();
     for (std::size_t k = 0; k < elements.size(); ++k) {
       rates.clear();
-      for (std::size_t i = 0; i < v.size(); ++i) rates.emplace_back(v[i], change[i]);
+      for (std::size_t i = 0; i < v.size(); ++i) rates.push_back(dual(v[i], change[i]));
       const auto& law = *controller_of(law_in_time(m, in_time, elements[k]));
       const std::array<Dual, 3> decided =
           in_si(law.decide(m.signals_of(elements[k], pose.data(), rates.data(), in_time)), law.effort_unit);

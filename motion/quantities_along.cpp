@@ -744,8 +744,9 @@ ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector
     const bool has_left = k > 0 && times[k - 1] < times[k], has_right = k + 1 < times.size() && times[k] < times[k + 1];
     const double left = has_left ? fall(k - 1, k) : 0.0, right = has_right ? fall(k + 1, k) : 0.0;
     if (left < 0.0 || right < 0.0) continue;
-    // A parabola through the three falls below the middle one by less than the larger difference.
-    if (sign * values[k] - std::max(left, right) > sign * found.value) continue;
+    // A parabola through the three falls below the middle one by less than the larger difference; where both are zero, as
+    // of the force of a spring that is slack, not at all.
+    if (sign * values[k] - std::max(left, right) >= sign * found.value) continue;
     if (has_left) refine(k - 1);
     if (has_right) refine(k);
   }

@@ -117,7 +117,8 @@ TEST_F(FittedRig, SaysWhatTheFitDoesNotDetermine) {
   const json solved = result({"solve", scene_, "--with", fit(mass), "--show", "reaction.O"}, 1);
   EXPECT_FALSE(named(solved, "reaction.O")["not_determined"].is_null()) << "a common factor of all forces moves it";
   EXPECT_TRUE(named(solved, "angle.left")["not_determined"].is_null()) << "it does not move the angle";
-  EXPECT_TRUE(has(text_, "reaction.O is not determined by this fit: ")) << text_;
+  const auto direction = named(solved, "reaction.O")["not_determined"].get<std::string>();
+  EXPECT_TRUE(has(text_, "reaction.O is not determined by this fit: " + direction.substr(0, 6))) << text_;
   EXPECT_TRUE(named(solved, "reaction.O")["low"].is_null());
 }
 

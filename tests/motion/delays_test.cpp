@@ -407,7 +407,7 @@ void expect_derivatives(const std::string& tables, const std::vector<std::string
 TEST(Delays, DerivativesAreThoseOfMotions) {
   expect_derivatives("proportional = 3\nderivative = 1.5\nintegral = 0.7\ndelay = 0.25",
                      {"controller.C.proportional", "controller.C.derivative", "controller.C.integral",
-                      "controller.C.reference", "controller.C.delay"},
+                      "controller.C.reference", "controller.C.delay", "body.block.mass"},
                      1.6);
   expect_derivatives(
       "proportional = 6\nderivative = 2\nfilter = 0.1\nmin = -1.5\nmax = 1.2\ndelay = 0.2\n"
@@ -452,7 +452,7 @@ TEST(Delays, DerivativesByADelayOfSeveralPeriods) {
   expect_derivatives(
       "reads = \"nothing\"\nfollows = \"D\"\nproportional = 1\ndelay = 0.2\n[[controller]]\nname = \"D\"\n"
       "reads = { slide = \"x\" }\nproportional = 3\nreference = 0.6\nperiod = 0.1",
-      {"controller.C.delay", "controller.D.proportional"}, 1.73);
+      {"controller.C.delay", "controller.D.proportional", "body.block.mass"}, 1.73);
 }
 
 // What comes back moves with those of several delays that it has passed: those of controllers side by side, of delays

@@ -142,7 +142,7 @@ TEST(ReadReactions, SamplesAreThoseOfTheForce) {
 }
 
 TEST(ReadReactions, DerivativesAreThoseOfMotions) {
-  const std::vector<std::string> numbers{"controller.cell.reference", "point.lower.P.y", "body.upper.mass",
+  const std::vector<std::string> numbers{"controller.cell.reference", "body.lower.center.y", "body.upper.mass",
                                          "torsion_spring.S.stiffness", "pin.hook.friction.coefficient"};
   const std::string spring =
       "[[torsion_spring]]\nname = \"S\"\nbodies = [\"upper\", \"lower\"]\nstiffness = 2\nfree_angle = 0.2\n";

@@ -3,23 +3,39 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 
 #include <gtest/gtest.h>
 
 #include "model/parameters.hpp"
+#include "model/varying_numbers.hpp"
 #include "tests/support/motions.hpp"
 
 namespace poise::test {
 
 void expect_derivatives(const Scene& scene, const MotionState& start, const std::vector<std::string>& paths,
                         const std::vector<std::string>& coordinates, double duration, double within) {
-  const MotionModel model(scene);
+  const auto varying = [&](const std::string& path) {
+    const Owner owner = parameter(scene, path).place.owner;
+    const bool is_of_load = owner == Owner::force || owner == Owner::torque;
+    return owner != Owner::drive && owner != Owner::element && !is_of_load;
+  };
+  std::vector<ParameterPlace> rows;
+  for (const std::string& path : paths) {
+    if (varying(path)) rows.push_back(parameter(scene, path).place);
+  }
+  const auto shared =
+      std::make_shared<const MotionModel>(scene, MotionModel(scene).scales(), VaryingNumbers(scene, rows));
+  const MotionModel& model = *shared;
   MotionOptions options{.duration = duration, .accuracy = 1e-12, .sensitivities = true};
   for (const std::string& path : paths) {
     const ParameterRow row = parameter(scene, path);
     Influence influence;
     influence.by = row.dimension.per_scale(model.scales());
-    if (row.place.owner == Owner::drive) {
+    if (varying(path)) {
+      influence = {.variation = static_cast<int>(options.variations.size())};
+      options.variations.emplace_back(shared, row.place);
+    } else if (row.place.owner == Owner::drive) {
       influence.drive = row.place.item;
       influence.drive_number = row.place.number;
     } else {
