@@ -698,12 +698,25 @@ class LoopAtRest {
                                 law.has(Controller::dead_band) && std::abs(error) < law.values[Controller::dead_band]});
   }
 
+  /// Places of bodies behind joints whose forces are read have no name of their own in the layout.
+  std::string name_of_coordinate(int i) const {
+    const Layout& layout = model_.layout();
+    for (const Link& link : layout.links) {
+      for (const Arm& arm : link.arms) {
+        const bool is_it = link.parent == 0 && link.body >= 0 && arm.coordinate == i;
+        if (!is_it || !layout.coordinates[static_cast<std::size_t>(i)].name.empty()) continue;
+        return scene_.bodies[static_cast<std::size_t>(link.body)].name + (arm.arm.x != 0 ? ".x" : ".y");
+      }
+    }
+    return layout.coordinates[static_cast<std::size_t>(i)].name;
+  }
+
   std::vector<std::string> names_of(std::size_t count) const {
     std::vector<std::string> out;
     for (std::size_t k = 0; k < count; ++k) {
       const State& state = states_[k];
       const int i = reduced_.independent()[state.k];
-      const std::string& name = model_.layout().coordinates[static_cast<std::size_t>(i)].name;
+      const std::string name = name_of_coordinate(i);
       const bool is_rate = state.is_rate && (!state.of_controller || unknown_is_rate_[state.k] == 0);
       out.push_back(is_rate ? "d(" + name + ")/dt" : name);
     }

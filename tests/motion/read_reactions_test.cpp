@@ -218,6 +218,8 @@ integral = {}
     for (const std::complex<double>& one : expected) nearest = std::min(nearest, std::abs(pole - one));
     EXPECT_LT(nearest, 1e-8) << pole;
   }
+  EXPECT_TRUE(std::none_of(loop.closed.states.begin(), loop.closed.states.end(),
+                           [](const std::string& name) { return name.empty() || name == "d()/dt"; }));
   // The force that is read follows from places: R = -m g phi.
   const Eigen::RowVectorXd read = loop.closed.c.row(0);
   for (std::size_t i = 0; i < loop.closed.states.size(); ++i) {
