@@ -12,10 +12,12 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "model/controllers.hpp"
+#include "model/input_error.hpp"
 #include "motion/blades.hpp"
 #include "motion/controller_efforts.hpp"
 #include "motion/reduced_motion.hpp"
 #include "motion/samples.hpp"
+#include "motion/simulate.hpp"
 #include "solvers/delayed_system.hpp"
 #include "solvers/linear_algebra.hpp"
 
@@ -884,6 +886,18 @@ std::string_view what_keeps(const Scene& scene) {
 
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from) {
   return LoopAtRest(model, from).find();
+}
+
+std::optional<ControlLoop> loop_where_kept(const MotionModel& model) {
+  const std::string_view kept_by = what_keeps(model.scene());
+  if (kept_by.empty()) return std::nullopt;
+  try {
+    ControlLoop loop = control_loop(model, model.from_si(start_motion(model, {}).q));
+    if (loop.known || kept_by != "motors") return loop;
+  } catch (const InputError&) {
+    if (kept_by != "motors") throw;  // what the linear system does not know; without motors there is that of statics
+  }
+  return std::nullopt;
 }
 
 }  // namespace poise

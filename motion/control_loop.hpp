@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,8 +52,8 @@ struct ControlLoop {
   /// rates blades leave fewer, w = N u, of which the others are no states. With samples it is  x(k+1) = A x(k) + B
   /// u(k),  y(k) = C x(k) + D u(k)  at the times k period, behind the decision of the controllers: exact for references
   /// that are constant in between; behind delays x has what was decided so many samples before, too. Without samples,
-  /// with delays what controllers give by them is an input each behind the references, d, and what they decide an output
-  /// each behind the others, e: the loop is closed by  d(t) = e(t - T).
+  /// with delays what controllers give by them is an input each behind the references, d, and what they decide an
+  /// output each behind the others, e: the loop is closed by  d(t) = e(t - T).
   StateSpace closed;
   /// The mechanism alone: u are the efforts of the controllers that act on it, y what those read that read a measure.
   StateSpace open;
@@ -91,5 +92,9 @@ std::string_view what_keeps(const Scene& scene);
 /// or drives that move by themselves, for drives that controllers set beside blades, for periods that differ, and for
 /// periods beside delays of what is not sampled.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
+
+/// The same from where a scene that something keeps is assembled. Nothing where statics finds the equilibrium: of a
+/// scene that nothing keeps, or that motors turn and do not hold.
+std::optional<ControlLoop> loop_where_kept(const MotionModel& model);
 
 }  // namespace poise

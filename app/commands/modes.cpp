@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "app/commands/commands.hpp"
@@ -10,9 +12,7 @@
 #include "app/commands/session.hpp"
 #include "app/draw/modes_figure.hpp"
 #include "app/results/motion/control_loop.hpp"
-#include "model/controllers.hpp"
 #include "motion/equilibrium_pose.hpp"
-#include "motion/simulate.hpp"
 
 namespace poise::app {
 namespace {
@@ -22,40 +22,27 @@ struct ModesRequest {
   std::string seek = "settle";
 };
 
-/// With controllers or blades the equilibrium is the one that these keep, near the pose that is assembled.
-int run_control_loop(const ModesRequest& request, Scene scene, Progress& progress, const Palette& palette) {
-  if (request.seek != ModesRequest{}.seek) {
-    throw InputError(
-        "--seek: with a [[controller]] or a [[blade]] the equilibrium is sought from where the scene is assembled; "
-        "leave it out");
-  }
-  const MotionModel model(std::move(scene));
-  OutputFiles files(request.common);
-  progress.now("analysing the closed loop");
-  const ControlLoop loop = control_loop(model, model.from_si(start_motion(model, {}).q));
-  const Result result = control_loop_result(model, loop, request.common.settings);
-  return finish(request.common, result, &files, {}, loop.known, progress, palette);
-}
-
-/// Whether motors hold the scene somewhere, and nothing else of it asks for the equilibrium of statics.
-bool is_held_by_motors(const ModesRequest& request, const Scene& scene) {
-  if (what_keeps(scene) != "motors" || request.seek != ModesRequest{}.seek) return false;
-  const MotionModel model(scene);
-  try {
-    return control_loop(model, model.from_si(start_motion(model, {}).q)).known;
-  } catch (const InputError&) {
-    return false;  // what the linear system does not know, as dry friction
-  }
-}
-
 int run_modes(const ModesRequest& request, const Palette& palette) {
   SolveOptions options;
   options.seek = read_seek(request.seek);
   Progress progress(request.common.listener());
   progress.now("reading the scene");
   Scene scene = load_scene(request.common);
-  if (!controllers_of(scene).empty() || !scene.blades.empty() || is_held_by_motors(request, scene)) {
-    return run_control_loop(request, std::move(scene), progress, palette);
+  OutputFiles files(request.common);
+  const std::string_view kept_by = what_keeps(scene);
+  const bool is_sought = request.seek != ModesRequest{}.seek;
+  if (is_sought && !kept_by.empty() && kept_by != "motors") {
+    throw InputError(
+        "--seek: with a [[controller]] or a [[blade]] the equilibrium is sought from where the scene is assembled; "
+        "leave it out");
+  }
+  if (!kept_by.empty() && !is_sought) {
+    progress.now("analysing the closed loop");
+    const MotionModel model(scene);
+    if (const std::optional<ControlLoop> loop = loop_where_kept(model)) {
+      const Result result = control_loop_result(model, *loop, request.common.settings);
+      return finish(request.common, result, &files, {}, loop->known, progress, palette);
+    }
   }
   if (!request.common.csv.empty()) {
     throw InputError(
@@ -64,7 +51,6 @@ int run_modes(const ModesRequest& request, const Palette& palette) {
   }
   const StaticModel statics(std::move(scene));
   const MotionModel model(statics.scene());
-  OutputFiles files(request.common);
   options.interrupt = &request.common.interrupt();
 
   progress.now("looking for the equilibrium");

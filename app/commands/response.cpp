@@ -147,15 +147,7 @@ int run_response(const ResponseRequest& request, const Palette& palette) {
 
   progress.now("looking for the equilibrium");
   std::vector<double> x;
-  const bool by_motors = what_keeps(scene) == "motors";
-  if (!what_keeps(scene).empty()) {
-    try {
-      answer.loop = control_loop(model, model.from_si(start_motion(model, {}).q));
-    } catch (const InputError&) {
-      if (!by_motors) throw;  // what the linear system does not know; without motors there is that of statics
-    }
-    if (by_motors && answer.loop && !answer.loop->known) answer.loop.reset();
-  }
+  answer.loop = loop_where_kept(model);
   if (!answer.loop) {
     const StaticModel statics(scene);
     answer.equilibrium = solve(statics, options);
