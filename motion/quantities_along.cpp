@@ -548,6 +548,13 @@ double series_at(const std::vector<double>& coefficients, double s) {
   return coefficients[0] + s * next - after;
 }
 
+/// Whether accelerations between two times of a motion are rounding, magnified by the square of how near these are, as
+/// on both sides of a border that a step ends at.
+bool are_one_time(const std::vector<double>& nodes, double from, double to) {
+  constexpr double one_time = 1e-6;  // of the motion
+  return to - from <= one_time * (nodes.back() - nodes.front());
+}
+
 /// Places at which extremes are looked for: all nodes, at which something may jump, with both sides of them, and
 /// between.
 std::vector<double> places_between(const std::vector<double>& nodes) {
@@ -556,7 +563,8 @@ std::vector<double> places_between(const std::vector<double>& nodes) {
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
     const double from = nodes[k], to = nodes[k + 1];
     if (from == to) continue;
-    for (int i = 0; i < parts; ++i) out.push_back(from + (to - from) * i / parts);
+    const int inner = are_one_time(nodes, from, to) ? 1 : parts;
+    for (int i = 0; i < inner; ++i) out.push_back(from + (to - from) * i / inner);
     out.push_back(std::nextafter(to, from));
   }
   out.push_back(nodes.back());
@@ -574,6 +582,10 @@ void for_each_gauss_point(const std::vector<double>& nodes, Visit visit) {
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
     const double half = (nodes[k + 1] - nodes[k]) / 2;
     if (half == 0.0) continue;
+    if (are_one_time(nodes, nodes[k], nodes[k + 1])) {
+      visit(nodes[k], 2 * half);
+      continue;
+    }
     for (const auto& [place, weight] : gauss) visit(nodes[k] + half * (1 + place), weight * half);
   }
 }
@@ -741,11 +753,12 @@ ValueInTime QuantitiesAlong::extreme(const SoughtQuantity& of, const std::vector
   const auto fall = [&](std::size_t from, std::size_t to) { return sign * (values[from] - values[to]); };
   for (std::size_t k = 0; k < values.size(); ++k) {
     // Where something jumps, or nodes are at one time, an interval has no length.
-    const bool has_left = k > 0 && times[k - 1] < times[k], has_right = k + 1 < times.size() && times[k] < times[k + 1];
+    const bool has_left = k > 0 && !are_one_time(path_.t, times[k - 1], times[k]);
+    const bool has_right = k + 1 < times.size() && !are_one_time(path_.t, times[k], times[k + 1]);
     const double left = has_left ? fall(k - 1, k) : 0.0, right = has_right ? fall(k + 1, k) : 0.0;
     if (left < 0.0 || right < 0.0) continue;
-    // A parabola through the three falls below the middle one by less than the larger difference; where both are zero, as
-    // of the force of a spring that is slack, not at all.
+    // A parabola through the three falls below the middle one by less than the larger difference; where both are zero,
+    // as of the force of a spring that is slack, not at all.
     if (sign * values[k] - std::max(left, right) >= sign * found.value) continue;
     if (has_left) refine(k - 1);
     if (has_right) refine(k);

@@ -404,25 +404,35 @@ class ReducedMotion {
   struct Branch {
     T by_at{}, by_end{};
   };
-  // c, J v, the second derivatives of c, G + J^T multipliers, c_i |R|_i, and A v and h of blades: their direct
-  // derivatives by a number.
+  // c, J v, the second derivatives of c, G + J^T multipliers, c_i |R|_i, A v and h of blades, and what is read of
+  // forces: their direct derivatives by a number.
   struct Direct {
-    std::vector<T> gap, rate, acceleration, force, bound, blade_rate, blade;
+    std::vector<T> gap, rate, acceleration, force, bound, blade_rate, blade, read;
 
-    std::array<std::vector<T>*, 7> parts() { return {&gap, &rate, &acceleration, &force, &bound, &blade_rate, &blade}; }
+    std::array<std::vector<T>*, 8> parts() {
+      return {&gap, &rate, &acceleration, &force, &bound, &blade_rate, &blade, &read};
+    }
   };
   template <class S>
   friend class ReducedMotion;
-  /// A controller that reads `sign` times the multiplier of a row of J, of a joint or of a drive.
+  /// A controller that reads the force of a drive, the multiplier of a row of J with the other sign; or of a joint, by
+  /// the component of that of its two rows. What acts on the travel of a joint is in its multipliers, along its line,
+  /// and is none of its reaction, so that of such a joint  y = -(n . R) (n . e)  with the normal n of the line.
   struct Reading {
-    int element, joint, row;
-    T sign;
+    int element, joint, row, along;
+    int travel = -1;   // its coordinate
+    Planar<T> axis{};  // of its line at zero angle
+    int varied = -1;   // place among the grips that variations know
+
+    int rows() const { return joint < 0 ? 1 : 2; }
   };
   static std::vector<Reading> readings_of(const Scene& scene, const Mechanism<T>& mechanism);
   T multiplier_of(int row) const;
+  Planar<T> read_normal(const Reading& one) const;
+  static T component(const Reading& one, const Planar<T>& v) { return one.along == 0 ? v.x : v.y; }
   bool leaves_reading_open();
   void read_reactions();
-  void let_states_follow(const T* force, bool has_friction, T* dalpha);
+  void let_states_follow(const T* force, const T* dq, const Direct* direct, T* dalpha);
   void keep_reaction_changes(std::vector<T>& to, int k);
   static std::vector<DriveRow> rows_of(const Scene& scene, const Mechanism<T>& mechanism);
   static DriveRow row_of(const Scene& scene, int drive, const Mechanism<T>& mechanism);

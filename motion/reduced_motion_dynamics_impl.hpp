@@ -191,13 +191,20 @@ bool ReducedMotion<T>::leaves_reading_open() {
     for (std::size_t j = 0; j < dependent_.size(); ++j) small_rows_[j] = jacobian(row, dependent_[j]);
     lu_.solve_transposed(small_rows_.data());
     for (const Reading& one : readings_) {
-      const int place = place_of_row_[one.row];
-      if (place >= 0 && !(abs(small_rows_[place]) > static_cast<T>(1e-7))) continue;
-      reading_open_ = true;
-      undetermined_ = one.joint;
+      for (int r = 0; r < one.rows(); ++r) {
+        const int place = place_of_row_[one.row + r];
+        if (place >= 0 && !(abs(small_rows_[place]) > static_cast<T>(1e-7))) continue;
+        reading_open_ = true;
+        undetermined_ = one.joint;
+      }
     }
   }
   return reading_open_;
+}
+
+template <class T>
+Planar<T> ReducedMotion<T>::read_normal(const Reading& one) const {
+  return quarter_turn(one.axis * mechanism_.phasors().line_direction(pose_.data(), one.travel));
 }
 
 // Takes what is read, and gives the states of the controllers that read it the accelerations that they have with it.
@@ -205,7 +212,14 @@ template <class T>
 void ReducedMotion<T>::read_reactions() {
   std::fill(full_.begin(), full_.end(), T(0));
   mechanism_.add_resistance(resistances_.data(), full_.data());
-  for (const Reading& one : readings_) reactions_[one.element] = one.sign * multiplier_of(one.row);
+  for (const Reading& one : readings_) {
+    if (one.travel < 0) {
+      reactions_[one.element] = -multiplier_of(one.row + one.along);
+      continue;
+    }
+    const Planar<T> normal = read_normal(one), force{multiplier_of(one.row), multiplier_of(one.row + 1)};
+    reactions_[one.element] = -dot(normal, force) * component(one, normal);
+  }
   mechanism_.resist(pose_.data(), v_.data(), sliding(), resistances_.data(), input_forces_.in_time());
   for (T& x : full_) x = -x;
   mechanism_.add_resistance(resistances_.data(), full_.data());
@@ -218,22 +232,34 @@ void ReducedMotion<T>::read_reactions() {
 }
 
 // The changes of what is read, and of the states behind it: `force` is the change of G at alpha' = 0, and dalpha that
-// of the mechanism.
+// of the mechanism. Places change by dq unless it is null.
 template <class T>
-void ReducedMotion<T>::let_states_follow(const T* force, bool has_friction, T* dalpha) {
+void ReducedMotion<T>::let_states_follow(const T* force, const T* dq, const Direct* direct, T* dalpha) {
   const std::size_t n = static_cast<std::size_t>(n_), all = static_cast<std::size_t>(freedoms());
   for (std::size_t i = 0; i < dependent_.size(); ++i) {
     const auto at = static_cast<std::size_t>(dependent_[i]);
     T sum = force[at];
     for (std::size_t l = 0; l < static_cast<std::size_t>(carrying_); ++l) sum += dalpha[l] * mass_columns_[l * n + at];
     for (std::size_t b = 0; b < blades_.size(); ++b) sum += blade_work_[b] * blade_rows_[b * n + at];
-    for (std::size_t j = 0; j < grips_.size() && has_friction; ++j) sum += grip_work_[j] * grip_slopes_[j * n + at];
+    for (std::size_t j = 0; j < grips_.size() && gripping_; ++j) sum += grip_work_[j] * grip_slopes_[j * n + at];
     small_rows_[i] = -sum;
   }
   lu_.solve_transposed(small_rows_.data());
-  for (const Reading& one : readings_) {
-    const int place = place_of_row_[one.row];
-    reaction_changes_[one.element] = place < 0 ? T(0) : one.sign * small_rows_[place];
+  const auto change_of = [&](int row) { return place_of_row_[row] < 0 ? T(0) : small_rows_[place_of_row_[row]]; };
+  for (std::size_t r = 0; r < readings_.size(); ++r) {
+    const Reading& one = readings_[r];
+    T& change = reaction_changes_[one.element];
+    if (one.travel < 0) {
+      change = -change_of(one.row + one.along);
+    } else {
+      const Planar<T> normal = read_normal(one), held{multiplier_of(one.row), multiplier_of(one.row + 1)};
+      const Planar<T> more{change_of(one.row), change_of(one.row + 1)};
+      const int frame = mechanism_.phasors().frame(one.travel);
+      const Planar<T> turned = dq != nullptr && frame >= 0 ? dq[frame] * quarter_turn(normal) : Planar<T>{};
+      change = -(dot(normal, more) + dot(turned, held)) * component(one, normal) -
+               dot(normal, held) * component(one, turned);
+    }
+    if (direct != nullptr) change += direct->read[r];
   }
   std::fill(reading_work_.begin(), reading_work_.end(), T(0));
   mechanism_.add_change_of_read(reaction_changes_.data(), pose_.data(), v_.data(), input_forces_.in_time(),
@@ -382,7 +408,7 @@ void ReducedMotion<T>::push(const T* slope, T* dalpha) {
   respond(slope, dalpha);
   if (readings_.empty()) return;
   for (int i = 0; i < n_; ++i) full_[i] = -slope[i];
-  let_states_follow(full_.data(), false, dalpha);
+  let_states_follow(full_.data(), nullptr, nullptr, dalpha);
 }
 
 // B alpha to the accelerations, and what belongs to it to forces.
@@ -502,7 +528,7 @@ void ReducedMotion<T>::answer_change(const T* dq, const T* dv, const Direct* dir
     press_blades(blade_work_.data(), dalpha);
   }
   if (gripping_ && !jumps_) let_friction_follow(dq, direct, force_.data(), dalpha);
-  if (!readings_.empty() && !jumps_) let_states_follow(force_.data(), gripping_, dalpha);
+  if (!readings_.empty() && !jumps_) let_states_follow(force_.data(), dq, direct, dalpha);
   for (int k = 0; k < carrying_; ++k) {
     for (int i = 0; i < n_; ++i) da[i] += dalpha[k] * B(k)[i];
   }
@@ -607,6 +633,11 @@ void ReducedMotion<T>::set_variations(const std::vector<Variation>& variations) 
   variations_ = std::make_shared<MotionVariations>();
   std::vector<GripOf> grips;
   for (std::size_t i = 0; i < first_teeth_; ++i) grips.push_back({grips_[i].joint, grips_[i].stop});
+  for (Reading& one : readings_) {
+    if (one.travel < 0) continue;
+    one.varied = static_cast<int>(grips.size());
+    grips.push_back({one.joint, -1});
+  }
   std::size_t pose = 0;
   for (const Variation& variation : variations) {
     variations_->terms.emplace_back(variation, inputs_, touching_, held_, grips, growing(grips_));
@@ -652,6 +683,14 @@ void ReducedMotion<T>::add_direct(std::size_t variation) {
   VariationTerms& terms = variations_->terms[variation];
   terms.add(variations_->state, direct_.gap.data(), direct_.rate.data(), direct_.acceleration.data(),
             direct_.force.data(), direct_.blade_rate.data(), direct_.blade.data());
+  for (std::size_t r = 0; r < readings_.size(); ++r) {
+    const Reading& one = readings_[r];
+    if (one.travel < 0) continue;
+    const Planar<T> axis = planar_cast<T>(terms.axis_by(static_cast<std::size_t>(one.varied)));
+    const Planar<T> turned = quarter_turn(axis * mechanism_.phasors().line_direction(pose_.data(), one.travel));
+    const Planar<T> normal = read_normal(one), held{multiplier_of(one.row), multiplier_of(one.row + 1)};
+    direct_.read[r] -= dot(turned, held) * component(one, normal) + dot(normal, held) * component(one, turned);
+  }
   for (std::size_t i = 0; gripping_ && !jumps_ && i < first_teeth_; ++i) {
     const Grip& grip = grips_[i];
     direct_.bound[i] += static_cast<T>(terms.factor_by(i)) * sizes_[i];
@@ -691,7 +730,7 @@ void ReducedMotion<T>::influence(const Influence& influence, T* alpha) {
     divide_change_by_mass(alpha);
     if (!blades_.empty()) hold_by_blades(alpha);
     if (gripping_) let_friction_follow(nullptr, nullptr, full_.data(), alpha);
-    if (!readings_.empty()) let_states_follow(full_.data(), gripping_, alpha);
+    if (!readings_.empty()) let_states_follow(full_.data(), nullptr, nullptr, alpha);
     return;
   }
   for (auto* part : direct_.parts()) std::fill(part->begin(), part->end(), T(0));

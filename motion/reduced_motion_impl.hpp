@@ -29,6 +29,7 @@ ReducedMotion<T>::ReducedMotion(const Scene& scene, const Mechanism<T>& mechanis
       first_stop_(scene.drives.size()) {
   if (!readings_.empty()) {
     for (auto* each : {&reactions_, &reaction_changes_}) each->assign(scene.elements.size(), T(0));
+    direct_.read.assign(readings_.size(), T(0));
   }
   drives_ = rows_of(scene, mechanism);
   states_ = states_of_controllers(scene, mechanism.layout());
@@ -128,11 +129,17 @@ std::vector<typename ReducedMotion<T>::Reading> ReducedMotion<T>::readings_of(co
   std::vector<Reading> out;
   for (const int e : controllers_of(scene)) {
     const Feedback& feedback = *scene.elements[static_cast<std::size_t>(e)].feedback;
-    if (feedback.reads_drive >= 0) out.push_back({e, -1, mechanism.equalities() + feedback.reads_drive, T(-1)});
+    if (feedback.reads_drive >= 0) out.push_back({e, -1, mechanism.equalities() + feedback.reads_drive, 0});
     for (const ConstraintBlock& block : mechanism.blocks()) {
       const bool is_read = mechanism.layout().closures[block.closure].joint == feedback.reads_joint;
       if (feedback.reads_joint < 0 || !is_read) continue;
-      out.push_back({e, feedback.reads_joint, block.first_row + feedback.along, T(-1)});
+      Reading one{e, feedback.reads_joint, block.first_row, feedback.along};
+      const Joint& joint = scene.joints[static_cast<std::size_t>(feedback.reads_joint)];
+      if (joint.has_travel()) {
+        one.travel = mechanism.layout().travel[static_cast<std::size_t>(feedback.reads_joint)];
+        one.axis = direction<T>(joint.axis) * mechanism.phasors().turned(mechanism.layout().links[joint.a.body].turn);
+      }
+      out.push_back(one);
       break;
     }
   }

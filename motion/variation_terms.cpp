@@ -52,8 +52,8 @@ VariationTerms::VariationTerms(const Variation& variation, const std::vector<Mot
       axes_.push_back({});
       continue;
     }
-    factors_.push_back(grip_factor(numbers, joint).v[0]);
     const Joint& of = scene.joints[static_cast<std::size_t>(joint)];
+    factors_.push_back(of.friction ? grip_factor(numbers, joint).v[0] : 0.0);  // else its force is read
     const Planar<Dual> axis = numbers.axis(joint) * m.phasors().turned(m.layout().links[of.a.body].turn);
     axes_.push_back({axis.x.v[0], axis.y.v[0]});
   }

@@ -141,6 +141,59 @@ TEST(ReadReactions, SamplesAreThoseOfTheForce) {
   }
 }
 
+/// A block slides on an arm that swings, with a spring, a damper and friction along the arm.
+std::string arm(const std::string& kind, const std::string& law) {
+  return fmt::format(R"(
+gravity = [0, -9.81]
+[ground.points]
+O = [0, 0]
+[body.arm]
+mass = 1.2
+inertia = 0.1
+points = {{ a = [0, 0], m = [0.4, 0.1] }}
+center = [0.3, 0.05]
+[body.block]
+mass = 0.8
+inertia = 0.02
+points = {{ c = [0, 0] }}
+center = [0.05, 0.02]
+[[pin]]
+name = "hook"
+points = ["ground.O", "arm.a"]
+[[{}]]
+name = "rail"
+points = ["arm.m", "block.c"]
+axis = [0.8, 0.6]
+[[spring]]
+name = "S"
+slide = "rail"
+stiffness = 60
+free_length = 0.1
+[[damper]]
+name = "D"
+slide = "rail"
+coefficient = 1.5
+[start]
+rail = 0.15
+{})",
+                     kind, cell("reaction = \"rail\", along = \"y\"", law, "bodies = [\"ground\", \"arm\"]"));
+}
+
+// What acts along a slide or a slot is none of its reaction.
+TEST(ReadReactions, ASlideIsReadAcrossItsLine) {
+  for (const std::string kind : {"slide", "pin_in_slot"}) {
+    const Scene scene = read(arm(kind, "integral = 0.8\n"), "arm.toml");
+    const MotionModel model(scene);
+    const Motion motion = test::moved(model, test::released(model, {.places = {{"arm", 0.3}}}), 1.1, 1e-12);
+    const double mean = value_at_end(scene, model, motion, "mean(reaction.rail.y)");
+    EXPECT_GT(std::abs(mean), 1.0);
+    EXPECT_NEAR(-value_at_end(scene, model, motion, "force.cell"), -0.8 * 1.1 * mean, 1e-8) << kind;
+    test::expect_derivatives(scene, test::released(model, {.places = {{"arm", 0.3}}}),
+                             {"controller.cell.integral", "spring.S.stiffness", "body.block.mass", "point.arm.m.y"},
+                             {"arm", "rail"}, 0.7);
+  }
+}
+
 TEST(ReadReactions, DerivativesAreThoseOfMotions) {
   const std::vector<std::string> numbers{"controller.cell.reference", "body.lower.center.y", "body.upper.mass",
                                          "torsion_spring.S.stiffness", "pin.hook.friction.coefficient"};
@@ -226,6 +279,48 @@ integral = {}
     EXPECT_NEAR(read[static_cast<Eigen::Index>(i)], loop.closed.states[i] == "load" ? -m * g : 0.0, 1e-8)
         << loop.closed.states[i];
   }
+}
+
+// Where an integral reaches its limit a step ends at the border and another one just behind it. Accelerations between
+// these are rounding: x'' = u - 20 x is continuous, so that samples tell its extremes.
+TEST(QuantitiesAlong, NodesNearEachOtherMakeNoExtremes) {
+  const Scene scene = parse_scene(R"(
+[ground.points]
+o = [0, 0]
+[body.c]
+points = { o = [0, 0] }
+mass = 1
+[[slide]]
+name = "g"
+points = ["ground.o", "c.o"]
+axis = [1, 0]
+[[spring]]
+name = "s"
+slide = "g"
+stiffness = 20
+free_length = 0
+[[controller]]
+name = "A"
+slide = "g"
+integral = 3
+reference = 1
+min = -1
+max = 2
+)",
+                                  "limit.toml");
+  const MotionModel model(scene);
+  const Motion motion = test::moved(model, test::released(model, {}), 4.0);
+  QuantitiesAlong along(scene, model, motion);
+  const SoughtQuantity acceleration = find_quantity(scene, "d(d(travel.g)/dt)/dt", AskedOf::motion);
+  double least = 0.0, greatest = 0.0;
+  for (int k = 0; k <= 4000; ++k) {
+    const double value = along.value(acceleration, k * 1e-3);
+    least = std::min(least, value);
+    greatest = std::max(greatest, value);
+  }
+  const QuantityRange range = along.ranges({acceleration}).front();
+  EXPECT_NEAR(range.least.value, least, 1e-4);
+  EXPECT_NEAR(range.greatest.value, greatest, 1e-4);
 }
 
 TEST(ReadReactions, BadInputIsNamed) {
