@@ -29,7 +29,7 @@ std::vector<KnownOfScene> known_of_scene(const FitProblem& problem, const Identi
   std::vector<KnownOfScene> out;
   for (const KnownEffect& effect : answer.known) {
     const auto known = std::find_if(experiment.known.begin(), experiment.known.end(), [&](const KnownNumber& one) {
-      return one.path == effect.name && one.per.empty() && !one.of_sensor;
+      return one.path == effect.name && one.per.empty() && !one.of_sensor && !one.of_clock;
     });
     if (known == experiment.known.end()) continue;
     const Scene& scene = experiment.scene_of(known->part);

@@ -122,6 +122,14 @@ TEST_F(FittedRig, SaysWhatTheFitDoesNotDetermine) {
   EXPECT_TRUE(named(solved, "reaction.O")["low"].is_null());
 }
 
+// A clock whose rate is known to 1 % moves what follows from swings alone, and no angle at rest; it is no number of the
+// scene.
+TEST_F(FittedRig, CarriesAnUncertainClock) {
+  const json solved = result(
+      {"solve", scene_, "--with", fit("[[known]]\npath = \"clock\"\ndeviation = 0.01\n"), "--show", "angle.left"}, 0);
+  EXPECT_FALSE(named(solved, "angle.left")["low"].is_null());
+}
+
 // As the scene stands a drive of the rail holds  E = k (l0 - l) - P/(2 tan a), and friction F of it the loads
 // P = 2 tan a (k (l0 - l) -+ F): so are their errors, by the covariance of k and l0.
 TEST_F(FittedRig, CarriesErrorsIntoForcesAndHeldRanges) {
