@@ -74,6 +74,17 @@ struct Reached {
   double of_columns = INFINITY;
 };
 
+/// The values as a file gives them: "J = 0.03, c = 0.02".
+std::string words_of(const FitProblem& problem, const std::vector<double>& parameters) {
+  std::vector<std::string> out;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    const Parameter& one = problem.parameters()[p];
+    const Unknown& unknown = problem.experiment().unknowns[static_cast<std::size_t>(one.unknown)];
+    out.push_back(fmt::format("{} = {:.5g}", one.name, (parameters[p] + unknown.includes) / unknown.unit));
+  }
+  return fmt::format("{}", fmt::join(out, ", "));
+}
+
 /// The fit of one candidate.
 class CauseFit {
  public:
@@ -468,8 +479,14 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
     std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return size(a) < size(b); });
   }
   const Reached& as_written = fits.front()->reached();
-  if (as_written.worst <= gross_from) {  // whatever else is changed then explains the readings too
-    return {{candidates.front().words, candidates.front().cure(0.0), as_written.over_noise, true}};
+  const bool is_explained = as_written.worst <= gross_from;
+  const bool is_better_explained = std::any_of(left.begin(), left.end(), [&](std::size_t i) {
+    return i > 0 && fits[i]->reached().worst <= gross_from &&
+           fits[i]->reached().of_columns < cures_to * as_written.of_columns;
+  });
+  if (is_explained && !is_better_explained) {  // whatever else is changed then explains the readings too
+    const std::string cure = fmt::format("give starts near {}", words_of(problem, as_written.parameters));
+    return {{candidates.front().words, cure, as_written.over_noise, true}};
   }
   const double written =
       std::min(as_written.over_noise, fitted.usable() ? over_noise_of(noise, fitted, records) : INFINITY);

@@ -63,7 +63,7 @@ class Candidates {
   }
 
   std::vector<CauseCandidate> run() {
-    add_plain("the search ended beside the best minimum", "give starts near those values", [](Experiment&, double) {});
+    add_plain("the search ended beside the best minimum", "give other starts", [](Experiment&, double) {});
     for (std::size_t k = 0; k < experiment_.sensors.size(); ++k) add_signs(k);
     add_exchanged();
     add_frames();
