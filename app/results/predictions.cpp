@@ -131,8 +131,7 @@ bool add_predictions(Result& result, const FittedNumbers& numbers, const std::ve
   std::vector<std::string> bent;
   for (const PredictedResult& one : predictions) {
     if (!one.undetermined.empty()) {
-      result.warnings.push_back(
-          bad(fmt::format("{} is not determined by this fit: {}.", one.name, one.undetermined)));
+      result.warnings.push_back(bad(fmt::format("{} is not determined by this fit: {}.", one.name, one.undetermined)));
     } else if (!one.why.empty()) {
       result.warnings.push_back(bad(fmt::format("No interval of {}: {}.", one.name, one.why)));
     } else if (!one.is_linear) {
