@@ -658,14 +658,14 @@ TEST_F(PartsOfAFrame, ScalesOfPartsWithinPartsMultiply) {
       "[numbers]\ns = 3\n[[part]]\nname = \"a\"\nfile = \"pair.toml\"\nscale = \"s\"\nnumbers = { q = \"4*s\" }\n"
       "[[part]]\nname = \"b\"\nfile = \"strut.toml\"\non = \"a.base\"\nat = [0.6, 0]\n";
   Scene scene = read(text);
-  EXPECT_NEAR(get_value(scene, "point.a.arm.rod.B.y"), 3 * 12 / 2, 1e-12);
+  EXPECT_NEAR(get_value(scene, "point.a.arm.rod.B.y"), 3 * 12 / 2.0, 1e-12);
   EXPECT_NEAR(get_value(scene, "point.a.ground.arm.x"), 3 * 30 * 12 * 1e-3, 1e-12);
   EXPECT_NEAR(get_value(scene, "point.a.base.b.x"), 0.6, 1e-12);
   set_value(scene, "numbers.s", 2);
   std::string other = text;
   other.replace(other.find("s = 3"), 5, "s = 2");
   expect_same_values(scene, read(other), "pair");
-  EXPECT_NEAR(get_value(scene, "point.a.arm.rod.B.y"), 2 * 8 / 2, 1e-12);
+  EXPECT_NEAR(get_value(scene, "point.a.arm.rod.B.y"), 2 * 8 / 2.0, 1e-12);
   EXPECT_NEAR(get_value(scene, "point.a.base.b.x"), 0.6, 1e-12);
 }
 

@@ -498,7 +498,7 @@ TEST(Delays, PolesOfSamplesThatActLateAreThoseOfTheMotion) {
     ASSERT_EQ(loop.poles.size(), 5 + static_cast<std::size_t>(std::floor(delay / period + 1e-9)) + 1) << delay;
     std::vector<Complex> polynomial{1.0};
     for (const Complex& z : loop.poles) {
-      polynomial.push_back(0.0);
+      polynomial.emplace_back(0.0);
       for (std::size_t i = polynomial.size() - 1; i > 0; --i) polynomial[i] -= z * polynomial[i - 1];
     }
     const std::size_t degree = polynomial.size() - 1;
