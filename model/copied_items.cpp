@@ -236,7 +236,7 @@ void CopiedItems::name_point(std::string& name) {
     name = uses_frame_ ? frame() + "." + point : ground_ + "." + ground_point(point);
 }
 
-// Those that are not copied before stay.
+// A name of something that is not copied stays as it is.
 void CopiedItems::name_joint(std::string& name) {
   const auto known = joint_names_.find(name);
   if (known != joint_names_.end()) name = known->second;

@@ -93,8 +93,8 @@ std::string_view what_keeps(const Scene& scene);
 /// periods beside delays of what is not sampled.
 ControlLoop control_loop(const MotionModel& model, const std::vector<double>& from);
 
-/// The same from where a scene that something keeps is assembled. Nothing where statics finds the equilibrium: of a
-/// scene that nothing keeps, or that motors turn and do not hold.
+/// Returns the linear system that control_loop() finds from where a scene that something keeps is assembled. It returns
+/// nothing where statics finds the equilibrium: nothing keeps the scene, or motors turn it and do not hold it.
 std::optional<ControlLoop> loop_where_kept(const MotionModel& model);
 
 }  // namespace poise

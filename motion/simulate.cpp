@@ -113,7 +113,7 @@ class InputBreaks {
   /// What delays bring back.
   struct Echo {
     int order = 0;  ///< passes through the mechanism since what jumped, each of which makes it smoother
-    /// By the delay behind which it comes back, an index: how often it has passed each delay since its cause.
+    /// Each entry says, by the index of the delay behind which it comes back, how often it has passed each delay.
     std::map<std::size_t, std::vector<int>> passes{};
     /// Whether what jumps there has passed delays in several ways.
     bool is_mixed = false;

@@ -480,19 +480,18 @@ std::vector<MisfitCause> misfit_causes(const FitProblem& problem, const Fit& fit
   }
   const Reached& as_written = fits.front()->reached();
   const bool is_explained = as_written.worst <= gross_from;
-  const bool is_better_explained = std::any_of(left.begin(), left.end(), [&](std::size_t i) {
-    return i > 0 && fits[i]->reached().worst <= gross_from &&
-           fits[i]->reached().of_columns < cures_to * as_written.of_columns;
-  });
+  const auto explains = [&](std::size_t i, double before) {
+    return fits[i]->reached().worst <= gross_from && fits[i]->reached().of_columns < cures_to * before;
+  };
+  const bool is_better_explained =
+      std::any_of(left.begin(), left.end(), [&](std::size_t i) { return i > 0 && explains(i, as_written.of_columns); });
   if (is_explained && !is_better_explained) {  // whatever else is changed then explains the readings too
     const std::string cure = fmt::format("give starts near {}", words_of(problem, as_written.parameters));
     return {{candidates.front().words, cure, as_written.over_noise, true}};
   }
   const double written =
       std::min(as_written.over_noise, fitted.usable() ? over_noise_of(noise, fitted, records) : INFINITY);
-  const auto cures = [&](std::size_t i) {
-    return fits[i]->reached().worst <= gross_from && fits[i]->reached().of_columns < cures_to * written;
-  };
+  const auto cures = [&](std::size_t i) { return explains(i, written); };
   const auto part_cures = [&](CauseCandidate::LeavesOut part) {
     return std::any_of(left.begin(), left.end(),
                        [&](std::size_t i) { return candidates[i].leaves_out == part && cures(i); });

@@ -494,7 +494,7 @@ TEST(Delays, PolesOfSamplesThatActLateAreThoseOfTheMotion) {
                     delay, period));
     const ControlLoop loop = loop_of(parse_scene(text, "blocks.toml"));
     ASSERT_TRUE(loop.known) << loop.why;
-    // Of x, its rate and the integral; of the other block; and of what is on the way.
+    // The states are x, its rate and the integral, the two of the other block, and what is on the way.
     ASSERT_EQ(loop.poles.size(), 5 + static_cast<std::size_t>(std::floor(delay / period + 1e-9)) + 1) << delay;
     std::vector<Complex> polynomial{1.0};
     for (const Complex& z : loop.poles) {
